@@ -1,0 +1,21 @@
+"""What can go wrong in a way that a user can understand and mend.
+
+Every error that the package raises on purpose is a `MissionError`; the command line prints its words and returns
+its `exit_code`. Rooms derive their own beside the code that raises them.
+"""
+
+
+class MissionError(Exception):
+    """The job could not be done (exit code 1). `hint`, where there is one, says what to try."""
+
+    exit_code = 1
+
+    def __init__(self, message: str, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
+class BadInput(MissionError):
+    """What the user gave is wrong (exit code 2); the message begins with the place and says what was expected."""
+
+    exit_code = 2

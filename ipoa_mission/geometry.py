@@ -1,0 +1,33 @@
+"""Lengths and angles of polylines in the local east, north, up frame; everyone may import it."""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Points: TypeAlias = NDArray[np.float64]  # (n, 3) east, north, up [m]
+Vector: TypeAlias = NDArray[np.float64]  # (n,)
+
+
+def leg_lengths(points: Points) -> Vector:
+    """Length of each leg between consecutive points, (n-1,) [m]."""
+    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
+
+
+def polyline_length(points: Points) -> float:
+    """Sum of the leg lengths [m]: the paper's W1, eq. (4)."""
+    return float(leg_lengths(points).sum())
+
+
+def turning_angles(points: Points) -> Vector:
+    """Angle between the horizontal projections of consecutive legs, (n-2,) [rad]: the paper's eqs. (5)-(6)."""
+    legs = np.diff(points[:, :2], axis=0)
+    before, after = legs[:-1], legs[1:]
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    return np.asarray(np.arctan2(np.abs(cross), np.einsum("ij,ij->i", before, after)))
+
+
+def climb_angles(points: Points) -> Vector:
+    """Climb angle of each leg above the horizontal, (n-1,) [rad]: the paper's eq. (7)."""
+    legs = np.diff(points, axis=0)
+    return np.asarray(np.arctan2(legs[:, 2], np.hypot(legs[:, 0], legs[:, 1])))

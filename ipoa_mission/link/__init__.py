@@ -1,0 +1,1 @@
+"""How to tell the vehicle: the MAVLink mission services, without losing an item."""

@@ -1,0 +1,1 @@
+"""What the vehicle will do: items, files, firmware rules."""

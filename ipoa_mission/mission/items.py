@@ -1,0 +1,187 @@
+"""A mission as MAVLink means it: items, fence, rally points, and the home they refer to.
+
+Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPilot) or nowhere (PX4) is decided in
+`firmware`, and nowhere else.
+"""
+
+import math
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+
+class Command(IntEnum):
+    """The MAV_CMD numbers that the package itself writes or understands; an item may carry any other."""
+
+    NAV_WAYPOINT = 16
+    NAV_LOITER_UNLIM = 17
+    NAV_LOITER_TURNS = 18
+    NAV_LOITER_TIME = 19
+    NAV_RETURN_TO_LAUNCH = 20
+    NAV_LAND = 21
+    NAV_TAKEOFF = 22
+    NAV_SPLINE_WAYPOINT = 82
+    NAV_DELAY = 93
+    CONDITION_YAW = 115
+    DO_JUMP = 177
+    DO_CHANGE_SPEED = 178
+
+
+class Frame(IntEnum):
+    """The MAV_FRAME numbers that mission files use."""
+
+    GLOBAL = 0  # altitude AMSL
+    MISSION = 2  # not a position
+    GLOBAL_RELATIVE_ALT = 3  # altitude above home
+    GLOBAL_INT = 5
+    GLOBAL_RELATIVE_ALT_INT = 6
+    GLOBAL_TERRAIN_ALT = 10  # altitude above terrain
+    GLOBAL_TERRAIN_ALT_INT = 11
+
+
+#: The `_INT` frames mean the same as their plain twins: {0, 5} {3, 6} {10, 11}.
+SAME_FRAME = {
+    Frame.GLOBAL_INT: Frame.GLOBAL,
+    Frame.GLOBAL_RELATIVE_ALT_INT: Frame.GLOBAL_RELATIVE_ALT,
+    Frame.GLOBAL_TERRAIN_ALT_INT: Frame.GLOBAL_TERRAIN_ALT,
+}
+
+#: Commands whose latitude and longitude the vehicle flies to; TAKEOFF and LAND at (0, 0) mean "here".
+FLOWN_TO = frozenset(
+    {
+        Command.NAV_WAYPOINT,
+        Command.NAV_SPLINE_WAYPOINT,
+        Command.NAV_LOITER_UNLIM,
+        Command.NAV_LOITER_TURNS,
+        Command.NAV_LOITER_TIME,
+        Command.NAV_LAND,
+        Command.NAV_TAKEOFF,
+    }
+)
+
+
+@dataclass(frozen=True)
+class Item:
+    """One mission item: MAV_CMD, MAV_FRAME, param1 to param4 (NaN: "the autopilot's own"), and param5 to param7.
+
+    `latitude_deg`, `longitude_deg` and `altitude` hold param5, param6 and param7 whatever the command makes of them.
+    """
+
+    command: int
+    frame: int
+    params: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    latitude_deg: float = 0.0
+    longitude_deg: float = 0.0
+    altitude: float = 0.0
+    autocontinue: bool = True
+
+    @property
+    def has_position(self) -> bool:
+        """Whether the vehicle flies to this item's latitude and longitude."""
+        return (
+            self.command in FLOWN_TO
+            and self.frame != Frame.MISSION
+            and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
+        )
+
+
+@dataclass(frozen=True)
+class FencePolygon:
+    """A geofence polygon: vertices as (latitude, longitude) in degrees, open ring; to stay inside, or outside."""
+
+    vertices: tuple[tuple[float, float], ...]
+    inclusion: bool = True
+
+
+@dataclass(frozen=True)
+class FenceCircle:
+    """A geofence circle: centre as (latitude, longitude) in degrees, radius in metres."""
+
+    center: tuple[float, float]
+    radius: float
+    inclusion: bool = True
+
+
+@dataclass(frozen=True)
+class Mission:
+    """What the vehicle will do. `items[0]` is the first thing done; rally points hold altitudes above home.
+
+    `cruise_speed` [m/s] is what ground stations show in a plan's header; the vehicle obeys DO_CHANGE_SPEED.
+    """
+
+    home: Geodetic
+    items: tuple[Item, ...]
+    autopilot: Autopilot = Autopilot.PX4
+    cruise_speed: float | None = None
+    fence: tuple[FencePolygon | FenceCircle, ...] = ()
+    rally: tuple[Geodetic, ...] = field(default=())
+
+    def altitude_above_home(self, item: Item) -> float:
+        """Altitude of an item over home [m]; NaN where it is given over terrain."""
+        match SAME_FRAME.get(Frame(item.frame), item.frame) if item.frame in set(Frame) else None:
+            case Frame.GLOBAL:
+                return item.altitude - self.home.altitude
+            case Frame.GLOBAL_RELATIVE_ALT:
+                return item.altitude
+            case _:
+                return math.nan
+
+
+def takeoff(place: Geodetic, height: float) -> Item:
+    """Climb to `height` above home at `place`."""
+    return Item(
+        Command.NAV_TAKEOFF,
+        Frame.GLOBAL_RELATIVE_ALT,
+        (0.0, 0.0, 0.0, math.nan),
+        place.latitude_deg,
+        place.longitude_deg,
+        height,
+    )
+
+
+def waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item:
+    """Fly straight to `place` at `height` above home, and hold there."""
+    return Item(
+        Command.NAV_WAYPOINT,
+        Frame.GLOBAL_RELATIVE_ALT,
+        (hold_s, 0.0, 0.0, math.nan),
+        place.latitude_deg,
+        place.longitude_deg,
+        height,
+    )
+
+
+def spline_waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item:
+    """Fly a smooth curve through `place` (ArduPilot only)."""
+    return Item(
+        Command.NAV_SPLINE_WAYPOINT,
+        Frame.GLOBAL_RELATIVE_ALT,
+        (hold_s, 0.0, 0.0, 0.0),
+        place.latitude_deg,
+        place.longitude_deg,
+        height,
+    )
+
+
+def change_speed(speed: float) -> Item:
+    """Fly at this ground speed from here on [m/s]; the form that QGroundControl recognises."""
+    return Item(Command.DO_CHANGE_SPEED, Frame.MISSION, (1.0, speed, -1.0, 0.0))
+
+
+def return_to_launch() -> Item:
+    """Return to home and land there."""
+    return Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION)
+
+
+def land(place: Geodetic) -> Item:
+    """Land at `place`; the altitude is that of home."""
+    return Item(
+        Command.NAV_LAND,
+        Frame.GLOBAL_RELATIVE_ALT,
+        (0.0, 0.0, 0.0, math.nan),
+        place.latitude_deg,
+        place.longitude_deg,
+        0.0,
+    )

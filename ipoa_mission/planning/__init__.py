@@ -1,0 +1,1 @@
+"""What a good path is, and how to find it."""

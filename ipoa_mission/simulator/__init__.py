@@ -1,0 +1,1 @@
+"""The built-in autopilot: answers and flies as PX4 or as ArduPilot."""

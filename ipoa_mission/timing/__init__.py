@@ -1,0 +1,1 @@
+"""How long a mission takes on each autopilot, offline."""

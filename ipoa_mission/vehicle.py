@@ -1,0 +1,83 @@
+"""What flies: the autopilot family, and its parameters by the autopilot's own names and units."""
+
+from collections.abc import Mapping
+from enum import StrEnum
+from types import MappingProxyType
+from typing import TypeAlias
+
+Parameters: TypeAlias = Mapping[str, float]
+
+
+class Autopilot(StrEnum):
+    """The two firmware families that the package speaks, writes and estimates for."""
+
+    PX4 = "px4"
+    ARDUPILOT = "ardupilot"
+
+
+#: ArduCopter 4.7's own defaults for what moves a mission (cm, cm/s, cm/s^2 and centidegrees, as it has them).
+ARDUCOPTER_DEFAULTS: Parameters = MappingProxyType(
+    {
+        "WPNAV_SPEED": 1000.0,
+        "WPNAV_SPEED_UP": 250.0,
+        "WPNAV_SPEED_DN": 150.0,
+        "WPNAV_ACCEL": 250.0,
+        "WPNAV_ACCEL_C": 0.0,
+        "WPNAV_ACCEL_Z": 100.0,
+        "WPNAV_JERK": 1.0,
+        "WPNAV_RADIUS": 200.0,
+        "WP_YAW_BEHAVIOR": 2.0,
+        "PSC_JERK_XY": 5.0,
+        "PSC_JERK_Z": 5.0,
+        "ANGLE_MAX": 3000.0,
+        "LAND_SPEED": 50.0,
+        "LAND_SPEED_HIGH": 0.0,
+        "LAND_ALT_LOW": 1000.0,
+        "RTL_ALT": 1500.0,
+        "RTL_SPEED": 0.0,
+        "RTL_LOIT_TIME": 5000.0,
+        "RTL_ALT_FINAL": 0.0,
+        "ATC_ACCEL_P_MAX": 110000.0,
+        "ATC_ACCEL_R_MAX": 110000.0,
+        "ATC_INPUT_TC": 0.15,
+        "MOT_SPOOL_TIME": 0.5,
+        "DISARM_DELAY": 10.0,
+    }
+)
+
+#: PX4 1.17's own defaults for a multicopter in AUTO.MISSION (SI units and degrees, as it has them).
+PX4_DEFAULTS: Parameters = MappingProxyType(
+    {
+        "MPC_XY_CRUISE": 5.0,
+        "MPC_XY_VEL_MAX": 12.0,
+        "MPC_XY_TRAJ_P": 0.5,
+        "MPC_XY_ERR_MAX": 2.0,
+        "MPC_XY_P": 0.95,
+        "MPC_ACC_HOR": 3.0,
+        "MPC_ACC_HOR_MAX": 5.0,
+        "MPC_JERK_AUTO": 4.0,
+        "MPC_Z_P": 1.0,
+        "MPC_Z_V_AUTO_UP": 3.0,
+        "MPC_Z_V_AUTO_DN": 1.5,
+        "MPC_ACC_UP_MAX": 4.0,
+        "MPC_ACC_DOWN_MAX": 3.0,
+        "MPC_TKO_SPEED": 1.5,
+        "MPC_TKO_RAMP_T": 3.0,
+        "MPC_LAND_SPEED": 0.7,
+        "MPC_LAND_ALT1": 10.0,
+        "MPC_LAND_ALT2": 5.0,
+        "MPC_YAW_MODE": 0.0,
+        "MPC_YAWRAUTO_MAX": 60.0,
+        "MPC_YAWRAUTO_ACC": 20.0,
+        "NAV_ACC_RAD": 2.0,
+        "NAV_MC_ALT_RAD": 0.8,
+        "COM_SPOOLUP_TIME": 1.0,
+        "RTL_RETURN_ALT": 60.0,
+        "RTL_DESCEND_ALT": 30.0,
+        "RTL_LAND_DELAY": 0.0,
+    }
+)
+
+DEFAULT_PARAMETERS: Mapping[Autopilot, Parameters] = MappingProxyType(
+    {Autopilot.ARDUPILOT: ARDUCOPTER_DEFAULTS, Autopilot.PX4: PX4_DEFAULTS}
+)

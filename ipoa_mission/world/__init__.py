@@ -1,0 +1,1 @@
+"""The world: where things are, and how far away they are."""

@@ -1,0 +1,61 @@
+"""Geodetic <-> local east, north, up, by PROJ's topocentric conversion on the WGS 84 ellipsoid.
+
+`up` is measured along the vertical *at home*: two kilometres away the Earth has curved 0.3 m below that plane, and
+the conversion accounts for it. Heights are taken as given (AMSL in, AMSL out): the geoid undulation does not vary
+enough over a flight to matter.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from pyproj import Transformer
+
+from ipoa_mission.geometry import Points, Vector
+
+
+@dataclass(frozen=True)
+class Geodetic:
+    """A place on the Earth: degrees on WGS 84, metres above mean sea level."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float = 0.0
+
+
+@dataclass(frozen=True)
+class LocalFrame:
+    """The tangent frame whose origin is `home`: right to a millimetre within 50 km, across the antimeridian too."""
+
+    home: Geodetic
+
+    def to_local(self, latitude_deg: Vector, longitude_deg: Vector, altitude: Vector) -> Points:
+        """East, north, up of geodetic positions; the three arrays (n,) or scalars broadcast to (n, 3) [m]."""
+        lat, lon, alt = np.broadcast_arrays(
+            *(np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))
+        )
+        return np.column_stack(_topocentric(self.home).transform(lon, lat, alt))
+
+    def to_geodetic(self, points: Points) -> tuple[Vector, Vector, Vector]:
+        """Latitude [deg], longitude [deg, -180 to 180] and altitude [m AMSL] of local points (n, 3), each (n,)."""
+        east, north, up = np.atleast_2d(np.asarray(points, float)).T
+        lon, lat, alt = _topocentric(self.home).transform(east, north, up, direction="INVERSE")
+        return lat, (lon + 180.0) % 360.0 - 180.0, alt
+
+    def local(self, place: Geodetic) -> Vector:
+        """East, north, up of one place, (3,) [m]."""
+        return np.asarray(self.to_local(place.latitude_deg, place.longitude_deg, place.altitude)[0])  # type: ignore[arg-type]
+
+    def geodetic(self, point: Vector) -> Geodetic:
+        """The place of one local point (3,)."""
+        lat, lon, alt = self.to_geodetic(np.asarray(point)[None, :])
+        return Geodetic(float(lat[0]), float(lon[0]), float(alt[0]))
+
+
+@lru_cache(maxsize=64)
+def _topocentric(home: Geodetic) -> Transformer:
+    return Transformer.from_pipeline(
+        "+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad +step +proj=cart +ellps=WGS84 "
+        f"+step +proj=topocentric +ellps=WGS84 +lon_0={home.longitude_deg!r} +lat_0={home.latitude_deg!r} "
+        f"+h_0={home.altitude!r}"
+    )
