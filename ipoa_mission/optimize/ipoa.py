@@ -1,0 +1,139 @@
+"""IPOA, the multi-strategy improved pelican algorithm (Qiu, Dai and Zhao, Biomimetics 2024, 9, 647), section 4.2.
+
+Each of its four strategies can be switched off. Where the print is open, the reading is a setting: taken as printed,
+eq. (27) multiplies the whole position by (1 + s), a blow to any function whose optimum is not at the origin of
+coordinates (`reading="literal"`); by default it multiplies the exploitation step (`reading="step"`).
+Costs 2 N + 3 N T evaluations with all strategies: 90,060 for N = 30 and T = 1000.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.optimize.search import Box, Candidates, Search, keep_better
+from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction, Members
+
+
+@dataclass(frozen=True)
+class IPOA:
+    """POA with a chaotic and refracted start, an inertia weight, Levy flights and a t-distributed mutation.
+
+    Constants are those of Table 2 where it has them; k n of eq. (21) and the range of eq. (29) are not given there.
+    """
+
+    population: Members = 30
+    iterations: Count = 1000
+    radius: Amount = 0.2  # R of (16)
+    chaos: Annotated[float, Between(0.01, 1)] = 0.7  # a of (18)
+    refraction: Annotated[float, Between(0.01)] = 1.0  # k n of (20): 1 is plain opposition
+    beta: Annotated[float, Between(0.3, 1.99)] = 1.5  # of the Levy flight, (25)
+    freedom_least: Annotated[float, Between(0.1)] = 1.0  # nu at the first iteration, (29): Cauchy
+    freedom_most: Annotated[float, Between(0.1)] = 30.0  # nu at the last: all but Gauss
+
+    # The strategies
+    chaotic_start: bool = True  # (18)-(21); off: a uniform start
+    inertia: bool = True  # (22), (23); off: omega is 1
+    levy: bool = True  # (24)-(27); off: POA's own exploitation
+    mutation: bool = True  # (28)-(30); off: no third batch
+
+    # The readings
+    reading: Literal["step", "literal", "survivor"] = "step"  # what s of (27) multiplies
+    weight: Literal["exp(t/T)", "exp(t/T-1)", "exp(t/T)-1"] = "exp(t/T)"  # omega of (22)
+    prey: Literal["member", "best"] = "member"
+    mutated: Literal["each", "best", "own"] = "each"  # (30) for each pelican, for the best only, or around each one
+    draw: Literal["pelican", "dimension"] = "pelican"  # what rand of (23), s and t(nu) are drawn for
+    share: Fraction = 1.0  # of s that is taken: 0.01 is usual in cuckoo search and Harris hawks
+
+    def search(self, box: Box, rng: np.random.Generator) -> Search:
+        """Yield 2 N candidates (N without the chaotic start), then two or three batches an iteration."""
+        n, d = self.population, box.dimension
+        width = 1 if self.draw == "pelican" else d
+        if self.chaotic_start:
+            chaotic = iterate_chaotic_map(self.chaos, n, d, rng)  # (18)
+            first = box.lower + (chaotic + 1) / 2 * (box.upper - box.lower)
+            both = np.concatenate([first, box.clip(refract(first, box, self.refraction))])  # (21)
+            costs = yield both
+            best_half = np.argsort(costs, kind="stable")[:n]
+            x, f = both[best_half], costs[best_half]
+        else:
+            x = box.sample(n, rng)  # (13)
+            f = yield x
+
+        for t in range(1, self.iterations + 1):
+            done = t / self.iterations
+            k = int(np.argmin(f)) if self.prey == "best" else int(rng.integers(n))
+            prey, prey_cost = x[k], f[k]
+
+            # Moving towards prey, (23) and (15)
+            intensity = rng.integers(1, 3, (n, 1))  # I is 1 or 2
+            towards = (prey_cost < f)[:, None]
+            step = rng.random((n, width)) * np.where(towards, prey - intensity * x, x - prey)
+            trial = box.clip((self._omega(done) * x if self.inertia else x) + step)
+            x, f = keep_better(x, f, trial, (yield trial))
+
+            # Winging on the water surface, (16) with the Levy flight (27), and (17)
+            step = self.radius * (1 - done) * (2 * rng.random((n, d)) - 1) * x
+            if not self.levy:
+                trial = box.clip(x + step)
+            else:
+                s = self.share * levy_factor(self.beta, (n, width), rng)
+                if self.reading == "step":
+                    trial = box.clip(x + s * step)
+                elif self.reading == "literal":
+                    trial = box.clip((1 + s) * (x + step))
+                else:
+                    trial = box.clip(x + step)
+                    x, f = keep_better(x, f, trial, (yield trial))
+                    trial = box.clip((1 + s) * x)
+            x, f = keep_better(x, f, trial, (yield trial))
+
+            # Adaptive t-distribution variation, (30), with (17) as acceptance
+            if self.mutation:
+                nu = self.freedom_least + (self.freedom_most - self.freedom_least) * done  # (29)
+                b = int(np.argmin(f))
+                if self.mutated == "best":
+                    trial = box.clip(x[b] + x[b] * rng.standard_t(nu, (1, width)))
+                    (g,) = yield trial
+                    if g < f[b]:
+                        x, f = x.copy(), f.copy()
+                        x[b], f[b] = trial[0], g
+                else:
+                    centre = x[b] if self.mutated == "each" else x
+                    trial = box.clip(centre + centre * rng.standard_t(nu, (n, width)))
+                    x, f = keep_better(x, f, trial, (yield trial))
+
+    def _omega(self, done: float) -> float:
+        """The nonlinear inertia weight, (22); `done` is t/T."""
+        if self.weight == "exp(t/T)":
+            return math.exp(done)
+        return math.exp(done - 1) if self.weight == "exp(t/T-1)" else math.expm1(done)
+
+
+def iterate_chaotic_map(a: float, count: int, width: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """The iterative chaotic map, eq. (18): `count` iterates of `width` sequences, (count, width), in [-1, 1]."""
+    z = np.empty((count, width))
+    last = 1 - 2 * (1 - rng.random(width)) + np.finfo(float).tiny  # never 0
+    for row in z:
+        row[:] = last = np.sin(a * np.pi / last)
+    return z
+
+
+def refract(x: Candidates, box: Box, kn: float) -> Candidates:
+    """The refracted opposites of `x`, eq. (20); `kn` is the scale factor times the index of refraction."""
+    middle = (box.lower + box.upper) / 2
+    return middle + middle / kn - x / kn
+
+
+def levy_factor(beta: float, shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Levy flight path factors s by Mantegna's algorithm, eqs. (25) and (26)."""
+    sigma_u = (
+        math.gamma(1 + beta)
+        * math.sin(math.pi * beta / 2)
+        / (math.gamma((1 + beta) / 2) * beta * 2 ** ((beta - 1) / 2))
+    ) ** (1 / beta)
+    u, v = rng.standard_normal((2, *shape))
+    factor: NDArray[np.float64] = sigma_u * u / np.abs(v) ** (1 / beta)
+    return factor

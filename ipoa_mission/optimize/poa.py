@@ -1,0 +1,47 @@
+"""POA, the pelican optimisation algorithm (Trojovsky and Dehghani, Sensors 2022, 22, 855), as its authors' code has it.
+
+Two things the formulas do not say and the authors' code does: the prey is a member of the population, drawn once an
+iteration, and `rand` of eq. (14) is one number for each pelican. Costs N + 2 N T evaluations.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ipoa_mission.optimize.search import Box, Search, keep_better
+from ipoa_mission.optimize.settings import Amount, Count, Members
+
+
+@dataclass(frozen=True)
+class POA:
+    """Pelicans move towards prey, then wing on the water surface; both moves are accepted greedily.
+
+    `radius` is the paper's R (Table 2: 0.2). `draw` is what `rand` of eq. (14) is drawn for: a pelican, as the
+    authors do, or each of its coordinates.
+    """
+
+    population: Members = 30
+    iterations: Count = 1000
+    radius: Amount = 0.2
+    draw: Literal["pelican", "dimension"] = "pelican"
+
+    def search(self, box: Box, rng: np.random.Generator) -> Search:
+        """Yield N candidates, then two batches of N an iteration."""
+        n, d = self.population, box.dimension
+        width = 1 if self.draw == "pelican" else d
+        x = box.sample(n, rng)  # (13)
+        f = yield x
+        for t in range(1, self.iterations + 1):
+            k = rng.integers(n)
+            prey, prey_cost = x[k], f[k]
+
+            # Moving towards prey, (14) and (15)
+            intensity = rng.integers(1, 3, (n, 1))  # I is 1 or 2
+            towards = (prey_cost < f)[:, None]
+            trial = box.clip(x + rng.random((n, width)) * np.where(towards, prey - intensity * x, x - prey))
+            x, f = keep_better(x, f, trial, (yield trial))
+
+            # Winging on the water surface, (16) and (17)
+            trial = box.clip(x + self.radius * (1 - t / self.iterations) * (2 * rng.random((n, d)) - 1) * x)
+            x, f = keep_better(x, f, trial, (yield trial))

@@ -1,0 +1,52 @@
+"""What a setting of an optimiser may be: the types and ranges that its fields declare, and the check of a value.
+
+An optimiser is a frozen dataclass; its fields are its settings. `Annotated[int, Between(1, ...)]` says the range once,
+where the field is; `check_setting` reads it from there.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin
+
+from ipoa_mission.errors import BadInput
+
+
+@dataclass(frozen=True)
+class Between:
+    """The smallest and the largest value that a number may have."""
+
+    least: float
+    most: float = math.inf
+
+    def __str__(self) -> str:
+        return f"of at least {self.least:g}" if math.isinf(self.most) else f"from {self.least:g} to {self.most:g}"
+
+
+Count: TypeAlias = Annotated[int, Between(1)]
+Members: TypeAlias = Annotated[int, Between(4)]  # a population: enough for a step between distinct members
+Fraction: TypeAlias = Annotated[float, Between(0, 1)]
+Amount: TypeAlias = Annotated[float, Between(0)]
+
+
+def check_setting(place: str, kind: Any, value: object) -> object:
+    """`value` if it is of `kind` (bool, int, float, a Literal, or Annotated with a `Between`), numbers converted.
+
+    Raises:
+        BadInput: it is not; the message begins with `place` and says what was expected.
+    """
+    (kind, *rest) = get_args(kind) if get_origin(kind) is Annotated else (kind,)
+    limits = next((r for r in rest if isinstance(r, Between)), Between(-math.inf))
+    if get_origin(kind) is Literal:
+        if value not in get_args(kind):
+            raise BadInput(f"{place}: expected {' or '.join(map(repr, get_args(kind)))}, not {value!r}")
+        return value
+    if kind is bool:
+        if not isinstance(value, bool):
+            raise BadInput(f"{place}: expected true or false, not {value!r}")
+        return value
+    wanted = f"expected a {'whole ' if kind is int else ''}number {limits}"
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise BadInput(f"{place}: {wanted}, not {value!r}")
+    if not limits.least <= value <= limits.most or (kind is int and value != int(value)):
+        raise BadInput(f"{place}: {wanted}, not {value!r}")
+    return kind(value)
