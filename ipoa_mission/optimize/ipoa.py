@@ -44,13 +44,14 @@ class IPOA:
     weight: Literal["exp(t/T)", "exp(t/T-1)", "exp(t/T)-1"] = "exp(t/T)"  # omega of (22)
     prey: Literal["member", "best"] = "member"
     mutated: Literal["each", "best", "own"] = "each"  # (30) for each pelican, for the best only, or around each one
-    draw: Literal["pelican", "dimension"] = "pelican"  # what rand of (23), s and t(nu) are drawn for
+    rand: Literal["pelican", "dimension"] = "pelican"  # what rand of (23) is drawn for; the authors of POA: a pelican
+    steps: Literal["pelican", "dimension"] = "dimension"  # what s of (27) and t(nu) of (30) are drawn for
     share: Fraction = 1.0  # of s that is taken: 0.01 is usual in cuckoo search and Harris hawks
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield 2 N candidates (N without the chaotic start), then two or three batches an iteration."""
         n, d = self.population, box.dimension
-        width = 1 if self.draw == "pelican" else d
+        rands, steps = (1 if drawn_for == "pelican" else d for drawn_for in (self.rand, self.steps))
         if self.chaotic_start:
             chaotic = iterate_chaotic_map(self.chaos, n, d, rng)  # (18)
             first = box.lower + (chaotic + 1) / 2 * (box.upper - box.lower)
@@ -70,7 +71,7 @@ class IPOA:
             # Moving towards prey, (23) and (15)
             intensity = rng.integers(1, 3, (n, 1))  # I is 1 or 2
             towards = (prey_cost < f)[:, None]
-            step = rng.random((n, width)) * np.where(towards, prey - intensity * x, x - prey)
+            step = rng.random((n, rands)) * np.where(towards, prey - intensity * x, x - prey)
             trial = box.clip((self._omega(done) * x if self.inertia else x) + step)
             x, f = keep_better(x, f, trial, (yield trial))
 
@@ -79,7 +80,7 @@ class IPOA:
             if not self.levy:
                 trial = box.clip(x + step)
             else:
-                s = self.share * levy_factor(self.beta, (n, width), rng)
+                s = self.share * levy_factor(self.beta, (n, steps), rng)
                 if self.reading == "step":
                     trial = box.clip(x + s * step)
                 elif self.reading == "literal":
@@ -95,14 +96,14 @@ class IPOA:
                 nu = self.freedom_least + (self.freedom_most - self.freedom_least) * done  # (29)
                 b = int(np.argmin(f))
                 if self.mutated == "best":
-                    trial = box.clip(x[b] + x[b] * rng.standard_t(nu, (1, width)))
+                    trial = box.clip(x[b] + x[b] * rng.standard_t(nu, (1, steps)))
                     (g,) = yield trial
                     if g < f[b]:
                         x, f = x.copy(), f.copy()
                         x[b], f[b] = trial[0], g
                 else:
                     centre = x[b] if self.mutated == "each" else x
-                    trial = box.clip(centre + centre * rng.standard_t(nu, (n, width)))
+                    trial = box.clip(centre + centre * rng.standard_t(nu, (n, steps)))
                     x, f = keep_better(x, f, trial, (yield trial))
 
     def _omega(self, done: float) -> float:

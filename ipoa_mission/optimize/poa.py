@@ -17,19 +17,19 @@ from ipoa_mission.optimize.settings import Amount, Count, Members
 class POA:
     """Pelicans move towards prey, then wing on the water surface; both moves are accepted greedily.
 
-    `radius` is the paper's R (Table 2: 0.2). `draw` is what `rand` of eq. (14) is drawn for: a pelican, as the
+    `radius` is the paper's R (Table 2: 0.2). `rand` is what `rand` of eq. (14) is drawn for: a pelican, as the
     authors do, or each of its coordinates.
     """
 
     population: Members = 30
     iterations: Count = 1000
     radius: Amount = 0.2
-    draw: Literal["pelican", "dimension"] = "pelican"
+    rand: Literal["pelican", "dimension"] = "pelican"
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield N candidates, then two batches of N an iteration."""
         n, d = self.population, box.dimension
-        width = 1 if self.draw == "pelican" else d
+        width = 1 if self.rand == "pelican" else d
         x = box.sample(n, rng)  # (13)
         f = yield x
         for t in range(1, self.iterations + 1):
