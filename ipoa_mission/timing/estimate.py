@@ -1,0 +1,122 @@
+"""How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
+
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.timing.itinerary import itinerary
+from ipoa_mission.timing.prediction import Track
+from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.timing.trapezoid import fly_trapezoids
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Parameters
+
+NO_PARAMETERS: Parameters = MappingProxyType({})
+EARTH_RADIUS = 6_371_000.0  # [m]
+
+
+@dataclass(frozen=True)
+class ItemTime:
+    """One item as it was flown: done at `done_s`, honestly somewhere in `low_s` to `high_s`.
+
+    `length` [m] is the path flown for it and `peak_speed`, `mean_speed` [m/s] the speeds along it; `reason` says what
+    kept it slow ("corner 87 deg", "leg shorter than its braking distance", "hold"), and is "" where nothing did.
+    """
+
+    seq: int
+    command: int
+    done_s: float
+    low_s: float
+    high_s: float
+    duration_s: float
+    length: float
+    peak_speed: float
+    mean_speed: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mission's time. Zero is armed in the mission mode on the ground; `total_s` is landed, or the last item done.
+
+    `items` are in the order flown, numbered as in the mission's file (home is 0); an item in a loop appears once for
+    each time it is flown. `track` is the path as it will be flown, corners cut, in home's local frame.
+    """
+
+    total_s: float
+    low_s: float
+    high_s: float
+    qgroundcontrol_s: float
+    items: tuple[ItemTime, ...]
+    track: Track
+    remarks: tuple[str, ...]
+
+
+def estimate(mission: Mission, parameters: Parameters = NO_PARAMETERS) -> Estimate:
+    """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
+
+    `parameters` replace the autopilot's defaults by its own names; names that the model does not use are passed over.
+
+    Raises:
+        BadInput: the mission has no end, or a parameter has no sense.
+    """
+    route = itinerary(mission)
+    known = {**DEFAULT_PARAMETERS[mission.autopilot], **parameters}
+    prediction = fly_trapezoids(route, mission.autopilot, known)
+    items = []
+    begun = 0.0
+    for n, (visit, done) in enumerate(zip(route.visits, prediction.done, strict=True)):
+        length, peak = _flown(prediction.track, begun, done)
+        lasted = done - begun
+        low, high = _interval(done)
+        items.append(
+            ItemTime(
+                seq=visit.seq,
+                command=visit.item.command,
+                done_s=done,
+                low_s=low,
+                high_s=high,
+                duration_s=lasted,
+                length=length,
+                peak_speed=peak,
+                mean_speed=length / lasted if lasted > 0 else 0.0,
+                reason=prediction.reasons[n],
+            )
+        )
+        begun = done
+    total = prediction.done[-1] if prediction.done else 0.0
+    remarks = prediction.remarks
+    if route.over_terrain:
+        numbers = ", ".join(map(str, route.over_terrain))
+        remarks = (*remarks, f"items {numbers}: height over terrain taken as height over home")
+    return Estimate(
+        total_s=total,
+        low_s=_interval(total)[0],
+        high_s=_interval(total)[1],
+        qgroundcontrol_s=qgroundcontrol_time(mission),
+        items=tuple(items),
+        track=_in_local_frame(prediction.track),
+        remarks=remarks,
+    )
+
+
+def _flown(track: Track, begin: float, end: float) -> tuple[float, float]:
+    """Length flown and peak speed between two times."""
+    inside = (track.times > begin) & (track.times < end)
+    times = np.concatenate([[begin], track.times[inside], [end]])
+    points = np.column_stack([np.interp(times, track.times, axis) for axis in track.points.T])
+    length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    speeds = np.interp(times, track.times, track.speeds)
+    return length, float(speeds.max())
+
+
+def _interval(done: float) -> tuple[float, float]:
+    return 0.75 * done, 1.5 * done
+
+
+def _in_local_frame(track: Track) -> Track:
+    """The same path with `up` over home's tangent plane, as obstacles and terrain have it."""
+    sunk = track.points.copy()
+    sunk[:, 2] -= (sunk[:, 0] ** 2 + sunk[:, 1] ** 2) / (2 * EARTH_RADIUS)
+    return Track(track.times, sunk, track.speeds)

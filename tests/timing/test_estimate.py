@@ -1,0 +1,81 @@
+"""The estimate as a whole: what it numbers, how it follows jumps, what it refuses."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.items import (
+    Command,
+    Frame,
+    Item,
+    Mission,
+    change_speed,
+    land,
+    return_to_launch,
+    takeoff,
+    waypoint,
+)
+from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(39.101, 121.82, 20.0)
+EAST = Geodetic(39.101, 121.821, 20.0)
+
+
+def out_and_back(autopilot: Autopilot, *between: Item) -> Mission:
+    items = (takeoff(HOME, 20.0), waypoint(HOME, 20.0), *between, waypoint(EAST, 20.0), return_to_launch())
+    return Mission(HOME, items, autopilot)
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_items_are_numbered_as_in_the_file_and_done_in_order(autopilot: Autopilot) -> None:
+    found = estimate(out_and_back(autopilot, change_speed(8.0)))
+    assert [item.seq for item in found.items] == [1, 2, 3, 4, 5]
+    times = [item.done_s for item in found.items]
+    assert times == sorted(times)
+    assert found.total_s == times[-1]
+    assert all(item.low_s <= item.done_s <= item.high_s for item in found.items)
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_jump_is_flown_as_often_as_it_asks(autopilot: Autopilot) -> None:
+    once = estimate(out_and_back(autopilot))
+    jump = Item(Command.DO_JUMP, Frame.MISSION, (2.0, 2.0, 0.0, 0.0))
+    mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), jump), autopilot)
+    found = estimate(mission)
+    assert [item.seq for item in found.items] == [1, 2, 3, 2, 3, 2, 3]
+    leg = once.items[2].duration_s
+    assert found.total_s == pytest.approx(once.items[1].done_s + 5 * leg, rel=0.15)
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_loop_without_end_has_no_time(autopilot: Autopilot) -> None:
+    jump = Item(Command.DO_JUMP, Frame.MISSION, (2.0, -1.0, 0.0, 0.0))
+    with pytest.raises(BadInput, match=r"items\[2\].param2: the jump never ends"):
+        estimate(out_and_back(autopilot, jump))
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_hold_lasts_at_least_as_long_as_it_says(autopilot: Autopilot) -> None:
+    plain = estimate(out_and_back(autopilot))
+    mission = out_and_back(autopilot)
+    held = replace(mission, items=(*mission.items[:1], waypoint(HOME, 20.0, hold_s=30.0), *mission.items[2:]))
+    assert 29.0 < estimate(held).total_s - plain.total_s < 36.0
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_parameters_count_by_the_autopilots_own_names_and_others_are_passed_over(autopilot: Autopilot) -> None:
+    mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), land(EAST)), autopilot)
+    slow = {Autopilot.ARDUPILOT: {"WPNAV_SPEED": 200.0}, Autopilot.PX4: {"MPC_XY_CRUISE": 2.0}}[autopilot]
+    assert estimate(mission, {**slow, "SYSID_THISMAV": 7.0}).total_s > estimate(mission).total_s + 10.0
+
+
+def test_quite_another_number_is_quoted_from_quicker_arithmetic() -> None:
+    mission = replace(out_and_back(Autopilot.PX4), cruise_speed=10.0)
+    distance = 86.4  # 0.001 degrees of longitude at 39.1 north, on a sphere of 6371 km
+    expected = 20.0 / 3.0 + distance / 10.0 + distance / 10.0 + 20.0 / 1.0
+    assert estimate(mission).qgroundcontrol_s == pytest.approx(expected, abs=0.2)
+    assert math.isfinite(expected)
