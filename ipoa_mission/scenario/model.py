@@ -1,0 +1,200 @@
+"""The scenario: every table of the file with its defaults, and the world it describes.
+
+The smallest valid scenario has `home`, `start` and `goal`.
+"""
+
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field, model_validator
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario.places import (
+    BoundsSection,
+    FenceSection,
+    FlatTerrain,
+    HomeSection,
+    ObstacleSection,
+    Place,
+    TerrainSection,
+)
+from ipoa_mission.scenario.section import NotNegative, Positive, Section
+from ipoa_mission.vehicle import Autopilot, Parameters
+from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.terrain import Terrain
+
+
+class VehicleSection(Section):
+    """What flies the mission."""
+
+    autopilot: Autopilot = Autopilot.PX4
+    radius: NotNegative = 0.5
+    """Radius of a ball that holds the whole vehicle [m]."""
+    cruise_speed: Positive = 5.0
+    """Ground speed along the route [m/s], sent as DO_CHANGE_SPEED."""
+    climb_speed: Positive | None = None
+    """Left out: what the autopilot's parameters say [m/s]."""
+    descent_speed: Positive | None = None
+    """Left out: what the autopilot's parameters say [m/s]."""
+    parameters: dict[str, float] = Field(default_factory=dict)
+    """Parameters of the autopilot that differ from its defaults, by its own names and units."""
+
+    def autopilot_parameters(self) -> Parameters:
+        """Parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""
+        names, unit = _SPEEDS[self.autopilot]
+        speeds = zip(names, (self.climb_speed, self.descent_speed), strict=True)
+        return {name: speed * unit for name, speed in speeds if speed is not None} | self.parameters
+
+
+#: Names of the climb and descent speed, and their unit in metres per second.
+_SPEEDS = {
+    Autopilot.ARDUPILOT: (("WPNAV_SPEED_UP", "WPNAV_SPEED_DN"), 100.0),
+    Autopilot.PX4: (("MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"), 1.0),
+}
+
+
+class CostSection(Section):
+    """The paper's cost, eqs. (4)-(10)."""
+
+    omega: tuple[NotNegative, NotNegative, NotNegative] = (0.7, 0.15, 0.15)
+    """Weights of length, turning and threat; their sum is 1."""
+    a1: NotNegative = 1.0
+    """Weight of turning in the turning cost, eq. (8)."""
+    a2: NotNegative = 1.0
+    """Weight of changes in climb angle, eq. (8)."""
+    lambda_obs: NotNegative = 10.0
+    """Penalty coefficient of a near obstacle, eq. (9)."""
+    d_safe: NotNegative = 5.0
+    """Distance beyond which an obstacle is no threat [m], eq. (9)."""
+    form: Literal["integral", "nodes"] = "integral"
+    """`nodes`: the paper's sums over path nodes; `integral`: over arc length, whatever the number of nodes."""
+
+    @model_validator(mode="after")
+    def _weights_sum_to_one(self) -> "CostSection":
+        if abs(sum(self.omega) - 1) > 1e-9:
+            raise ValueError(f"omega: expected three weights that sum to 1, not to {sum(self.omega):g}")
+        return self
+
+
+class PlanningSection(Section):
+    """How the path is sought."""
+
+    planner: Literal["default", "paper"] = "default"
+    """`paper`: the algorithm as printed, in absolute coordinates, one long search and no polish."""
+    polish: bool = True
+    """Refine the best paths found on the smooth problem."""
+    encoding: Literal["absolute", "chord", "sine"] | None = None
+    """What the search varies; left out, the planner's own choice."""
+    control_points: Annotated[int, Field(ge=2, le=60)] = 8
+    """Inner control points of the cubic B-spline."""
+    samples: Annotated[int, Field(ge=20, le=2000)] = 100
+    """Nodes at which the search looks at the curve."""
+    min_height_above_ground: NotNegative | None = None
+    """Left out: the safety distance and the vehicle's radius [m]."""
+    max_height_above_ground: Positive | None = None
+    max_climb_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
+    max_descent_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
+
+
+class OptimizerSection(Section):
+    """The search algorithm by name, and its settings (population, iterations, ...)."""
+
+    model_config = ConfigDict(extra="allow")
+
+    name: str = "ipoa"
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Everything but the name, as the optimiser's own fields."""
+        return dict(self.model_extra or {})
+
+
+class RouteSection(Section):
+    """How the curve becomes waypoints, and how the mission ends."""
+
+    mode: Literal["even", "corridor"] = "corridor"
+    """`even`: a waypoint every `spacing` metres; `corridor`: the fewest whose legs stay within `tolerance`."""
+    spacing: Positive = 10.0
+    tolerance: Positive = 1.0
+    ending: Literal["rtl", "land"] = "rtl"
+    """`rtl`: return to home and land there; `land`: land at the goal."""
+
+
+class Scenario(Section):
+    """A flight to be planned: what a scenario file holds."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")] = "mission"
+    """Also the name of the files that are written."""
+    safety_distance: NotNegative = 1.0
+    """Least clearance that must be left between the vehicle's hull and anything else [m]."""
+    home: HomeSection
+    start: Place
+    goal: Place
+    via: tuple[Place, ...] = ()
+    """Places to pass on the way, in this order."""
+    bounds: BoundsSection = BoundsSection()
+    terrain: TerrainSection = FlatTerrain()
+    obstacles: tuple[ObstacleSection, ...] = ()
+    vehicle: VehicleSection = VehicleSection()
+    cost: CostSection = CostSection()
+    planning: PlanningSection = PlanningSection()
+    optimizer: OptimizerSection = OptimizerSection()
+    route: RouteSection = RouteSection()
+    fence: tuple[FenceSection, ...] = ()
+    """Geofence that goes into the mission."""
+    rally: tuple[Place, ...] = ()
+    """Rally points that go into the mission."""
+
+    @cached_property
+    def frame(self) -> LocalFrame:
+        """The local frame at home."""
+        return LocalFrame(self.home.geodetic())
+
+    @cached_property
+    def start_point(self) -> Vector:
+        """Where the planned path begins, (3,) [m]."""
+        return self._point(self.start)
+
+    @cached_property
+    def goal_point(self) -> Vector:
+        """Where the planned path ends, (3,) [m]."""
+        return self._point(self.goal)
+
+    @cached_property
+    def via_points(self) -> Points:
+        """Points on the way, (k, 3) [m]."""
+        return self._points(self.via)
+
+    @cached_property
+    def rally_points(self) -> Points:
+        """Rally points, (k, 3) [m]."""
+        return self._points(self.rally)
+
+    @cached_property
+    def airspace(self) -> Airspace:
+        """Bounds, terrain and obstacles in the local frame."""
+        names = [o.name or f"{o.kind} {i}" for i, o in enumerate(self.obstacles)]
+        obstacles = tuple(
+            o.build(name, self.frame, self._terrain.height) for name, o in zip(names, self.obstacles, strict=True)
+        )
+        ends = np.vstack([np.zeros(3), self.start_point, self.goal_point, self.via_points])
+        corners = np.array([corner for o in obstacles for corner in o.bounds]).reshape(-1, 3)
+        return Airspace(self._bounds(np.vstack([ends, corners])), self._terrain, obstacles)
+
+    def _point(self, place: Place) -> Vector:
+        return place.point(self.frame, self._terrain.height)
+
+    def _points(self, places: tuple[Place, ...]) -> Points:
+        return np.array([self._point(place) for place in places]).reshape(-1, 3)
+
+    @cached_property
+    def _terrain(self) -> Terrain:
+        return self.terrain.build()
+
+    def _bounds(self, things: Points) -> Bounds:
+        least, most = things.min(axis=0) - self.bounds.margin, things.max(axis=0) + self.bounds.margin
+        sides = (self.bounds.east, self.bounds.north, self.bounds.up)
+        east, north, up = (side or (float(a), float(b)) for side, a, b in zip(sides, least, most, strict=True))
+        return Bounds((east[0], north[0], up[0]), (east[1], north[1], up[1]))

@@ -1,0 +1,333 @@
+"""Where things are in a scenario: home, start, goal, terrain and obstacles, as written, and how they become a world.
+
+Positions are local (`east`, `north`, `up`: metres from home) or geodetic (`latitude_deg`, `longitude_deg`,
+`altitude_amsl`). What stands on the ground leaves its height out (`up`, `altitude_amsl`, `base`).
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Literal, Self, TypeAlias
+
+import numpy as np
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
+from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, Terrain
+
+Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
+Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
+
+
+class HomeSection(Section):
+    """Where the vehicle takes off, and the origin of the local frame."""
+
+    latitude_deg: Latitude
+    longitude_deg: Longitude
+    altitude_amsl: float = 0.0
+    """Height of the ground at home above mean sea level [m]."""
+
+    def geodetic(self) -> Geodetic:
+        """Home as a place on the Earth."""
+        return Geodetic(self.latitude_deg, self.longitude_deg, self.altitude_amsl)
+
+
+class Horizontal(Section):
+    """A position on the map: `east` and `north` [m from home], or `latitude_deg` and `longitude_deg`."""
+
+    east: float | None = None
+    north: float | None = None
+    latitude_deg: Latitude | None = None
+    longitude_deg: Longitude | None = None
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        local = self.east is not None and self.north is not None
+        geodetic = self.latitude_deg is not None and self.longitude_deg is not None
+        strays = [self.east, self.north] if geodetic else [self.latitude_deg, self.longitude_deg]
+        if local == geodetic or any(stray is not None for stray in strays):
+            raise ValueError("expected either east and north, or latitude_deg and longitude_deg")
+        return self
+
+    def east_north(self, frame: LocalFrame) -> tuple[float, float]:
+        """The position in the local frame [m]."""
+        if self.east is not None and self.north is not None:
+            return self.east, self.north
+        assert self.latitude_deg is not None
+        assert self.longitude_deg is not None
+        east, north, _ = frame.local(Geodetic(self.latitude_deg, self.longitude_deg, frame.home.altitude))
+        return float(east), float(north)
+
+
+class Place(Horizontal):
+    """A point in the air, with exactly one of `up` (from home), `altitude_amsl` or `height_above_ground` [m]."""
+
+    up: float | None = None
+    altitude_amsl: float | None = None
+    height_above_ground: float | None = None
+
+    @model_validator(mode="after")
+    def _one_height(self) -> Self:
+        if sum(height is not None for height in (self.up, self.altitude_amsl, self.height_above_ground)) != 1:
+            raise ValueError("expected exactly one of up, altitude_amsl or height_above_ground")
+        return self
+
+    def point(self, frame: LocalFrame, ground: Ground) -> Vector:
+        """East, north, up of this place, (3,) [m]."""
+        east, north = self.east_north(frame)
+        if self.up is not None:
+            up = self.up
+        elif self.height_above_ground is not None:
+            up = float(ground(np.array([[east, north]]))[0]) + self.height_above_ground
+        elif self.latitude_deg is not None and self.longitude_deg is not None:
+            assert self.altitude_amsl is not None
+            return frame.local(Geodetic(self.latitude_deg, self.longitude_deg, self.altitude_amsl))
+        else:
+            assert self.altitude_amsl is not None
+            up = self.altitude_amsl - frame.home.altitude
+        return np.array([east, north, up])
+
+
+class FlatTerrain(Section):
+    """A plain."""
+
+    kind: Literal["flat"] = "flat"
+    height: float = 0.0
+    """Height of the ground [m above home]."""
+
+    def build(self) -> Terrain:
+        """The terrain itself."""
+        return Flat(self.height)
+
+
+class PeakSection(Section):
+    """A Gaussian mountain of the paper's eq. (2)."""
+
+    height: float
+    east: float
+    north: float
+    a: Positive
+    """Slope along east: the distance at which the peak has fallen to 1/e [m]."""
+    b: Positive
+    """Slope along north [m]."""
+
+
+class AnalyticTerrain(Section):
+    """The paper's surface: its eq. (1) with coefficients a to g, the peaks of eq. (2), and their maximum, eq. (3)."""
+
+    kind: Literal["analytic"]
+    a: float = 0.0
+    b: float = 0.0
+    c: float = 0.0
+    d: float = 0.0
+    e: float = 0.0
+    f: float = 0.0
+    g: float = 0.0
+    base: float = 0.0
+    """h_0 of eq. (2): the height from which the peaks rise [m]."""
+    peaks: tuple[PeakSection, ...] = ()
+
+    def build(self) -> Terrain:
+        """The terrain itself."""
+        peaks = tuple(Peak(p.height, p.east, p.north, p.a, p.b) for p in self.peaks)
+        return Analytic(self.a, self.b, self.c, self.d, self.e, self.f, self.g, peaks, self.base)
+
+
+class GridTerrain(Section):
+    """A regular grid of heights, bilinear in between: rows go north, columns go east."""
+
+    kind: Literal["grid"]
+    east: float
+    """East of the first column [m]."""
+    north: float
+    """North of the first row [m]."""
+    spacing: Positive
+    heights: Annotated[tuple[tuple[float, ...], ...], Field(min_length=2)] | None = None
+    """Heights [m above home], the southernmost row first."""
+    file: Path | None = None
+    """A CSV file of heights in place of `heights`, relative to the scenario file."""
+
+    @field_validator("file")
+    @classmethod
+    def _beside_the_scenario(cls, value: Path | None, info: ValidationInfo) -> Path | None:
+        if value is None:
+            return None
+        path = Path((info.context or {}).get("folder", ".")) / value
+        if not path.is_file():
+            raise ValueError(f"expected a file of heights, but there is none at {path}")
+        try:
+            heights = np.loadtxt(path, delimiter=",", ndmin=2)
+        except ValueError as error:
+            raise ValueError(f"expected rows of numbers with commas between in {path}: {error}") from error
+        if min(heights.shape) < 2 or not np.isfinite(heights).all():
+            raise ValueError(f"expected at least two rows and two columns of finite numbers in {path}")
+        return path
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.heights is None) == (self.file is None):
+            raise ValueError("expected either heights or file")
+        if self.heights is not None and len({len(row) for row in self.heights}) != 1:
+            raise ValueError("expected heights with rows of one length")
+        return self
+
+    def build(self) -> Terrain:
+        """The terrain itself."""
+        if self.file is not None:
+            heights = np.loadtxt(self.file, delimiter=",", ndmin=2)
+        else:
+            heights = np.asarray(self.heights, float)
+        return Grid(self.east, self.north, self.spacing, heights)
+
+
+TerrainSection: TypeAlias = Annotated[FlatTerrain | AnalyticTerrain | GridTerrain, Field(discriminator="kind")]
+
+
+class SphereSection(Horizontal):
+    """A ball."""
+
+    kind: Literal["sphere"]
+    name: str | None = None
+    radius: Positive
+    up: float | None = None
+    """Height of the centre [m above home]; left out, the ball rests on the ground."""
+
+    def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
+        """The obstacle itself."""
+        east, north = self.east_north(frame)
+        up = self.up if self.up is not None else float(ground(np.array([[east, north]]))[0]) + self.radius
+        return Sphere(name, (east, north, up), self.radius)
+
+
+class CylinderSection(Horizontal):
+    """A vertical cylinder: a tower, a mast, a tree."""
+
+    kind: Literal["cylinder"]
+    name: str | None = None
+    radius: Positive
+    height: Positive
+    base: float | None = None
+    """Height of the lower end [m above home]; left out, it stands on the ground."""
+
+    def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
+        """The obstacle itself."""
+        east, north = self.east_north(frame)
+        rim = np.array([[east, north]]) + self.radius * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
+        return Cylinder(name, east, north, self.radius, *_stand(self.base, self.height, ground, rim))
+
+
+class BoxSection(Horizontal):
+    """A box, centred on its position, turned clockwise from north by `heading_deg`."""
+
+    kind: Literal["box"]
+    name: str | None = None
+    width: Positive
+    """Extent along east, before it is turned [m]."""
+    depth: Positive
+    """Extent along north, before it is turned [m]."""
+    height: Positive
+    heading_deg: float = 0.0
+    base: float | None = None
+    """Height of the lower side [m above home]; left out, it stands on the ground."""
+
+    def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
+        """The obstacle itself."""
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (self.width / 2, self.depth / 2)
+        c, s = np.cos(np.radians(self.heading_deg)), np.sin(np.radians(self.heading_deg))
+        corners = corners @ np.array([(c, -s), (s, c)]) + self.east_north(frame)
+        return Prism(name, _ring(corners), (), *_stand(self.base, self.height, ground, corners))
+
+
+class PrismSection(Section):
+    """A building: a polygon footprint (with holes) and a height."""
+
+    kind: Literal["prism"]
+    name: str | None = None
+    footprint: Ring | None = None
+    """Corners as [east, north]."""
+    footprint_geodetic: Ring | None = None
+    """Corners as [latitude_deg, longitude_deg]."""
+    holes: tuple[Ring, ...] = ()
+    """Courtyards, in the same coordinates as the footprint."""
+    height: Positive
+    base: float | None = None
+    """Height of the lower side [m above home]; left out, it stands on the ground."""
+
+    @model_validator(mode="after")
+    def _one_footprint(self) -> Self:
+        if (self.footprint is None) == (self.footprint_geodetic is None):
+            raise ValueError("expected either footprint or footprint_geodetic")
+        return self
+
+    def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
+        """The obstacle itself."""
+        outer = _corners(self.footprint, self.footprint_geodetic, frame)
+        geodetic = self.footprint_geodetic is not None
+        holes = [_corners(None if geodetic else hole, hole if geodetic else None, frame) for hole in self.holes]
+        bottom, top = _stand(self.base, self.height, ground, outer)
+        return Prism(name, _ring(outer), tuple(_ring(hole) for hole in holes), bottom, top)
+
+
+ObstacleSection: TypeAlias = Annotated[
+    SphereSection | CylinderSection | BoxSection | PrismSection, Field(discriminator="kind")
+]
+
+
+class FenceSection(Section):
+    """A geofence for the vehicle to keep: a polygon, or a circle round `center`."""
+
+    inclusion: bool = True
+    """Stay inside; false: stay outside."""
+    polygon: Ring | None = None
+    """Corners as [east, north]."""
+    polygon_geodetic: Ring | None = None
+    """Corners as [latitude_deg, longitude_deg]."""
+    center: Horizontal | None = None
+    radius: Positive | None = None
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        polygons = (self.polygon is not None) + (self.polygon_geodetic is not None)
+        circle = (self.center is not None) + (self.radius is not None)
+        if (polygons, circle) not in {(1, 0), (0, 2)}:
+            raise ValueError("expected either polygon, or polygon_geodetic, or center and radius")
+        return self
+
+
+class BoundsSection(Section):
+    """The box in which the flight must stay, each as [least, most]; what is left out is chosen wide enough."""
+
+    east: tuple[float, float] | None = None
+    north: tuple[float, float] | None = None
+    up: tuple[float, float] | None = None
+    """Heights [m above home]."""
+    margin: NotNegative = 50.0
+    """How far beyond start, goal and obstacles a side that is left out lies [m]."""
+
+    @field_validator("east", "north", "up")
+    @classmethod
+    def _ordered(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
+        if value is not None and value[0] >= value[1]:
+            raise ValueError(f"expected [least, most], not [{value[0]:g}, {value[1]:g}]")
+        return value
+
+
+def _stand(base: float | None, height: float, ground: Ground, footprint: Points) -> tuple[float, float]:
+    """Lower and upper end: on a slope from the lowest ground under the footprint to `height` above the highest."""
+    if base is not None:
+        return base, base + height
+    heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))
+    return float(heights.min()), float(heights.max()) + height
+
+
+def _corners(local: Ring | None, geodetic: Ring | None, frame: LocalFrame) -> Points:
+    if local is not None:
+        return np.asarray(local, float)
+    latitude, longitude = np.asarray(geodetic, float).T
+    return frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2]
+
+
+def _ring(corners: Points) -> tuple[tuple[float, float], ...]:
+    return tuple((float(east), float(north)) for east, north in corners)

@@ -1,0 +1,124 @@
+"""Reading a scenario file, and saying in plain words where it is wrong: file, place, what was expected."""
+
+import difflib
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_text
+from ipoa_mission.scenario.model import Scenario
+
+
+def read_scenario(path: str | Path) -> Scenario:
+    """The scenario in a TOML file; its name is the file's unless it says otherwise.
+
+    Raises:
+        BadInput: naming file and place, and what was expected there.
+    """
+    path = Path(path)
+    return parse_scenario(read_text(path), path)
+
+
+def parse_scenario(text: str, path: Path) -> Scenario:
+    """The scenario in a TOML text; files that it names are sought beside `path`, which errors also name."""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInput(f"{path}: {_lowered(str(error))}", hint="a scenario is a TOML file") from error
+    try:
+        return Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
+    except ValidationError as error:
+        lines = [f"{path}: {_explain(problem, table)}" for problem in error.errors()]
+        raise BadInput(
+            "\n".join(lines), hint="`ipoa-mission schema` prints every key that a scenario may have"
+        ) from error
+
+
+def _explain(problem: Any, table: dict[str, Any]) -> str:
+    """One of pydantic's findings in our words: `obstacles[0].radius: expected a number greater than 0, not -3`."""
+    place, kind, given = _place(problem["loc"], table), problem["type"], problem["input"]
+    limits = problem.get("ctx", {})
+    match kind:
+        case "missing":
+            return f"{place}: expected, but not there"
+        case "extra_forbidden":
+            key = str(problem["loc"][-1])
+            near = difflib.get_close_matches(key, _known_keys(problem["loc"]), n=1)
+            return f"{place}: unknown key" + (f"; did you mean {near[0]}?" if near else "")
+        case "greater_than":
+            wanted = f"a number greater than {limits['gt']:g}"
+        case "greater_than_equal":
+            wanted = f"a number of at least {limits['ge']:g}"
+        case "less_than_equal":
+            wanted = f"a number of at most {limits['le']:g}"
+        case "enum" | "literal_error" | "union_tag_invalid":
+            if kind == "union_tag_invalid":
+                place, given = f"{place}.kind", limits["tag"]
+            wanted = limits.get("expected") or limits["expected_tags"]
+        case "union_tag_not_found":
+            return f"{place}.kind: expected, but not there"
+        case "model_type" | "model_attributes_type" | "dict_type":
+            wanted = "a table"
+        case "list_type" | "tuple_type":
+            wanted = "a list"
+        case "finite_number":
+            wanted = "a finite number"
+        case "value_error":
+            return f"{place}: {limits['error']}" if place else str(limits["error"])
+        case "string_pattern_mismatch":
+            wanted = "letters, digits, dots, dashes and underscores"
+        case "too_short" | "too_long":
+            wanted = f"{limits.get('min_length', limits.get('max_length'))} entries"
+            given = len(given)
+        case _ if kind.startswith(("float", "int")):
+            wanted = "a whole number" if kind.startswith("int") else "a number"
+        case _:
+            return f"{place}: {_lowered(problem['msg'])}, not {_shown(given)}"
+    return f"{place}: expected {wanted}, not {_shown(given)}"
+
+
+def _place(location: Sequence[int | str], table: Any) -> str:
+    """`obstacles[0].radius` of pydantic's ("obstacles", 0, "sphere", "radius"): a union's tag is no key of the file."""
+    place, here = "", table
+    for step in location:
+        if isinstance(step, int):
+            place += f"[{step}]"
+            here = here[step] if isinstance(here, list) and step < len(here) else None
+        elif isinstance(here, dict) and here.get("kind") == step and step not in here:
+            continue
+        else:
+            place += f".{step}" if place else step
+            here = here.get(step) if isinstance(here, dict) else None
+    return place
+
+
+def _known_keys(location: Sequence[int | str]) -> list[str]:
+    """Keys that the table at this place may have, from the schema."""
+    schema = Scenario.model_json_schema()
+    here: Any = schema
+    for step in location[:-1]:
+        here = here.get("items", here) if isinstance(step, int) else here.get("properties", {}).get(step, here)
+        here = _resolved(here, schema, str(step))
+    return list(here.get("properties", {}))
+
+
+def _resolved(node: Any, schema: Any, tag: str) -> Any:
+    if "discriminator" in node:
+        mapping = node["discriminator"]["mapping"]
+        node = {"$ref": mapping[tag]} if tag in mapping else node
+    while "$ref" in node:
+        node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
+    return node
+
+
+def _lowered(message: str) -> str:
+    return message[:1].lower() + message[1:]
+
+
+def _shown(value: Any) -> str:
+    text = repr(value) if not isinstance(value, dict | list) else f"a {type(value).__name__}"
+    return text if len(text) <= 60 else text[:57] + "..."

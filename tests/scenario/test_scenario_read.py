@@ -1,0 +1,139 @@
+"""A scenario file is read whole, or refused in words that name the place."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
+
+HERE = Path("here.toml")
+SMALLEST = """
+home = { latitude_deg = 47.0, longitude_deg = 8.0 }
+start = { east = 0, north = 0, up = 10 }
+goal = { east = 100, north = 0, up = 10 }
+"""
+
+BROKEN = {
+    "home = 3": "home: expected a table, not 3",
+    "home = { latitude_deg = 91, longitude_deg = 8 }": "home.latitude_deg: expected a number of at most 90, not 91",
+    "home = { longitude_deg = 8 }": "home.latitude_deg: expected, but not there",
+    "start = { east = 0, up = 3 }": "start: expected either east and north, or latitude_deg and longitude_deg",
+    "start = { east = 0, north = 0 }": "start: expected exactly one of up, altitude_amsl or height_above_ground",
+    "goal = { east = 0, nort = 0, up = 1 }": "goal.nort: unknown key; did you mean north?",
+    "safety_distance = -1": "safety_distance: expected a number of at least 0, not -1",
+    "safety_distance = inf": "safety_distance: expected a finite number, not inf",
+    "safety_distance = 'far'": "safety_distance: expected a number, not 'far'",
+    "name = 'a b'": "name: expected letters, digits, dots, dashes and underscores, not 'a b'",
+    "obstacles = [{ kind = 'sphere', east = 0, north = 0, radius = -3 }]": (
+        "obstacles[0].radius: expected a number greater than 0, not -3"
+    ),
+    "obstacles = [{ kind = 'pyramid' }]": (
+        "obstacles[0].kind: expected 'sphere', 'cylinder', 'box', 'prism', not 'pyramid'"
+    ),
+    "obstacles = [{ radius = 3 }]": "obstacles[0].kind: expected, but not there",
+    "obstacles = [{ kind = 'prism', height = 3, footprint = [[0, 0], [1, 0]] }]": (
+        "obstacles[0].footprint: expected 3 entries, not 2"
+    ),
+    "obstacles = [{ kind = 'box', east = 0, north = 0, width = 1, depth = 1, heigth = 1, height = 1 }]": (
+        "obstacles[0].heigth: unknown key; did you mean height?"
+    ),
+    "bounds = { east = [3, 1] }": "bounds.east: expected [least, most], not [3, 1]",
+    "cost = { omega = [0.5, 0.5, 0.5] }": "cost: omega: expected three weights that sum to 1, not to 1.5",
+    "vehicle = { autopilot = 'betaflight' }": "vehicle.autopilot: expected 'px4' or 'ardupilot', not 'betaflight'",
+    "terrain = { kind = 'grid', east = 0, north = 0, spacing = 1 }": "terrain: expected either heights or file",
+    "terrain = { kind = 'grid', east = 0, north = 0, spacing = 1, file = 'no.csv' }": (
+        "terrain.file: expected a file of heights, but there is none at no.csv"
+    ),
+    "planning = { control_points = 2.5 }": "planning.control_points: expected a whole number, not 2.5",
+}
+
+
+@pytest.mark.parametrize(("line", "words"), BROKEN.items(), ids=BROKEN.values())
+def test_what_is_wrong_is_named_with_its_place(line: str, words: str) -> None:
+    key = line.split(" ")[0]
+    text = line + "\n" + "\n".join(row for row in SMALLEST.splitlines() if not row.startswith(key))
+    with pytest.raises(BadInput) as told:
+        parse_scenario(text, HERE)
+    assert str(told.value) == f"here.toml: {words}"
+
+
+def test_all_mistakes_are_told_at_once() -> None:
+    with pytest.raises(BadInput) as told:
+        parse_scenario("", HERE)
+    assert str(told.value).splitlines() == [
+        f"here.toml: {key}: expected, but not there" for key in ("home", "start", "goal")
+    ]
+
+
+def test_a_file_that_is_no_toml_names_the_line() -> None:
+    with pytest.raises(BadInput, match=r"here\.toml: .*line 2"):
+        parse_scenario("a = 1\nb = = 2\n", HERE)
+
+
+def test_a_file_that_is_not_there_is_bad_input(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="cannot be read: No such file or directory"):
+        read_scenario(tmp_path / "nothing.toml")
+
+
+def test_the_smallest_scenario_is_home_start_and_goal() -> None:
+    scenario = parse_scenario(SMALLEST, HERE)
+    assert scenario.name == "here"
+    np.testing.assert_allclose(scenario.goal_point, [100, 0, 10])
+    assert scenario.airspace.clearance(np.array([[50.0, 0.0, 10.0]]))[0] == pytest.approx(10)
+
+
+def test_a_geodetic_start_is_the_same_place_as_its_local_twin() -> None:
+    pymap3d = pytest.importorskip("pymap3d")
+    latitude, longitude, altitude = pymap3d.enu2geodetic(80.0, -60.0, 25.0, 47.0, 8.0, 0.0)
+    text = SMALLEST.replace(
+        "start = { east = 0, north = 0, up = 10 }",
+        f"start = {{ latitude_deg = {latitude}, longitude_deg = {longitude}, altitude_amsl = {altitude} }}",
+    )
+    np.testing.assert_allclose(parse_scenario(text, HERE).start_point, [80, -60, 25], atol=1e-3)
+
+
+def test_what_leaves_its_base_out_stands_on_the_ground() -> None:
+    text = (
+        SMALLEST
+        + """
+    terrain = { kind = "grid", east = -100, north = -100, spacing = 200, heights = [[0, 20], [0, 20]] }
+    obstacles = [
+      { kind = "cylinder", east = 0, north = 0, radius = 10, height = 5 },
+      { kind = "box", east = 0, north = 0, width = 20, depth = 40, height = 5, heading_deg = 90 },
+      { kind = "prism", footprint = [[-10, -10], [10, -10], [10, 10]], height = 5 },
+      { kind = "sphere", east = 0, north = 0, radius = 2 },
+      { kind = "sphere", east = 0, north = 0, radius = 2, up = 50 },
+    ]
+    """
+    )
+    cylinder, box, prism, ball, balloon = parse_scenario(text, HERE).airspace.obstacles
+    assert (cylinder.base, cylinder.top) == pytest.approx((9, 16))  # ground rises 1 m in 10 m towards the east
+    assert (box.base, box.top) == pytest.approx((8, 17))  # turned by 90 degrees: 40 m from west to east
+    assert (prism.base, prism.top) == pytest.approx((9, 16))
+    assert ball.center[2] == pytest.approx(12)
+    assert balloon.center[2] == 50
+
+
+def test_a_box_turns_clockwise_from_north() -> None:
+    text = SMALLEST + "obstacles = [{kind='box', east=0, north=0, width=2, depth=20, height=5, heading_deg=45}]"
+    (box,) = parse_scenario(text, HERE).airspace.obstacles
+    north_east, north_west = np.array([[6.0, 6.0, 1.0]]), np.array([[-6.0, 6.0, 1.0]])
+    assert box.distance(north_east)[0] < 0 < box.distance(north_west)[0]
+
+
+def test_speeds_become_the_autopilots_own_parameters() -> None:
+    text = SMALLEST + "vehicle = { autopilot = 'ardupilot', climb_speed = 3, parameters = { WPNAV_ACCEL = 300 } }"
+    assert parse_scenario(text, HERE).vehicle.autopilot_parameters() == {"WPNAV_SPEED_UP": 300, "WPNAV_ACCEL": 300}
+
+
+def test_the_schema_accepts_what_the_reader_accepts(missions: Path) -> None:
+    import tomllib
+
+    validator = Draft202012Validator(Scenario.model_json_schema())
+    for path in sorted(missions.glob("*.toml")):
+        read_scenario(path)
+        validator.validate(json.loads(json.dumps(tomllib.loads(path.read_text(encoding="utf-8")))))
