@@ -54,8 +54,8 @@ class LocalFrame:
 
 @lru_cache(maxsize=64)
 def _topocentric(home: Geodetic) -> Transformer:
+    lat, lon, alt = float(home.latitude_deg), float(home.longitude_deg), float(home.altitude)  # NumPy's repr differs
     return Transformer.from_pipeline(
         "+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad +step +proj=cart +ellps=WGS84 "
-        f"+step +proj=topocentric +ellps=WGS84 +lon_0={home.longitude_deg!r} +lat_0={home.latitude_deg!r} "
-        f"+h_0={home.altitude!r}"
+        f"+step +proj=topocentric +ellps=WGS84 +lon_0={lon!r} +lat_0={lat!r} +h_0={alt!r}"
     )
