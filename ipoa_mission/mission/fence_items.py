@@ -1,0 +1,92 @@
+"""Geofence and rally points as the items of their own lists (mission types 1 and 2); both firmwares take the same.
+
+A polygon is one item for each vertex, with the number of vertices in param1; a circle one item with its radius there.
+Fences have no height; rally points stand above home.
+"""
+
+import math
+from collections.abc import Sequence
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.mission.items import Command, FenceCircle, FencePolygon, Frame, Item, command_name
+from ipoa_mission.world.frame import Geodetic
+
+#: Command -> whether the vehicle must stay inside.
+POLYGON = {
+    Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True,
+    Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False,
+}
+CIRCLE = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXCLUSION: False}
+
+
+def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ...]:
+    """The items of a geofence, in its order."""
+    return tuple(item for part in fence for item in _fence_part(part))
+
+
+def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, ...]:
+    """The geofence behind its items; ArduPilot's return point (5000) is no part of it and left out.
+
+    Raises:
+        MissionError: an item that is no fence, or a polygon that breaks off.
+    """
+    fence: list[FencePolygon | FenceCircle] = []
+    at = 0
+    while at < len(items):
+        item = items[at]
+        if item.command in POLYGON:
+            count = int(item.params[0]) if math.isfinite(item.params[0]) else 0
+            if count < 3:
+                raise MissionError(f"fence item {at}: expected a polygon of 3 vertices or more, not {item.params[0]:g}")
+            ring = items[at : at + count]
+            if len(ring) < count or any((v.command, v.params[0]) != (item.command, item.params[0]) for v in ring):
+                raise MissionError(f"fence item {at}: expected a polygon of {count} vertices, but it breaks off")
+            vertices = tuple((v.latitude_deg, v.longitude_deg) for v in ring)
+            fence.append(FencePolygon(vertices, POLYGON[Command(item.command)]))
+            at += count
+            continue
+        if item.command in CIRCLE:
+            center = (item.latitude_deg, item.longitude_deg)
+            fence.append(FenceCircle(center, item.params[0], CIRCLE[Command(item.command)]))
+        elif item.command != Command.NAV_FENCE_RETURN_POINT:
+            raise MissionError(f"fence item {at}: expected a fence, not {command_name(item.command)}")
+        at += 1
+    return tuple(fence)
+
+
+def rally_to_wire(rally: Sequence[Geodetic]) -> tuple[Item, ...]:
+    """The items of rally points; their altitudes are above home."""
+    return tuple(
+        Item(
+            Command.NAV_RALLY_POINT,
+            Frame.GLOBAL_RELATIVE_ALT,
+            (0.0,) * 4,
+            place.latitude_deg,
+            place.longitude_deg,
+            place.altitude,
+        )
+        for place in rally
+    )
+
+
+def rally_from_wire(items: Sequence[Item]) -> tuple[Geodetic, ...]:
+    """The rally points behind their items.
+
+    Raises:
+        MissionError: an item that is no rally point.
+    """
+    for at, item in enumerate(items):
+        if item.command != Command.NAV_RALLY_POINT:
+            raise MissionError(f"rally item {at}: expected a rally point, not {command_name(item.command)}")
+    return tuple(Geodetic(item.latitude_deg, item.longitude_deg, item.altitude) for item in items)
+
+
+def _fence_part(part: FencePolygon | FenceCircle) -> list[Item]:
+    match part:
+        case FencePolygon(vertices, inclusion):
+            command = next(c for c, inside in POLYGON.items() if inside == inclusion)
+            count = float(len(vertices))
+            return [Item(command, Frame.GLOBAL, (count, 0.0, 0.0, 0.0), lat, lon) for lat, lon in vertices]
+        case FenceCircle((lat, lon), radius, inclusion):
+            command = next(c for c, inside in CIRCLE.items() if inside == inclusion)
+            return [Item(command, Frame.GLOBAL, (radius, 0.0, 0.0, 0.0), lat, lon)]
