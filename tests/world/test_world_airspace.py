@@ -1,0 +1,89 @@
+"""The airspace: what the index leaves out must not matter."""
+
+import numpy as np
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
+from ipoa_mission.world.polygon import Polygon
+from ipoa_mission.world.terrain import Flat
+
+WIDE = Bounds((-50.0, -50.0, 0.0), (550.0, 550.0, 200.0))
+
+
+def a_town(rng: np.random.Generator, count: int) -> tuple[Obstacle, ...]:
+    town: list[Obstacle] = []
+    for i in range(count):
+        east, north = rng.uniform(0, 500, 2)
+        if i % 3 == 0:
+            town.append(Sphere(f"ball {i}", (east, north, rng.uniform(0, 100)), rng.uniform(2, 20)))
+        elif i % 3 == 1:
+            town.append(Cylinder(f"mast {i}", east, north, rng.uniform(2, 20), 0.0, rng.uniform(5, 100)))
+        else:
+            town.append(box(f"house {i}", (east, north, 0.0), (east + 20, north + 30, rng.uniform(5, 100))))
+    return tuple(town)
+
+
+@pytest.mark.parametrize("count", [1, 10, 300])
+def test_the_nearest_obstacle_is_found_as_if_all_were_asked(count: int) -> None:
+    rng = np.random.default_rng(count)
+    for _ in range(300 // count // 20 + 1):
+        town = a_town(rng, count)
+        space = Airspace(WIDE, Flat(0.0), town)
+        points = rng.uniform((0, 0, 1), (500, 500, 150), (20, 3))
+        points[5] = points[6]  # a stop
+        points[8, :2] = points[7, :2]  # a climb
+        all_distances = np.array([body.distance(points) for body in town])
+        np.testing.assert_allclose(space.obstacle_distance(points), all_distances.min(axis=0), atol=1e-12)
+        every = [
+            (*body.leg_clearance(points[leg], points[leg + 1]), leg, body.name)
+            for body in town
+            for leg in range(len(points) - 1)
+        ]
+        found, expected = space.obstacle_clearance(points), min(every)
+        assert found.distance == pytest.approx(expected[0], abs=1e-9)
+        body = next(body for body in town if body.name == found.what)
+        assert body.distance(np.array([found.place]))[0] == pytest.approx(found.distance, abs=1e-9)
+        a, b = points[found.leg], points[found.leg + 1]
+        assert body.leg_clearance(a, b)[0] == pytest.approx(found.distance, abs=1e-9)
+
+
+def test_the_ground_counts_as_an_obstacle_measured_vertically() -> None:
+    space = Airspace(WIDE, Flat(10.0), (Sphere("ball", (100.0, 100.0, 50.0), 10.0),))
+    low = space.leg_clearance(np.array([0.0, 0.0, 14.0]), np.array([20.0, 0.0, 13.0]))
+    assert (low.what, low.distance, low.place) == ("terrain", 3.0, (20.0, 0.0, 13.0))
+    near = space.leg_clearance(np.array([0.0, 100.0, 62.0]), np.array([200.0, 100.0, 62.0]))
+    assert (near.what, near.place) == ("ball", (100.0, 100.0, 62.0))
+    assert near.distance == pytest.approx(2.0)
+    assert str(near) == "2.000 m to ball at east 100.00, north 100.00, up 62.00 m"
+    np.testing.assert_allclose(space.clearance(np.array([[0.0, 0.0, 14.0], [100.0, 100.0, 65.0]])), [4.0, 5.0])
+
+
+def test_an_airspace_without_obstacles_has_only_its_ground() -> None:
+    space = Airspace(WIDE, Flat(0.0))
+    assert space.obstacle_clearance(np.zeros((2, 3))).distance == np.inf
+    assert space.polyline_clearance(np.array([[0.0, 0.0, 5.0], [1.0, 0.0, 5.0]])).what == "terrain"
+
+
+def test_leaving_the_bounds_names_the_side() -> None:
+    space = Airspace(WIDE, Flat(0.0))
+    legs = np.array([[0.0, 0.0, 100.0], [100.0, 0.0, 100.0], [100.0, 0.0, 207.0], [0.0, 0.0, 100.0]])
+    out = space.bounds_margin(legs)
+    assert (out.distance, out.what, out.leg) == (-7.0, "the upper bound", 1)
+
+
+def test_a_flight_area_is_kept_to_along_the_whole_leg() -> None:
+    notch = Polygon(((0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (50.0, 20.0), (0.0, 100.0)))
+    bounds = Bounds((-500.0, -500.0, 0.0), (500.0, 500.0, 100.0), notch)
+    a, b = np.array([10.0, 50.0, 50.0]), np.array([90.0, 50.0, 50.0])
+    across = bounds.leg_margin(a, b)
+    assert across.what == "the edge of the flight area"
+    sampled = bounds.margin(a + np.linspace(0, 1, 10_001)[:, None] * (b - a)).min()
+    assert across.distance == pytest.approx(sampled, abs=1e-6)
+    assert across.distance < -10
+
+
+def test_bounds_turned_inside_out_are_refused() -> None:
+    with pytest.raises(BadInput, match="bounds: expected lower below upper"):
+        Bounds((0.0, 0.0, 0.0), (1.0, -1.0, 1.0))

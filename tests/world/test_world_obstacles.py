@@ -1,0 +1,174 @@
+"""Distances to obstacles: held against dense sampling over random scenes, and against shapely."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, box
+
+Rng = np.random.Generator
+
+
+def a_sphere(rng: Rng) -> Obstacle:
+    return Sphere("ball", tuple(rng.uniform(-20, 20, 3)), rng.uniform(1, 15))
+
+
+def a_cylinder(rng: Rng) -> Obstacle:
+    east, north, base = rng.uniform(-20, 20, 3)
+    return Cylinder("mast", east, north, rng.uniform(1, 15), base, base + rng.uniform(1, 30))
+
+
+def a_box(rng: Rng) -> Obstacle:
+    lower = rng.uniform(-20, 10, 3)
+    return box("box", tuple(lower), tuple(lower + rng.uniform(2, 30, 3)))
+
+
+def a_ring(rng: Rng, corners: int, low: float, high: float, centre: np.ndarray) -> tuple[tuple[float, float], ...]:
+    angle = np.sort(rng.uniform(0, 2 * np.pi, corners))
+    while np.diff(np.append(angle, angle[0] + 2 * np.pi)).max() > 2.5 or np.diff(angle).min() < 0.05:
+        angle = np.sort(rng.uniform(0, 2 * np.pi, corners))
+    ring = centre + rng.uniform(low, high, corners)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    return tuple(map(tuple, ring))
+
+
+def a_building_with_a_courtyard(rng: Rng) -> Obstacle:
+    centre, base = rng.uniform(-10, 10, 2), rng.uniform(-20, 10)
+    outer = a_ring(rng, int(rng.integers(4, 12)), 14, 20, centre)
+    holes = (a_ring(rng, int(rng.integers(4, 7)), 1, 3.5, centre),) if rng.random() < 0.7 else ()
+    return Prism("hall", outer, holes, base, base + rng.uniform(1, 30))
+
+
+KINDS: dict[str, Callable[[Rng], Obstacle]] = {
+    "sphere": a_sphere,
+    "cylinder": a_cylinder,
+    "box": a_box,
+    "prism": a_building_with_a_courtyard,
+}
+every_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+def a_leg(rng: Rng) -> tuple[np.ndarray, np.ndarray]:
+    """Any leg, or one that is level, vertical, along an axis, or a point: what makes denominators vanish."""
+    a, b = rng.uniform(-35, 35, (2, 3))
+    match rng.integers(8):
+        case 0:
+            b[2] = a[2]
+        case 1:
+            b[:2] = a[:2]
+        case 2:
+            b[1:] = a[1:]
+        case 3:
+            b = a.copy()
+        case _:
+            pass
+    return a, b
+
+
+@every_kind
+def test_the_least_distance_of_a_leg_is_what_dense_sampling_closes_in_on(kind: str) -> None:
+    rng, inside = np.random.default_rng(3), 0
+    for _ in range(1000):
+        body, (a, b) = KINDS[kind](rng), a_leg(rng)
+        least, where = body.leg_clearance(a, b)
+        span = np.linspace(0.0, 1.0, 101)
+        for _ in range(4):  # closes in on the sampled minimum: a 25th of the step each time
+            sampled = body.distance(a + span[:, None] * (b - a))
+            assert least <= sampled.min() + 1e-9
+            centre, half = span[np.argmin(sampled)], 2 * (span[1] - span[0])
+            span = np.clip(np.linspace(centre - half, centre + half, 101), 0.0, 1.0)
+        assert least >= sampled.min() - 1e-3 or _second_valley(body, a, b, least)
+        assert 0 <= where <= 1
+        assert body.distance((a + where * (b - a))[None])[0] == pytest.approx(least, abs=1e-9)
+        inside += least < 0
+    assert 25 < inside < 975  # both kinds of scene were met
+
+
+def _second_valley(body: Obstacle, a: np.ndarray, b: np.ndarray, least: float) -> bool:
+    """Whether a finer sampling of the whole leg finds what the closing-in missed in a neighbouring valley."""
+    sampled = body.distance(a + np.linspace(0.0, 1.0, 200_001)[:, None] * (b - a)).min()
+    return bool(abs(sampled - least) < 1e-3)
+
+
+@every_kind
+def test_distance_is_to_the_nearest_point_of_the_surface(kind: str) -> None:
+    """The ball that just reaches the surface stays on one side of it, and comes near it somewhere."""
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        body = KINDS[kind](rng)
+        points = rng.uniform(-35, 35, (20, 3))
+        distance = body.distance(points)
+        directions = rng.normal(size=(400, 3))
+        directions /= np.linalg.norm(directions, axis=1)[:, None]
+        for point, d in zip(points, distance, strict=True):
+            around = body.distance(point + directions * abs(d))
+            assert (np.sign(around) * np.sign(d) >= 0).all() or np.abs(around[around * d < 0]).max() < 1e-9
+            assert np.abs(around).min() < 0.25 * abs(d)  # and somewhere on that ball is the surface
+
+
+@every_kind
+def test_distance_changes_by_a_metre_a_metre_at_most(kind: str) -> None:
+    rng = np.random.default_rng(6)
+    for _ in range(100):
+        body = KINDS[kind](rng)
+        a, b = rng.uniform(-35, 35, (2, 200, 3))
+        assert (np.abs(body.distance(a) - body.distance(b)) <= np.linalg.norm(a - b, axis=1) + 1e-9).all()
+
+
+@every_kind
+def test_the_box_around_an_obstacle_holds_it_tightly(kind: str) -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(50):
+        body = KINDS[kind](rng)
+        lower, upper = body.bounds
+        points = rng.uniform(lower - 5, upper + 5, (2000, 3))
+        beyond = ((points < lower) | (points > upper)).any(axis=1)
+        assert (body.distance(points[beyond]) > 0).all()
+        assert (body.distance(points) <= 0).any()
+
+
+def test_a_footprint_agrees_with_shapely() -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(200):
+        hall = a_building_with_a_courtyard(rng)
+        assert isinstance(hall, Prism)
+        spots = rng.uniform(-35, 35, (100, 2))
+        shape, points = hall.footprint.shape, shapely.points(spots)
+        expected = shapely.distance(shape, points) - np.where(
+            shapely.contains_xy(shape, spots), shapely.distance(shape.boundary, points), 0.0
+        )
+        np.testing.assert_allclose(hall.footprint.distance(spots), expected, atol=1e-9)
+
+
+def test_a_round_footprint_with_many_corners_is_solved_in_its_middle_too() -> None:
+    angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    tower = Prism("tower", tuple(zip(10 * np.cos(angle), 10 * np.sin(angle), strict=True)), (), -50.0, 50.0)
+    least, where = tower.leg_clearance(np.array([-20.0, 0.0, 0.0]), np.array([20.0, 0.0, 0.0]))
+    assert least == pytest.approx(-10 * np.cos(np.pi / 200), abs=1e-9)
+    assert where == pytest.approx(0.5)
+
+
+def test_a_courtyard_is_free_and_its_walls_are_near() -> None:
+    ring = ((-10.0, -10.0), (10.0, -10.0), (10.0, 10.0), (-10.0, 10.0))
+    yard = ((-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0))
+    hall = Prism("hall", ring, (yard,), 0.0, 20.0)
+    down = hall.leg_clearance(np.array([1.0, 0.0, 40.0]), np.array([1.0, 0.0, 5.0]))
+    assert down[0] == pytest.approx(3.0)
+    assert hall.distance(np.array([[7.0, 0.0, 5.0]]))[0] == pytest.approx(-3.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Sphere("s", (0, 0, 0), 0.0), "s.radius: expected a positive number of metres, not 0"),
+        (lambda: Cylinder("c", 0, 0, 1, 5, 5), "c.top - base: expected a positive number of metres, not 0"),
+        (lambda: Prism("p", ((0, 0), (1, 1)), (), 0, 1), "p: a polygon: expected at least 3 corners, not 2"),
+        (lambda: Prism("p", ((0, 0), (1, 1), (1, 0), (0, 1)), (), 0, 1), "p: a polygon: expected rings that do not"),
+    ],
+)
+def test_an_impossible_body_is_refused(make: Callable[[], Obstacle], message: str) -> None:
+    with pytest.raises(BadInput) as refusal:
+        make()
+    assert str(refusal.value).startswith(message)
