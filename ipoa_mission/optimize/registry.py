@@ -6,14 +6,22 @@ from difflib import get_close_matches
 from typing import get_type_hints
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.optimize.dbo import DBO
+from ipoa_mission.optimize.hho import HHO
 from ipoa_mission.optimize.ipoa import IPOA
+from ipoa_mission.optimize.mpoa import MPOA
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.optimize.settings import check_setting
+from ipoa_mission.optimize.ssa import SSA
 
 OPTIMIZERS: dict[str, type[Optimizer]] = {
     "ipoa": IPOA,
+    "dbo": DBO,
     "poa": POA,
+    "ssa": SSA,
+    "mpoa": MPOA,
+    "hho": HHO,
 }
 
 

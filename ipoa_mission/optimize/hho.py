@@ -1,0 +1,65 @@
+"""HHO, Harris hawks optimisation (Heidari et al., Future Gener. Comput. Syst. 2019, 97, 849), as its authors code it.
+
+A hawk that does not dive goes wherever its rule sends it, better or not; only the best position ever found, the rabbit,
+is kept. Costs N + N T evaluations and one more for every dive that has to be repeated with a Levy step (a hawk whose
+cost is known is not evaluated again, as the authors' code does).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.optimize.ipoa import levy_factor
+from ipoa_mission.optimize.search import Box, Search
+from ipoa_mission.optimize.settings import Count, Members
+
+
+@dataclass(frozen=True)
+class HHO:
+    """Hawks perch while the rabbit has energy and besiege it when it tires; E0 and J are random (Table 2)."""
+
+    population: Members = 30
+    iterations: Count = 1000
+
+    def search(self, box: Box, rng: np.random.Generator) -> Search:
+        """Yield N candidates, then N an iteration and the repeated dives after them."""
+        n, d = self.population, box.dimension
+        span = box.upper - box.lower
+        x = box.sample(n, rng)
+        f = yield x
+        rabbit, rabbit_cost = x[f.argmin()], f.min()
+        for t in range(self.iterations):
+            energy = 2 * (1 - t / self.iterations) * (2 * rng.random((n, 1)) - 1)  # E
+            jump = 2 * (1 - rng.random((n, 1)))  # J
+            perching, hard = np.abs(energy) >= 1, np.abs(energy) < 0.5
+            q, r1, r2, r3, r4 = rng.random((5, n, 1))
+            mean = x.mean(axis=0)
+
+            other = x[rng.integers(n, size=n)]
+            perch = np.where(
+                q < 0.5,
+                other - r1 * np.abs(other - 2 * r2 * x),  # beside a family member
+                rabbit - mean - r3 * (box.lower + r4 * span),  # on a tall tree
+            )
+            besiege = np.where(
+                hard,
+                rabbit - energy * np.abs(rabbit - x),
+                rabbit - x - energy * np.abs(jump * rabbit - x),
+            )
+            dive = rabbit - energy * np.abs(jump * rabbit - np.where(hard, mean, x))  # Y
+            diving = ~perching & (q < 0.5)
+            trial = box.clip(np.where(perching, perch, np.where(diving, dive, besiege)))
+            g = yield trial
+
+            failed = np.flatnonzero(diving[:, 0] & (g >= f))
+            if failed.size:
+                again = box.clip(
+                    dive[failed] + rng.random((failed.size, d)) * levy_factor(1.5, (failed.size, d), rng)  # Z
+                )
+                h = yield again
+                stays = (h >= f[failed])[:, None]
+                trial[failed] = np.where(stays, x[failed], again)
+                g[failed] = np.minimum(h, f[failed])
+            x, f = trial, g
+            if f.min() < rabbit_cost:
+                rabbit, rabbit_cost = x[f.argmin()], f.min()

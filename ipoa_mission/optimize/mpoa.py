@@ -1,0 +1,58 @@
+"""MPOA, a modified pelican algorithm (the paper's reference [43]). INFERRED: its formulas were not at hand.
+
+The paper gives two of its constants (Table 2: freedom parameter a = 1, proportion of vigilantes SD = 0.2) and says
+that it mutates by a Cauchy distribution. So this is POA, then a Cauchy mutation x + x C(0, a), then the sparrows' alarm
+for a share SD, each accepted greedily. Results under this name are results of this inference. Costs N + T N (3 + SD).
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ipoa_mission.optimize.search import Box, Search, keep_better
+from ipoa_mission.optimize.settings import Amount, Count, Fraction, Members
+from ipoa_mission.optimize.ssa import flee
+
+
+@dataclass(frozen=True)
+class MPOA:
+    """POA with a Cauchy mutation and vigilant members."""
+
+    population: Members = 30
+    iterations: Count = 1000
+    radius: Amount = 0.2  # R of (16)
+    freedom: Amount = 1.0  # a, the scale of the Cauchy distribution
+    vigilant: Fraction = 0.2  # SD
+    rand: Literal["pelican", "dimension"] = "pelican"  # as in POA
+
+    def search(self, box: Box, rng: np.random.Generator) -> Search:
+        """Yield N candidates, then three batches of N and one of SD N an iteration."""
+        n, d = self.population, box.dimension
+        width = 1 if self.rand == "pelican" else d
+        x = box.sample(n, rng)  # (13)
+        f = yield x
+        for t in range(1, self.iterations + 1):
+            k = rng.integers(n)
+            prey, prey_cost = x[k], f[k]
+
+            # Moving towards prey, (14) and (15)
+            intensity = rng.integers(1, 3, (n, 1))
+            towards = (prey_cost < f)[:, None]
+            trial = box.clip(x + rng.random((n, width)) * np.where(towards, prey - intensity * x, x - prey))
+            x, f = keep_better(x, f, trial, (yield trial))
+
+            # Winging on the water surface, (16) and (17)
+            trial = box.clip(x + self.radius * (1 - t / self.iterations) * (2 * rng.random((n, d)) - 1) * x)
+            x, f = keep_better(x, f, trial, (yield trial))
+
+            # Cauchy mutation (inferred)
+            trial = box.clip(x + x * self.freedom * rng.standard_cauchy((n, d)))
+            x, f = keep_better(x, f, trial, (yield trial))
+
+            # The vigilant (inferred: the sparrows' rule)
+            alarmed = rng.permutation(n)[: round(self.vigilant * n)]
+            if alarmed.size:
+                trial = box.clip(flee(x, f, alarmed, rng))
+                x, f = x.copy(), f.copy()
+                x[alarmed], f[alarmed] = keep_better(x[alarmed], f[alarmed], trial, (yield trial))

@@ -1,0 +1,76 @@
+"""SSA, the sparrow search algorithm (Xue and Shen, Systems Science & Control Engineering 2020, 8, 22).
+
+The sparrows are sorted by cost: finders first, then followers; some of either take alarm. A new place is kept when it
+is better. With the paper's share of finders (0.7) the authors' rule for "starving" followers, the worse half of all
+sparrows, would hold for every follower; here it is the worse half of the followers. Costs N + T N (1 + SD).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.optimize.search import Box, Candidates, Costs, Search, keep_better
+from ipoa_mission.optimize.settings import Count, Fraction, Members
+
+
+@dataclass(frozen=True)
+class SSA:
+    """Finders search, followers go where the best finder is or elsewhere, the alarmed flee; constants of Table 2."""
+
+    population: Members = 30
+    iterations: Count = 1000
+    safety: Fraction = 0.6  # ST
+    finders: Fraction = 0.7  # PD
+    vigilant: Fraction = 0.2  # SD
+
+    def search(self, box: Box, rng: np.random.Generator) -> Search:
+        """Yield N candidates, then the finders, the followers and the alarmed of each iteration."""
+        n = self.population
+        found = min(max(round(self.finders * n), 1), n - 1)
+        rank = np.arange(1, n + 1)[:, None]
+        starving = rank[found:] > found + (n - found) / 2
+        x = box.sample(n, rng)
+        f = yield x
+        for _ in range(self.iterations):
+            order = np.argsort(f, kind="stable")
+            x, f = x[order], f[order]
+            worst = x[-1]
+
+            # Finders, eq. (3) of Xue and Shen
+            head = x[:found]
+            if rng.random() < self.safety:
+                trial = head * np.exp(-rank[:found] / ((1 - rng.random((found, 1))) * self.iterations))
+            else:
+                trial = head + rng.standard_normal((found, 1))
+            trial = box.clip(trial)
+            head, head_cost = keep_better(head, f[:found], trial, (yield trial))
+
+            # Followers, their eq. (4)
+            tail = x[found:]
+            prey = head[head_cost.argmin()]
+            signs = rng.choice((-1.0, 1.0), tail.shape)
+            elsewhere = rng.standard_normal((n - found, 1)) * np.exp(
+                np.minimum((worst - tail) / rank[found:] ** 2, 700)
+            )
+            beside = prey + np.mean(np.abs(tail - prey) * signs, axis=1, keepdims=True)  # |x - x_p| A+ L
+            trial = box.clip(np.where(starving, elsewhere, beside))
+            tail, tail_cost = keep_better(tail, f[found:], trial, (yield trial))
+            x, f = np.concatenate([head, tail]), np.concatenate([head_cost, tail_cost])
+
+            # The alarmed, their eq. (5)
+            alarmed = rng.permutation(n)[: round(self.vigilant * n)]
+            if alarmed.size:
+                trial = box.clip(flee(x, f, alarmed, rng))
+                x[alarmed], f[alarmed] = keep_better(x[alarmed], f[alarmed], trial, (yield trial))
+
+
+def flee(x: Candidates, f: Costs, alarmed: NDArray[np.intp], rng: np.random.Generator) -> Candidates:
+    """Where the `alarmed` members go: beside the best one, or, if they are the best, away from the worst, (m, D)."""
+    here, cost = x[alarmed], f[alarmed, None]
+    best, worst = x[f.argmin()], x[f.argmax()]
+    m, d = here.shape
+    inwards = best + rng.standard_normal((m, d)) * np.abs(here - best)
+    away = here + (2 * rng.random((m, 1)) - 1) * np.abs(here - worst) / (cost - f.max() - 1e-50)
+    fled: Candidates = np.where(cost > f.min(), inwards, away)
+    return fled
