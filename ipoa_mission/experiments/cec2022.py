@@ -1,0 +1,43 @@
+"""The CEC2022 test suite (the paper's Table 1), by `minionpy`: the organisers' C code, bit for bit.
+
+`opfunu` 1.0.4 is wrong on eleven of the twelve functions; results made with it cannot be compared with any of these.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.optimize.search import Box, Candidates, Costs
+
+#: F_i* of Table 1: the cost at the optimum of f1 to f12.
+OPTIMA = (300.0, 400.0, 600.0, 800.0, 900.0, 1800.0, 2000.0, 2200.0, 2300.0, 2400.0, 2600.0, 2700.0)
+FUNCTIONS = tuple(f"f{i}" for i in range(1, 13))
+DIMENSIONS = (10, 20)
+
+
+def cec2022(function: str, dimension: int) -> tuple[Callable[[Candidates], Costs], Box]:
+    """The cost of `function` ("f1" to "f12") less its optimum, for batches (n, D) of candidates, and its box.
+
+    Raises:
+        BadInput: there is no such function, or none of that dimension.
+        MissionError: minionpy is not installed.
+    """
+    if function not in FUNCTIONS:
+        raise BadInput(f"function: expected f1 to f12, not {function!r}")
+    if dimension not in DIMENSIONS:
+        raise BadInput(f"dimension: expected 10 or 20, not {dimension}")
+    try:
+        from minionpy.cec import CEC2022Functions
+    except ImportError as error:
+        raise MissionError(
+            "the CEC2022 functions need minionpy, which is not installed",
+            hint='pip install "ipoa-mission[experiments]"',
+        ) from error
+    number = FUNCTIONS.index(function)
+    raw = CEC2022Functions(number + 1, dimension)
+
+    def error_of(candidates: Candidates) -> Costs:
+        return np.asarray(raw(candidates), dtype=np.float64) - OPTIMA[number]
+
+    return error_of, Box(np.full(dimension, -100.0), np.full(dimension, 100.0))

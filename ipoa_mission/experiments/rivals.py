@@ -1,0 +1,96 @@
+"""Optimisers of other libraries, as rivals beyond the paper.
+
+They call the cost themselves, so their evaluations are counted where they call: `Counted` sees every candidate, and
+what is tried after the budget is spent does not count, whatever the library does with it.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum
+
+
+class Counted:
+    """A cost function that counts, and remembers the best of the first `budget` candidates."""
+
+    def __init__(self, cost: Callable[[Candidates], Costs], box: Box, budget: int) -> None:
+        self._cost, self._budget = cost, budget
+        self.spent, self.best = 0, np.inf
+        self.best_x = np.full(box.dimension, np.nan)
+        self._evaluations: list[int] = []
+        self._history: list[float] = []
+
+    def __call__(self, candidates: Candidates) -> Costs:
+        """Costs (n,) of `candidates` (n, D); infinite ones for those beyond the budget."""
+        costs = np.full(len(candidates), np.inf)
+        counted = max(min(len(candidates), self._budget - self.spent), 0)
+        if counted:
+            costs[:counted] = self._cost(np.ascontiguousarray(candidates[:counted]))
+            self.spent += counted
+            winner = int(np.argmin(costs))
+            if costs[winner] < self.best:
+                self.best, self.best_x = float(costs[winner]), np.array(candidates[winner])
+            self._evaluations.append(self.spent)
+            self._history.append(self.best)
+        return costs
+
+    def optimum(self) -> Optimum:
+        """What was found, in the form that `minimise` returns."""
+        return Optimum(self.best_x, self.best, np.array(self._evaluations), np.array(self._history))
+
+
+Rival = Callable[[Callable[[Candidates], Costs], Box, int, np.random.Generator], Optimum]
+
+
+def _by_minionpy(
+    name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
+) -> Optimum:
+    """`minionpy`'s optimiser called `name` with its own defaults."""
+    try:
+        from minionpy import algorithms
+    except ImportError as error:
+        raise MissionError(
+            f"{name} needs minionpy, which is not installed", hint='pip install "ipoa-mission[experiments]"'
+        ) from error
+    counted = Counted(cost, box, budget)
+
+    def call(candidates: Any) -> list[float]:
+        costs = counted(np.asarray(candidates, dtype=np.float64))
+        return list(np.where(np.isfinite(costs), costs, 1e300))
+
+    bounds = list(zip(box.lower.tolist(), box.upper.tolist(), strict=True))
+    kind = getattr(algorithms, name)
+    kind(call, bounds, maxevals=budget, seed=int(rng.integers(2**31)), options={}).optimize()
+    return counted.optimum()
+
+
+def _by_scipy(cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator) -> Optimum:
+    """scipy's differential evolution with its own settings but a population of 5 D, without the polish at the end."""
+    from scipy.optimize import differential_evolution
+
+    counted = Counted(cost, box, budget)
+    population = 5 * box.dimension
+    differential_evolution(
+        lambda x: counted(x.T),
+        list(zip(box.lower, box.upper, strict=True)),
+        popsize=5,
+        maxiter=budget // population + 1,
+        tol=0,
+        atol=0,
+        polish=False,
+        updating="deferred",
+        vectorized=True,
+        rng=rng,
+    )
+    return counted.optimum()
+
+
+RIVALS: dict[str, Rival] = {
+    "rcmaes": partial(_by_minionpy, "RCMAES"),  # CMA-ES with restarts
+    "lshade": partial(_by_minionpy, "LSHADE"),
+    "de": _by_scipy,
+}
