@@ -1,0 +1,24 @@
+"""Colours that everybody can tell apart: those of Okabe and Ito for paths, quiet ones for the world they fly through.
+
+Source: M. Okabe and K. Ito, Color Universal Design, jfly.uni-koeln.de/color (2008). Paths also differ by their
+markers, so that a grey print can be read.
+"""
+
+BLACK = "#000000"
+ORANGE = "#E69F00"
+SKY_BLUE = "#56B4E9"
+BLUISH_GREEN = "#009E73"
+YELLOW = "#F0E442"
+BLUE = "#0072B2"
+VERMILLION = "#D55E00"
+REDDISH_PURPLE = "#CC79A7"
+
+#: In the order in which paths and curves are given them; yellow, hard to see on white, is left out.
+PATHS = (BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE, ORANGE, SKY_BLUE, BLACK)
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+LOW_GROUND = "#EFEBE1"
+HIGH_GROUND = "#B5A98F"
+LOW_ROOF = "#C5CCD4"
+HIGH_ROOF = "#7D8A99"
+OUTLINE = "#4A545F"

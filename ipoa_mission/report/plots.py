@@ -1,0 +1,217 @@
+"""Pictures for papers: a scenario and its paths from above, from the front and in space; convergence curves.
+
+Paths differ by colour and by marker. The same input gives the same bytes.
+"""
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.ticker import MaxNLocator
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
+from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.report import palette
+from ipoa_mission.report.solids import ground_mesh, outline, silhouette
+from ipoa_mission.report.view3d import draw_space
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Airspace
+
+View: TypeAlias = Literal["top", "front", "space"]
+
+WIDTHS: Mapping[View, float] = {"space": 4.6, "top": 3.5, "front": 3.5}  # [inch]
+MARKS = 8  # markers along a path
+STYLE: Mapping[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8,
+    "axes.titlesize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": palette.OUTLINE,
+    "axes.axisbelow": True,
+    "svg.hashsalt": "ipoa-mission",
+    "savefig.facecolor": "white",
+}
+
+
+def draw_views(
+    scenario: Scenario,
+    paths: Mapping[str, Points],
+    views: Sequence[View] = ("space", "top", "front"),
+    title: str = "",
+) -> Figure:
+    """The scenario with its paths, each (n, 3) under its name, in the views asked for, as in the paper's Figures 9-11.
+
+    `top` looks down with north up, `front` looks north with east to the right, `space` is a parallel projection.
+    """
+    draw = {"top": _draw_top, "front": _draw_front, "space": draw_space}
+    with matplotlib.rc_context(dict(STYLE)):
+        widths = [WIDTHS[view] for view in views]
+        figure = Figure(figsize=(sum(widths), 3.7), dpi=200, layout="constrained")
+        FigureCanvasAgg(figure)
+        grid = figure.add_gridspec(1, len(views), width_ratios=widths)
+        for n, view in enumerate(views):
+            axes = figure.add_subplot(grid[n], projection="3d" if view == "space" else None)
+            draw[view](axes, scenario.airspace, paths)
+            if view != "space":
+                _mark_ends(axes, scenario, (0, 1) if view == "top" else (0, 2))
+        if title:
+            figure.suptitle(title, fontsize=10)
+        if paths:
+            handles, labels = figure.axes[0].get_legend_handles_labels()
+            figure.legend(handles, labels, loc="outside lower center", ncols=min(len(paths), 6), frameon=False)
+    return figure
+
+
+def draw_convergence(
+    curves: Mapping[str, tuple[Vector, Vector]],
+    title: str = "",
+    y_label: str = "best cost",
+    logarithmic: bool = False,
+) -> Figure:
+    """Best cost known over evaluations spent, a curve (evaluations (n,), costs (n,)) for each name."""
+    with matplotlib.rc_context(dict(STYLE)):
+        figure = Figure(figsize=(4.6, 3.2), dpi=200, layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.add_subplot()
+        for n, (name, (evaluations, costs)) in enumerate(curves.items()):
+            axes.step(evaluations, costs, where="post", label=name, linewidth=1.4, **_look(n, len(costs)))
+        axes.set(xlabel="evaluations", ylabel=y_label, title=title)
+        axes.grid(color="#E3E3E3", linewidth=0.5)
+        if logarithmic:
+            axes.set_yscale("log")
+        if len(curves) > 1:
+            axes.legend(frameon=False)
+    return figure
+
+
+def write_picture(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, SVG or PDF, by the name's ending; without dates, so the same figure gives the same bytes.
+
+    Raises:
+        BadInput: another ending, or a folder that may not be written.
+    """
+    nothing_dated: dict[str, dict[str, str | None]] = {
+        ".png": {"Software": None},
+        ".svg": {"Date": None, "Creator": None},
+        ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    }
+    if path.suffix not in nothing_dated:
+        raise BadInput(f"{path}: expected a name that ends in .png, .svg or .pdf")
+    buffer = io.BytesIO()
+    with matplotlib.rc_context(dict(STYLE)):
+        figure.savefig(buffer, format=path.suffix[1:], metadata=nothing_dated[path.suffix])
+    write_atomically(path, buffer.getvalue())
+
+
+def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
+    east, north, up = ground_mesh(airspace, 240)
+    extent = (east[0, 0], east[0, -1], north[0, 0], north[-1, 0])
+    axes.imshow(
+        up, extent=extent, origin="lower", cmap=_GROUND, interpolation="bilinear", vmin=up.min(), vmax=_most(up)
+    )
+    if np.ptp(up) > 1.0:
+        contours = axes.contour(east, north, up, levels=_levels(up), colors="#8C7F63", linewidths=0.4, alpha=0.7)
+        axes.clabel(contours, fontsize=5, fmt="%g m")
+    tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
+    for obstacle in sorted(airspace.obstacles, key=lambda o: float(o.bounds[1, 2])):
+        shade = _ROOFS(obstacle.bounds[1, 2] / max(*tops, 1.0))
+        rings = [np.vstack([ring, ring[:1]]) for ring in outline(obstacle)]
+        whole = Outline.make_compound_path(*(Outline(ring, closed=True) for ring in _alternating(rings)))
+        axes.add_patch(PathPatch(whole, facecolor=shade, edgecolor=palette.OUTLINE, linewidth=0.4))
+    _draw_lines(axes, paths, (0, 1))
+    axes.set(
+        xlim=extent[:2], ylim=extent[2:], xlabel="east [m]", ylabel="north [m]", aspect="equal", title="from above"
+    )
+
+
+def _draw_front(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
+    east, _, up = ground_mesh(airspace, 240)
+    far_first = sorted(airspace.obstacles, key=lambda o: -float(o.bounds[0, 1]))
+    tops = [float(obstacle.bounds[1, 2]) for obstacle in far_first]
+    shapes = PolyCollection(
+        [silhouette(obstacle, 0) for obstacle in far_first],
+        facecolors=[_ROOFS(top / max(*tops, 1.0), alpha=0.55) for top in tops],
+        edgecolors=palette.OUTLINE,
+        linewidths=0.4,
+    )
+    axes.add_collection(shapes, autolim=False)
+    least = min(float(up.min()), *(float(path[:, 2].min()) for path in paths.values()), 0.0)
+    highest = max([float(up.max()), *tops, *(float(path[:, 2].max()) for path in paths.values())])
+    floor = least - 0.04 * (highest - least)
+    axes.fill_between(east[0], floor, up.max(axis=0), color=palette.LOW_GROUND, zorder=0)
+    axes.fill_between(east[0], floor, up.min(axis=0), color=palette.HIGH_GROUND, zorder=2)
+    _draw_lines(axes, paths, (0, 2))
+    axes.set(xlim=(east[0, 0], east[0, -1]), ylim=(floor, highest + 0.05 * (highest - least)))
+    axes.set(xlabel="east [m]", ylabel="up [m]", title="from the south")
+
+
+def _draw_lines(axes: Axes, paths: Mapping[str, Points], plane: tuple[int, int]) -> None:
+    for n, (name, path) in enumerate(paths.items()):
+        axes.plot(*path[:, plane].T, label=name, linewidth=1.6, zorder=5, **_look(n, _marks(path)))
+
+
+def _mark_ends(axes: Axes, scenario: Scenario, plane: tuple[int, int]) -> None:
+    for words, point in (("start", scenario.start_point), ("goal", scenario.goal_point)):
+        spot = tuple(point[list(plane)])
+        axes.plot(*spot, marker="o", markersize=6, markerfacecolor="white", markeredgecolor=palette.BLACK, zorder=6)
+        axes.annotate(
+            words,
+            spot,
+            xytext=(0, 7),
+            ha="center",
+            textcoords="offset points",
+            fontsize=7,
+            zorder=7,
+            bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
+        )
+
+
+def _marks(path: Points) -> list[int]:
+    """Indices of the nodes that carry a marker: evenly along the path, however its nodes lie."""
+    along = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    return sorted(set(np.searchsorted(along, np.linspace(0.06, 0.94, MARKS) * along[-1]).tolist()))
+
+
+def _look(n: int, marks: int | list[int]) -> dict[str, Any]:
+    """What sets the n-th line apart; `marks`: at these nodes, or at even steps along so many."""
+    every = max(1, marks // MARKS) if isinstance(marks, int) else marks
+    return {
+        "color": palette.PATHS[n % len(palette.PATHS)],
+        "marker": palette.MARKERS[n % len(palette.MARKERS)],
+        "markevery": every,
+        "markersize": 4,
+        "markeredgecolor": "white",
+        "markeredgewidth": 0.5,
+    }
+
+
+def _alternating(rings: list[Points]) -> list[Points]:
+    """The outer ring to the left and holes to the right: filling by winding number leaves the holes open."""
+    left = [float((r[:-1, 0] * r[1:, 1] - r[1:, 0] * r[:-1, 1]).sum()) > 0 for r in rings]
+    return [ring if left[n] == (n == 0) else ring[::-1] for n, ring in enumerate(rings)]
+
+
+def _levels(up: Points) -> Vector:
+    """Heights of contour lines: round numbers, the lowest ground left out."""
+    levels = MaxNLocator(8).tick_values(up.min(), up.max())
+    return np.asarray(levels[(levels > up.min()) & (levels < up.max())])
+
+
+def _most(up: Points) -> float:
+    return max(float(up.max()), float(up.min()) + 5.0)
+
+
+_GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
+_ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])

@@ -1,0 +1,128 @@
+"""Pictures: the same bytes each time, readable by the colour-blind, and geometry that is right."""
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points
+from ipoa_mission.report import palette
+from ipoa_mission.report.plots import draw_convergence, draw_views, write_picture
+from ipoa_mission.report.solids import edges, outline, silhouette, tiles
+from ipoa_mission.report.view3d import visible
+from ipoa_mission.scenario import read_scenario
+from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, box
+from ipoa_mission.world.terrain import Flat
+
+COURTYARD = Prism("courtyard", ((0, 0), (30, 0), (30, 20), (0, 20)), (((10, 5), (20, 5), (20, 15), (10, 15)),), 0, 12)
+TOWER = Cylinder("tower", 5, 5, 4, 0, 30)
+BALL = Sphere("ball", (0, 0, 20), 8)
+
+
+def area(polygon: Points) -> float:
+    """Of a flat polygon in space, by the sum of cross products; a keyhole's two banks cancel."""
+    return float(np.linalg.norm(np.cross(polygon, np.roll(polygon, -1, axis=0)).sum(axis=0)) / 2)
+
+
+@pytest.mark.parametrize("size", [1000.0, 4.0])
+@pytest.mark.parametrize(
+    ("body", "surface"),
+    [
+        (COURTYARD, (30 * 20 - 10 * 10) + 12 * (100 + 40)),
+        (TOWER, np.pi * 4**2 + 2 * np.pi * 4 * 30),
+        (BALL, 4 * np.pi * 8**2),
+    ],
+    ids=lambda x: getattr(x, "name", ""),
+)
+def test_tiles_cover_the_whole_surface_once(body: Obstacle, surface: float, size: float) -> None:
+    found = tiles(body, size)
+    assert sum(area(tile) for tile in found) == pytest.approx(surface, rel=0.02)
+    assert np.abs(body.distance(np.vstack(found))).max() < 0.03 * 8
+
+
+@pytest.mark.parametrize("body", [COURTYARD, TOWER, BALL], ids=lambda body: body.name)
+def test_outlines_and_silhouettes_fill_the_obstacles_box(body: Obstacle) -> None:
+    plan = np.vstack(outline(body))
+    assert np.allclose([plan.min(axis=0), plan.max(axis=0)], body.bounds[:, :2])
+    for axis in (0, 1):
+        shadow = silhouette(body, axis)
+        assert np.allclose([shadow.min(axis=0), shadow.max(axis=0)], body.bounds[:, [axis, 2]])
+
+
+def test_drawn_edges_lie_on_the_surface() -> None:
+    assert np.abs(COURTYARD.distance(np.vstack(edges(COURTYARD)))).max() < 1e-9
+
+
+def test_a_point_behind_a_wall_is_not_seen_and_one_above_it_is() -> None:
+    wall = box("wall", (-50, 0, 0), (50, 1, 20))
+    airspace = Airspace(Bounds((-50, -50, 0), (50, 50, 60)), Flat(), (wall,))
+    sight = np.array([0.0, -1.0, 0.5])  # from the south, 26.6 degrees above the horizontal
+    behind, higher, before = (0.0, 10.0, 5.0), (0.0, 10.0, 15.6), (0.0, -10.0, 5.0)
+    assert visible(np.array([behind, higher, before]), airspace, sight).tolist() == [False, True, True]
+
+
+@pytest.mark.parametrize("ending", [".png", ".svg", ".pdf"])
+def test_the_same_scenario_and_paths_give_the_same_bytes(ending: str, missions: Path, tmp_path: Path) -> None:
+    scenario = read_scenario(missions / "sitl.toml")
+    paths = {"straight": np.array([scenario.start_point, scenario.goal_point])}
+    for name in "ab":
+        write_picture(draw_views(scenario, paths, views=("space", "top", "front")), tmp_path / f"{name}{ending}")
+    assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
+
+
+def test_a_path_is_drawn_where_it_is() -> None:
+    curves = {"IPOA": (np.array([10, 20, 30]), np.array([9.0, 4.0, 1.0])), "POA": (np.array([10, 30]), np.ones(2))}
+    axes = draw_convergence(curves, logarithmic=True).axes[0]
+    assert [line.get_xydata().tolist() for line in axes.lines] == [
+        [[10, 9], [20, 4], [30, 1]],
+        [[10, 1], [30, 1]],
+    ]
+
+
+def test_a_view_shows_every_path_and_every_obstacle(missions: Path, tmp_path: Path) -> None:
+    scenario = read_scenario(missions / "campus.toml")
+    path = np.array([scenario.start_point, [100, 100, 50], scenario.goal_point])
+    figure = draw_views(scenario, {"one": path, "other": path + 5}, views=("top",))
+    write_picture(figure, tmp_path / "top.svg")
+    assert ET.parse(tmp_path / "top.svg").getroot().tag.endswith("svg")
+    axes = figure.axes[0]
+    assert len(axes.patches) == len(scenario.obstacles)
+    drawn = {line.get_label(): line.get_xydata() for line in axes.lines}
+    assert np.allclose(drawn["other"], path[:, :2] + 5)
+
+
+def test_another_ending_is_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match=r"picture\.bmp: expected a name that ends in"):
+        write_picture(draw_convergence({}), tmp_path / "picture.bmp")
+
+
+#: Full dichromacy: Machado, Oliveira and Fernandes 2009, table 1, severity 1.0 (linear RGB).
+DICHROMACY = {
+    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+
+
+@pytest.mark.parametrize("eye", DICHROMACY)
+def test_the_first_five_path_colours_stay_apart_for_colour_blind_eyes(eye: str) -> None:
+    linear = np.array([[_linear(c) for c in to_rgb(colour)] for colour in palette.PATHS[:5]])
+    seen = _lab(np.clip(linear @ np.array(DICHROMACY[eye]).T, 0, 1))
+    apart = np.linalg.norm(seen[:, None] - seen, axis=2) + 1e3 * np.eye(5)
+    assert apart.min() > 10  # CIE 1976 colour difference; 2.3 is just noticeable
+
+
+def _linear(channel: float) -> float:
+    return channel / 12.92 if channel <= 0.04045 else ((channel + 0.055) / 1.055) ** 2.4
+
+
+def _lab(linear: Points) -> Points:
+    """CIELAB of linear sRGB under D65 (IEC 61966-2-1, CIE 15)."""
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    ratio = linear @ to_xyz.T / np.array([0.9505, 1.0, 1.0890])
+    f = np.where(ratio > (6 / 29) ** 3, np.cbrt(ratio), ratio / (3 * (6 / 29) ** 2) + 4 / 29)
+    return np.column_stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])])
