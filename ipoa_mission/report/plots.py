@@ -71,6 +71,7 @@ def draw_views(
         if paths:
             handles, labels = figure.axes[0].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside lower center", ncols=min(len(paths), 6), frameon=False)
+        _settle(figure)
     return figure
 
 
@@ -93,6 +94,7 @@ def draw_convergence(
             axes.set_yscale("log")
         if len(curves) > 1:
             axes.legend(frameon=False)
+        _settle(figure)
     return figure
 
 
@@ -113,6 +115,14 @@ def write_picture(figure: Figure, path: Path) -> None:
     with matplotlib.rc_context(dict(STYLE)):
         figure.savefig(buffer, format=path.suffix[1:], metadata=nothing_dated[path.suffix])
     write_atomically(path, buffer.getvalue())
+
+
+def _settle(figure: Figure) -> None:
+    """Lay out now and round: the layout's solver differs in the last bits from run to run, and SVG hashes them."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        axes.set_position(tuple(np.round(axes.get_position(original=True).bounds, 6)))
 
 
 def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:

@@ -76,6 +76,7 @@ def draw_space(axes: Axes3D, airspace: Airspace, paths: Mapping[str, Points]) ->
         zorder=1,
         rasterized=True,
     )
+    solids.set_clip_on(False)
     axes.add_collection(solids, autolim=False)
     for n, (name, path) in enumerate(paths.items()):
         _draw_path(axes, airspace, path, sight, name, n)
@@ -86,10 +87,11 @@ def _draw_path(axes: Axes3D, airspace: Airspace, path: Points, sight: Vector, na
     flat, seen = _projected(axes, points), visible((points[1:] + points[:-1]) / 2, airspace, sight)
     pieces = np.stack([flat[:-1], flat[1:]], axis=1)
     colour = palette.PATHS[n % len(palette.PATHS)]
-    axes.add_collection(_FlatLines(list(pieces[~seen][::2]), colors=colour, linewidths=0.9, zorder=2), autolim=False)
-    axes.add_collection(
-        _FlatLines(list(pieces[seen]), colors=colour, linewidths=1.8, capstyle="round", zorder=3), autolim=False
-    )
+    hidden = _FlatLines(list(pieces[~seen][::2]), colors=colour, linewidths=0.9, zorder=2)
+    plain = _FlatLines(list(pieces[seen]), colors=colour, linewidths=1.8, capstyle="round", zorder=3)
+    for lines in (hidden, plain):
+        lines.set_clip_on(False)
+        axes.add_collection(lines, autolim=False)
     marks = np.arange(len(flat))[SAMPLES // 16 :: SAMPLES // 8]
     marks = marks[np.append(seen, True)[marks]]
     Axes.plot(
@@ -103,6 +105,7 @@ def _draw_path(axes: Axes3D, airspace: Airspace, path: Points, sight: Vector, na
         markeredgewidth=0.5,
         label=name,
         zorder=4,
+        clip_on=False,
     )
 
 
