@@ -1,0 +1,98 @@
+"""The curve that is planned: a clamped uniform cubic B-spline of control points, the paper's eqs. (11) and (12).
+
+The parameter u runs from 0 to 1; the curve begins and ends in its first and last control point.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points, Vector
+
+DEGREE = 3
+ARC_TABLE = 64  # entries a span of the table from parameter to arc length
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A cubic B-spline; `control` is (n, 3) with n >= 4."""
+
+    control: Points
+
+    @property
+    def spans(self) -> int:
+        """Number of polynomial pieces: n - 3."""
+        return len(self.control) - DEGREE
+
+    def points(self, u: Vector, order: int = 0) -> Points:
+        """Points on the curve at parameters u (k,) in [0, 1], or derivatives by u of the given order, (k, 3)."""
+        return np.asarray(basis(len(self.control), u, order) @ self.control)
+
+    @cached_property
+    def length(self) -> float:
+        """Arc length [m]: Gauss-Legendre on every span."""
+        nodes, weights = np.polynomial.legendre.leggauss(24)
+        u = (np.arange(self.spans)[:, None] + (nodes + 1) / 2).ravel() / self.spans
+        speed = np.linalg.norm(self.points(u, order=1), axis=1)
+        return float(speed @ np.tile(weights, self.spans) / (2 * self.spans))
+
+    def sample(self, n: int) -> Points:
+        """`n` points from start to goal, equally far apart along the curve, (n, 3)."""
+        return self.points(self.parameters(n))
+
+    def parameters(self, n: int) -> Vector:
+        """Parameters of `n` points from start to goal that are equally far apart along the curve, (n,)."""
+        u = np.linspace(0.0, 1.0, self.spans * ARC_TABLE + 1)
+        speed, middle = (np.linalg.norm(self.points(v, order=1), axis=1) for v in (u, (u[1:] + u[:-1]) / 2))
+        arcs = (speed[:-1] + 4 * middle + speed[1:]) / 6 * np.diff(u)  # Simpson
+        travelled = np.concatenate([[0.0], np.cumsum(arcs)])
+        even = np.interp(np.linspace(0.0, travelled[-1], n), travelled, u)
+        return np.concatenate([[0.0], even[1:-1], [1.0]])
+
+    def deviation(self, low: Vector, high: Vector) -> Vector:
+        """How far the curve between parameters low and high (k,) can be from its chord at most, (k,) [m].
+
+        A chord over h leaves the curve by at most max |p''| h^2 / 8; the second derivative is linear on each span, so
+        its greatest value is at an end or at a knot between.
+        """
+        bend = np.maximum(*(np.linalg.norm(self.points(u, order=2), axis=1) for u in (low, high)))
+        at_knots = np.linalg.norm(self.points(np.arange(self.spans + 1) / self.spans, order=2), axis=1)
+        first, last = np.ceil(low * self.spans - 1e-9).astype(int), np.floor(high * self.spans + 1e-9).astype(int)
+        for k in range(self.spans + 1):
+            inside = (first <= k) & (k <= last)
+            bend[inside] = np.maximum(bend[inside], at_knots[k])
+        return np.asarray(bend * (high - low) ** 2 / 8)
+
+    def refined(self) -> "Spline":
+        """The same curve with twice as many spans."""
+        n = 2 * self.spans + DEGREE
+        u = np.linspace(0.0, 1.0, 4 * n)
+        control = np.asarray(np.linalg.lstsq(basis(n, u), self.points(u), rcond=None)[0])
+        control[[0, -1]] = self.control[[0, -1]]
+        return Spline(control)
+
+
+def basis(n: int, u: Vector, order: int = 0) -> NDArray[np.float64]:
+    """Values at u (k,) of the n basis functions, or of their derivatives of the given order, (k, n)."""
+    return _basis(n, np.ascontiguousarray(u, float).tobytes(), order)
+
+
+@lru_cache(maxsize=256)
+def _basis(n: int, parameters: bytes, order: int) -> NDArray[np.float64]:
+    u = np.frombuffer(parameters)
+    knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
+    span = np.clip(np.searchsorted(knots, u, side="right") - 1, DEGREE, n - 1)
+    values = np.zeros((len(u), len(knots) - 1))
+    values[np.arange(len(u)), span] = 1.0  # N_i,0
+    for k in range(1, DEGREE + 1):
+        width = knots[k:] - knots[:-k]
+        share = np.divide(1.0, width, out=np.zeros_like(width), where=width > 0)
+        left, right = values[:, :-1] * share[:-1], values[:, 1:] * share[1:]
+        if k <= DEGREE - order:
+            values = (u[:, None] - knots[: -k - 1]) * left + (knots[k + 1 :] - u[:, None]) * right
+        else:  # the last steps of the recursion, differentiated
+            values = k * (left - right)
+    values.flags.writeable = False
+    return values
