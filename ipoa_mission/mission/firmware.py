@@ -54,6 +54,11 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
     return Mission(home, tuple(_heard(item, firmware) for item in items), autopilot)
 
 
+def settle_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
+    """The items with frames as a `Mission` and its files have them: no `_INT`, and frame 2 for what has no position."""
+    return tuple(replace(item, frame=_plain_frame(item, FIRMWARE[autopilot])) for item in items)
+
+
 def home_item(home: Geodetic) -> Item:
     """Item 0 of ArduPilot's list and of a `.waypoints` file: a waypoint at home, frame 0, AMSL."""
     return Item(Command.NAV_WAYPOINT, Frame.GLOBAL, (0.0,) * 4, home.latitude_deg, home.longitude_deg, home.altitude)

@@ -1,0 +1,122 @@
+"""A JSON document whose values know where they stand, so that whatever is wrong is said with its place."""
+
+import json
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_text
+
+
+@dataclass(frozen=True)
+class Node:
+    """One value of a document; `place` is like `mission.items[3].params`, empty for the whole."""
+
+    file: str
+    place: str
+    value: Any
+
+    @property
+    def where(self) -> str:
+        """File and place, as messages begin."""
+        return f"{self.file}: {self.place}" if self.place else self.file
+
+    def wrong(self, expected: str, hint: str | None = None) -> BadInput:
+        """The error that says what was expected here."""
+        return BadInput(f"{self.where}: expected {expected}, not {_said(self.value)}", hint)
+
+    def __getitem__(self, key: str) -> "Node":
+        """The value under a key that must be there."""
+        found = self.get(key)
+        if found is None:
+            raise BadInput(f'{self.where}: expected "{key}", but there is none')
+        return found
+
+    def get(self, key: str) -> "Node | None":
+        """The value under a key, None where the key is missing."""
+        if not isinstance(self.value, dict):
+            raise self.wrong("an object")
+        place = f"{self.place}.{key}" if self.place else key
+        return Node(self.file, place, self.value[key]) if key in self.value else None
+
+    def array(self, length: int | None = None, of: str = "values") -> list["Node"]:
+        """The members of a list, of this length if one is given."""
+        if not isinstance(self.value, list):
+            raise self.wrong("a list" if length is None else f"{length} {of}")
+        if length is not None and len(self.value) != length:
+            raise BadInput(f"{self.where}: expected {length} {of}, not {len(self.value)}")
+        return [Node(self.file, f"{self.place}[{i}]", value) for i, value in enumerate(self.value)]
+
+    def number(self, expected: str = "a number") -> float:
+        """A finite number."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int | float):
+            raise self.wrong(expected)
+        try:
+            value = float(self.value)
+        except OverflowError:
+            value = math.inf
+        if not math.isfinite(value):
+            raise self.wrong(expected)
+        return value
+
+    def number_or_nan(self, expected: str = "a number or null") -> float:
+        """A finite number; null is NaN."""
+        return math.nan if self.value is None else self.number(expected)
+
+    def whole(self, expected: str, least: int = 0, most: int = 65535) -> int:
+        """A whole number within limits."""
+        value = self.number(expected)
+        if not (value.is_integer() and least <= value <= most):
+            raise self.wrong(expected)
+        return int(value)
+
+    def flag(self) -> bool:
+        """True or false."""
+        if not isinstance(self.value, bool):
+            raise self.wrong("true or false")
+        return self.value
+
+    def text(self, expected: str = "a text") -> str:
+        """A text."""
+        if not isinstance(self.value, str):
+            raise self.wrong(expected)
+        return self.value
+
+
+def read_document(path: Path) -> Node:
+    """The JSON document of a file.
+
+    Raises:
+        BadInput: the file cannot be read, or is no JSON.
+    """
+    text = read_text(path)
+    try:
+        return Node(str(path), "", json.loads(text, parse_constant=lambda name: _no_constant(path, text, name)))
+    except json.JSONDecodeError as error:
+        raise BadInput(f"{path}: line {error.lineno}, column {error.colno}: expected JSON: {error.msg}") from error
+    except RecursionError:
+        raise BadInput(f"{path}: expected JSON, not brackets nested without end") from None
+    except ValueError:
+        raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
+
+
+def _no_constant(path: Path, text: str, name: str) -> NoReturn:
+    found = re.search(rf"^.*[\s:,\[]{re.escape(name)}\b", text, re.MULTILINE)
+    line = text.count("\n", 0, found.end()) + 1 if found else 1
+    raise BadInput(f"{path}: line {line}: expected JSON, which has no {name}", hint='write null for "not a number"')
+
+
+def _said(value: Any) -> str:
+    match value:
+        case dict():
+            return "an object"
+        case list():
+            return f"a list of {len(value)}"
+        case str() if len(value) > 40:
+            return f'"{value[:37]}..."'
+        case _:
+            words = json.dumps(value)
+            return words if len(words) <= 40 else f"a number of {len(words)} digits"

@@ -1,0 +1,42 @@
+"""Mission files of any kind: read by what is in them, written by the suffix."""
+
+from pathlib import Path
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_text
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.plan_file import read_plan, write_plan
+from ipoa_mission.mission.waypoints_file import FIRST_LINE, read_waypoints, write_waypoints
+from ipoa_mission.vehicle import Autopilot
+
+
+def read_mission(path: Path, autopilot: Autopilot | None = None) -> Mission:
+    """Read a `.plan` or a `.waypoints` file, whatever it is called.
+
+    `autopilot` goes before what a `.plan` says of itself; a `.waypoints` file says nothing, and is for PX4 without it.
+
+    Raises:
+        BadInput: the file cannot be read or is neither; the message names the place.
+    """
+    beginning = read_text(path).lstrip()[: len(FIRST_LINE)]
+    if beginning.startswith("{") or (path.suffix == ".plan" and not beginning.startswith("QGC WPL")):
+        return read_plan(path, autopilot)
+    if beginning.startswith("QGC WPL") or path.suffix == ".waypoints":
+        return read_waypoints(path, autopilot or Autopilot.PX4)
+    raise BadInput(f"{path}: expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}")
+
+
+def write_mission(mission: Mission, path: Path) -> tuple[str, ...]:
+    """Write a `.plan` or a `.waypoints` file, by the suffix; returned in words: what the file could not hold.
+
+    Raises:
+        BadInput: another suffix, or the mission cannot be put into this format.
+    """
+    match path.suffix:
+        case ".plan":
+            write_plan(mission, path)
+            return ()
+        case ".waypoints":
+            return write_waypoints(mission, path)
+        case suffix:
+            raise BadInput(f'{path}: expected a name that ends in .plan or .waypoints, not in "{suffix}"')

@@ -1,0 +1,279 @@
+"""QGroundControl's `.plan`: written so that QGroundControl's loader and MAVSDK's import both take it, and read.
+
+Both enforce different things; what is written satisfies the union of them (docs/file-formats.md). DO_JUMP refers to an
+item's `doJumpId`, which we write as the item's number.
+"""
+
+import json
+import logging
+import math
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
+from ipoa_mission.mission.document import Node, read_document
+from ipoa_mission.mission.firmware import settle_frames
+from ipoa_mission.mission.items import Command, FenceCircle, FencePolygon, Frame, Item, Mission, command_name
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+log = logging.getLogger(__name__)
+
+FIRMWARE_TYPE = {Autopilot.ARDUPILOT: 3, Autopilot.PX4: 12}  # MAV_AUTOPILOT
+QUADROTOR = 2  # MAV_TYPE
+MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
+ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
+CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and params[6] AMSL
+
+
+def write_plan(mission: Mission, path: Path) -> None:
+    """Write a mission with its fence and rally points; the same mission gives the same bytes.
+
+    Raises:
+        BadInput: the file cannot be written, or the mission holds what no `.plan` can (an altitude that is no number).
+    """
+    text = json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False)
+    write_atomically(path, text + "\n")
+
+
+def read_plan(path: Path, autopilot: Autopilot | None = None) -> Mission:
+    """Read a mission as QGroundControl, MAVSDK or we write it; surveys and corridor scans become their waypoints.
+
+    `autopilot`, if given, goes before the file's `firmwareType`.
+
+    Raises:
+        BadInput: the message names the place, as in `campus.plan: mission.items[3].params: expected 7 numbers, not 6`.
+    """
+    plan = read_document(path)
+    if plan["fileType"].text() != "Plan":
+        raise plan["fileType"].wrong('"Plan"')
+    plan["version"].whole("1", 1, 1)
+    mission = plan["mission"]
+    if version := mission.get("version"):
+        version.whole("2", 2, 2)
+    autopilot = autopilot or _autopilot(mission)
+    speed = mission.get("hoverSpeed")
+    return Mission(
+        home=_home(mission["plannedHomePosition"]),
+        items=settle_frames(_items(mission["items"]), autopilot),
+        autopilot=autopilot,
+        cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in metres per second"),
+        fence=_fence(plan.get("geoFence")),
+        rally=_rally(plan.get("rallyPoints")),
+    )
+
+
+# --- writing ----------------------------------------------------------------------------------------------------
+
+
+def _plan(mission: Mission) -> dict[str, Any]:
+    items = settle_frames(mission.items, mission.autopilot)
+    modes = Counter(ALTITUDE_MODE[Frame(item.frame)] for item in items if _has_altitude(item))
+    header: dict[str, Any] = {
+        "firmwareType": FIRMWARE_TYPE[mission.autopilot],
+        "globalPlanAltitudeMode": next(iter(modes), RELATIVE) if len(modes) < 2 else MIXED,
+        "items": [_simple_item(number, item) for number, item in enumerate(items, start=1)],
+        "plannedHomePosition": _place(mission.home),
+        "vehicleType": QUADROTOR,
+        "version": 2,
+    }
+    if mission.cruise_speed is not None:
+        header |= {"cruiseSpeed": _tidy(mission.cruise_speed), "hoverSpeed": _tidy(mission.cruise_speed)}
+    circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
+    polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
+    return {
+        "fileType": "Plan",
+        "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
+        "groundStation": "QGroundControl",
+        "mission": header,
+        "rallyPoints": {"points": [_place(place) for place in mission.rally], "version": 2},
+        "version": 1,
+    }
+
+
+def _simple_item(number: int, item: Item) -> dict[str, Any]:
+    params = [*item.params, item.latitude_deg, item.longitude_deg, item.altitude]
+    written: dict[str, Any] = {
+        "autoContinue": item.autocontinue,
+        "command": int(item.command),
+        "doJumpId": number,
+        "frame": int(item.frame),
+        "params": [_tidy(value) for value in params],
+        "type": "SimpleItem",
+    }
+    if not _has_altitude(item):
+        return written
+    if not math.isfinite(item.altitude):
+        raise BadInput(f"item {number} ({command_name(item.command)}): expected an altitude, not {item.altitude}")
+    return written | {
+        "AMSLAltAboveTerrain": None,
+        "Altitude": _tidy(item.altitude),
+        "AltitudeMode": ALTITUDE_MODE[Frame(item.frame)],
+    }
+
+
+def _has_altitude(item: Item) -> bool:
+    return item.frame in set(ALTITUDE_MODE)
+
+
+def _circle(part: FenceCircle) -> dict[str, Any]:
+    circle = {"center": [_tidy(degrees) for degrees in part.center], "radius": _tidy(part.radius)}
+    return {"circle": circle, "inclusion": part.inclusion, "version": 1}
+
+
+def _polygon(part: FencePolygon) -> dict[str, Any]:
+    ring = [[_tidy(degrees) for degrees in vertex] for vertex in part.vertices]
+    return {"inclusion": part.inclusion, "polygon": ring, "version": 1}
+
+
+def _place(place: Geodetic) -> list[float | int | None]:
+    return [_tidy(place.latitude_deg), _tidy(place.longitude_deg), _tidy(place.altitude)]
+
+
+def _tidy(value: float) -> float | int | None:
+    """A number as QGroundControl writes it: whole numbers without a point, NaN as null."""
+    if not math.isfinite(value):
+        return None
+    return int(value) if abs(value) < 1e15 and value == int(value) else value
+
+
+# --- reading ----------------------------------------------------------------------------------------------------
+
+
+def _autopilot(mission: Node) -> Autopilot:
+    node = mission["firmwareType"]
+    for autopilot, number in FIRMWARE_TYPE.items():
+        if not isinstance(node.value, bool) and node.value == number:
+            return autopilot
+    raise node.wrong("3 (ArduPilot) or 12 (PX4)", hint="say which autopilot the plan is for")
+
+
+def _home(node: Node) -> Geodetic:
+    latitude, longitude, altitude = node.array(3, "numbers (latitude, longitude, altitude AMSL)")
+    return Geodetic(_degrees(latitude), _degrees(longitude), altitude.number("an altitude AMSL in metres"))
+
+
+@dataclass(frozen=True)
+class _Listed:
+    """An item, where it stands in the file, and what DO_JUMP calls it."""
+
+    item: Item
+    node: Node
+    jump_id: int | None
+
+
+def _items(node: Node) -> list[Item]:
+    listed = [entry for child in node.array() for entry in _listed(child)]
+    numbers: dict[int | None, int] = {}
+    for number, entry in enumerate(listed, start=1):
+        numbers.setdefault(entry.jump_id, number)
+    return [_with_jump(entry, numbers) for entry in listed]
+
+
+def _with_jump(entry: _Listed, numbers: dict[int | None, int]) -> Item:
+    if entry.item.command != Command.DO_JUMP:
+        return entry.item
+    target = entry.node["params"].array()[0]
+    number = numbers.get(target.whole("the doJumpId of an item"))
+    if number is None:
+        raise target.wrong("the doJumpId of an item")
+    return replace(entry.item, params=(float(number), *entry.item.params[1:]))
+
+
+def _listed(node: Node) -> list[_Listed]:
+    match node["type"].text():
+        case "SimpleItem":
+            return [_simple(node)]
+        case "ComplexItem":
+            return _complex(node)
+        case _:
+            raise node["type"].wrong('"SimpleItem" or "ComplexItem"')
+
+
+def _complex(node: Node) -> list[_Listed]:
+    name = node["complexItemType"].text()
+    transects = node.get("TransectStyleComplexItem")
+    items = transects.get("Items") if transects else None
+    if items is None:
+        raise BadInput(
+            f'{node.where}: expected the waypoints of the complex item "{name}", but it holds none',
+            hint="only surveys and corridor scans carry their waypoints in the file",
+        )
+    return [_simple(child) for child in items.array()]
+
+
+def _simple(node: Node) -> _Listed:
+    command = node["command"].whole("a MAV_CMD number")
+    frame = node["frame"].whole("a MAV_FRAME number", 0, 255)
+    nodes = node["params"].array(7, "numbers")
+    p1, p2, p3, p4, *place = (child.number_or_nan() for child in nodes)
+    for child, value in zip(nodes[4:6], place, strict=False):
+        if math.isnan(value) and frame != Frame.MISSION and command not in MAY_BE_HERE:
+            raise child.wrong("degrees")
+    _check_altitude(node, place[2])
+    latitude, longitude = (0.0 if math.isnan(value) else value for value in place[:2])
+    altitude = 0.0 if math.isnan(place[2]) and frame == Frame.MISSION else place[2]
+    jump_id = node.get("doJumpId")
+    return _Listed(
+        Item(command, frame, (p1, p2, p3, p4), latitude, longitude, altitude, node["autoContinue"].flag()),
+        node,
+        None if jump_id is None else jump_id.whole("a number from 0 to 65535"),
+    )
+
+
+#: Commands for which (0, 0) means the place where the vehicle is.
+MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND}
+
+
+def _check_altitude(node: Node, param7: float) -> None:
+    """QGroundControl flies `Altitude`, everyone else params[6]: they must not differ."""
+    mode, altitude = node.get("AltitudeMode"), node.get("Altitude")
+    if altitude is None or altitude.value is None or (mode and mode.value == CALCULATED_ABOVE_TERRAIN):
+        return
+    if not abs(altitude.number("an altitude in metres") - param7) <= 0.01:
+        raise altitude.wrong(f"the same altitude as in params[6] ({json.dumps(_tidy(param7))})")
+
+
+def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
+    if node is None or not (node.get("polygons") or node.get("circles")):
+        return ()
+    node["version"].whole("2", 2, 2)
+    if node.get("breachReturn"):
+        log.warning("%s: geoFence.breachReturn: a return point is not kept", node.file)
+    polygons, circles = node.get("polygons"), node.get("circles")
+    return (
+        *(_read_polygon(child) for child in (polygons.array() if polygons else [])),
+        *(_read_circle(child) for child in (circles.array() if circles else [])),
+    )
+
+
+def _read_polygon(node: Node) -> FencePolygon:
+    ring = node["polygon"]
+    vertices = [vertex.array(2, "numbers (latitude, longitude)") for vertex in ring.array()]
+    if len(vertices) < 3:
+        raise ring.wrong("three vertices or more")
+    return FencePolygon(tuple((_degrees(lat), _degrees(lon)) for lat, lon in vertices), node["inclusion"].flag())
+
+
+def _read_circle(node: Node) -> FenceCircle:
+    circle = node["circle"]
+    latitude, longitude = circle["center"].array(2, "numbers (latitude, longitude)")
+    radius = circle["radius"].number("a radius in metres")
+    if radius <= 0:
+        raise circle["radius"].wrong("a radius above zero")
+    return FenceCircle((_degrees(latitude), _degrees(longitude)), radius, node["inclusion"].flag())
+
+
+def _rally(node: Node | None) -> tuple[Geodetic, ...]:
+    points = node.get("points") if node else None
+    if points is None:
+        return ()
+    nodes = [point.array(3, "numbers (latitude, longitude, altitude)") for point in points.array()]
+    return tuple(Geodetic(_degrees(lat), _degrees(lon), alt.number("an altitude in metres")) for lat, lon, alt in nodes)
+
+
+def _degrees(node: Node) -> float:
+    return node.number("degrees")

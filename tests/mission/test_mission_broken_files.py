@@ -1,0 +1,25 @@
+"""Each broken file is refused with exactly its message, which begins with the file and names the place."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.files import read_mission
+
+BROKEN = Path(__file__).parent.parent / "broken"
+MESSAGES = tomllib.loads((BROKEN / "messages.toml").read_text(encoding="utf-8"))
+
+
+def test_every_broken_file_has_a_message_and_every_message_a_file() -> None:
+    assert {path.name for path in BROKEN.iterdir()} == set(MESSAGES) | {"messages.toml"}
+
+
+@pytest.mark.parametrize("name", MESSAGES)
+def test_a_broken_file_is_refused_with_its_message(name: str) -> None:
+    path = BROKEN / name
+    with pytest.raises(BadInput) as refusal:
+        read_mission(path)
+    assert str(refusal.value) == f"{path}: {MESSAGES[name]}"
+    assert refusal.value.exit_code == 2

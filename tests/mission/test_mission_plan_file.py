@@ -1,0 +1,172 @@
+"""`.plan`: there and back, the rules of QGroundControl's loader, and files as QGroundControl writes them."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from mission_strategies import missions, same
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
+from ipoa_mission.mission.plan_file import read_plan, write_plan
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+FILES = Path(__file__).parent / "files"
+HOME = Geodetic(39.101, 121.82, 20.0)
+
+
+def written(mission: Mission, folder: Path) -> dict[str, Any]:
+    path = folder / "written.plan"
+    write_plan(mission, path)
+    return json.loads(path.read_text())
+
+
+@given(mission=missions())
+def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
+    path = tmp_path_factory.getbasetemp() / "round.plan"
+    write_plan(mission, path)
+    assert same(read_plan(path), mission)
+
+
+@given(mission=missions())
+def test_what_is_written_keeps_the_rules_of_qgroundcontrols_loader(mission: Mission, tmp_path_factory: Any) -> None:
+    path = tmp_path_factory.getbasetemp() / "rules.plan"
+    write_plan(mission, path)
+    text = path.read_text()
+    plan = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert (plan["fileType"], plan["groundStation"]) == ("Plan", "QGroundControl")
+    assert plan["version"] == 1
+    assert type(plan["version"]) is int
+    header, fence, rally = plan["mission"], plan["geoFence"], plan["rallyPoints"]
+    assert (header["version"], fence["version"], rally["version"]) == (2, 2, 2)
+    assert header["firmwareType"] == {"ardupilot": 3, "px4": 12}[mission.autopilot]
+    assert header["vehicleType"] == 2
+    assert [type(v) in (int, float) for v in header["plannedHomePosition"]] == [True] * 3
+    assert {type(circle["inclusion"]) for circle in fence["circles"]} <= {bool}
+    assert all(part["version"] == 1 for part in (*fence["circles"], *fence["polygons"]))
+    assert all(len(point) == 3 for point in rally["points"])
+    for number, item in enumerate(header["items"], start=1):
+        assert item["type"] == "SimpleItem"
+        assert (type(item["command"]), type(item["frame"]), type(item["autoContinue"])) == (int, int, bool)
+        assert item["doJumpId"] == number
+        assert len(item["params"]) == 7
+        assert all(p is None or type(p) in (int, float) for p in item["params"])
+        keys = {"AltitudeMode", "Altitude", "AMSLAltAboveTerrain"} & set(item)
+        assert len(keys) in (0, 3), "all or none"
+        assert bool(keys) == (item["frame"] in (0, 3, 10))
+        if keys:
+            assert item["AltitudeMode"] == {3: 1, 0: 2, 10: 4}[item["frame"]]
+            assert item["Altitude"] == item["params"][6]
+            assert item["Altitude"] is not None
+
+
+def test_the_same_mission_gives_the_same_bytes(tmp_path: Path) -> None:
+    mission = read_plan(FILES / "survey.plan")
+    one, other = tmp_path / "one.plan", tmp_path / "other.plan"
+    write_plan(mission, one)
+    write_plan(mission, other)
+    assert one.read_bytes() == other.read_bytes()
+    assert one.read_bytes().endswith(b"}\n")
+    assert b"\r" not in one.read_bytes()
+
+
+@pytest.mark.parametrize(("frames", "mode"), [((3, 3), 1), ((0, 0), 2), ((10, 10), 4), ((0, 3), 0), ((), 1)])
+def test_the_altitude_mode_of_the_plan_is_that_of_its_items_or_mixed(
+    frames: tuple[int, ...], mode: int, tmp_path: Path
+) -> None:
+    items = tuple(Item(16, frame, altitude=30.0) for frame in frames)
+    assert written(Mission(HOME, items), tmp_path)["mission"]["globalPlanAltitudeMode"] == mode
+
+
+def test_a_speed_is_shown_in_the_header_only_if_there_is_one(tmp_path: Path) -> None:
+    assert written(Mission(HOME, (), cruise_speed=12.5), tmp_path)["mission"]["hoverSpeed"] == 12.5
+    assert "hoverSpeed" not in written(Mission(HOME, ()), tmp_path)["mission"]
+
+
+def test_an_altitude_that_is_no_number_is_not_written(tmp_path: Path) -> None:
+    mission = Mission(HOME, (takeoff(HOME, 10.0), waypoint(HOME, math.nan)))
+    with pytest.raises(BadInput, match=r"^item 2 \(NAV_WAYPOINT\): expected an altitude, not nan$"):
+        write_plan(mission, tmp_path / "no.plan")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_survey_becomes_its_waypoints() -> None:
+    mission = read_plan(FILES / "survey.plan")
+    assert [item.command for item in mission.items] == [22, 530, 16, 206, 16, 206, 16, 206, 16, 206, 177, 20]
+    assert mission.autopilot is Autopilot.PX4
+    assert mission.home == Geodetic(47.3977419, 8.545594, 488.2)
+    assert mission.cruise_speed == 5.0
+    assert all(item.frame == (3 if item.command in (16, 22) else 2) for item in mission.items)
+    assert [item.altitude for item in mission.items if item.command == 16] == [50.0] * 4
+
+
+def test_a_jump_refers_to_a_do_jump_id_and_not_to_a_place_in_the_list() -> None:
+    jump = read_plan(FILES / "survey.plan").items[10]
+    assert jump.params[:2] == (3.0, 1.0), "doJumpId 12 is the third item, inside the survey"
+
+
+def test_fence_and_rally_points_are_read() -> None:
+    mission = read_plan(FILES / "survey.plan")
+    polygon, keep_in, keep_out = mission.fence
+    assert isinstance(polygon, FencePolygon)
+    assert (len(polygon.vertices), polygon.inclusion) == (4, True)
+    assert keep_in == FenceCircle((47.3985, 8.5465), 400.0, True)
+    assert keep_out == FenceCircle((47.39901, 8.54712), 25.5, False)
+    assert mission.rally == (Geodetic(47.3979, 8.5448, 40.0), Geodetic(47.3971, 8.5471, 35.0))
+
+
+def test_mavsdk_reads_the_survey_as_we_do(mavsdk: Any) -> None:
+    path = FILES / "survey.plan"
+    mission = read_plan(path)
+    assert len(mission.items) == 12
+    theirs = mavsdk.read(path.read_text(), "plan", Autopilot.PX4)
+    assert [row[2] for row in theirs["mission"]] == [item.command for item in mission.items]
+    assert [row[9:11] for row in theirs["mission"] if row[1] == 3] == [
+        [round(item.latitude_deg * 1e7), round(item.longitude_deg * 1e7)] for item in mission.items if item.frame == 3
+    ]
+
+
+def test_a_corridor_scan_on_ardupilot_is_read() -> None:
+    mission = read_plan(FILES / "corridor.plan")
+    assert mission.autopilot is Autopilot.ARDUPILOT
+    assert [item.command for item in mission.items] == [22, 16, 206, 16, 16, 206, 21]
+    assert [item.frame for item in mission.items] == [3, 10, 2, 10, 10, 2, 3]
+
+
+def test_the_autopilot_that_is_asked_for_goes_before_that_of_the_file() -> None:
+    assert read_plan(FILES / "corridor.plan", Autopilot.PX4).autopilot is Autopilot.PX4
+
+
+def test_what_other_programs_leave_out_is_not_needed(tmp_path: Path) -> None:
+    plan = written(Mission(HOME, (takeoff(HOME, 10.0), waypoint(HOME, 10.0))), tmp_path)
+    del plan["groundStation"], plan["geoFence"], plan["rallyPoints"], plan["mission"]["version"]
+    for item in plan["mission"]["items"]:
+        del item["AltitudeMode"], item["Altitude"], item["AMSLAltAboveTerrain"], item["doJumpId"]
+    path = tmp_path / "sparse.plan"
+    path.write_text(json.dumps(plan))
+    assert len(read_plan(path).items) == 2
+    path.write_text(json.dumps(plan | {"geoFence": {}, "rallyPoints": {}, "somethingElse": [1, 2]}))
+    assert same(read_plan(path), replace(read_plan(path), fence=(), rally=()))
+
+
+def test_a_take_off_without_a_position_is_one_from_here(tmp_path: Path) -> None:
+    plan = written(Mission(HOME, (takeoff(HOME, 10.0),)), tmp_path)
+    plan["mission"]["items"][0]["params"][4:6] = [None, None]
+    path = tmp_path / "here.plan"
+    path.write_text(json.dumps(plan))
+    (item,) = read_plan(path).items
+    assert (item.latitude_deg, item.longitude_deg, item.has_position) == (0.0, 0.0, False)
+
+
+def test_a_return_point_of_the_fence_is_reported_as_not_kept(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    plan = written(Mission(HOME, ()), tmp_path)
+    plan["geoFence"]["breachReturn"] = [39.1, 121.8, 50]
+    path = tmp_path / "breach.plan"
+    path.write_text(json.dumps(plan))
+    read_plan(path)
+    assert caplog.messages == [f"{path}: geoFence.breachReturn: a return point is not kept"]

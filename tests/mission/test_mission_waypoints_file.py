@@ -1,0 +1,137 @@
+"""`.waypoints`: strict in writing, lenient in reading, and honest about what does not fit."""
+
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from mission_strategies import missions, same
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
+from ipoa_mission.mission.waypoints_file import read_waypoints, write_waypoints
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+FILES = Path(__file__).parent / "files"
+HOME = Geodetic(39.101, 121.82, 20.0)
+FLIGHT = Mission(HOME, (takeoff(HOME, 40.0), change_speed(15.0), waypoint(Geodetic(39.1023, 121.8212), 40.0)))
+
+
+@given(mission=missions(frames=(0, 3), fences=False))
+def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
+    path = tmp_path_factory.getbasetemp() / "round.waypoints"
+    assert write_waypoints(mission, path) == ()
+    back = read_waypoints(path, mission.autopilot)
+    if mission.autopilot is Autopilot.ARDUPILOT:
+        mission = replace(mission, items=tuple(replace(i, params=_zeros(i.params)) for i in mission.items))
+    assert same(back, replace(mission, cruise_speed=None))
+
+
+def _zeros(params: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    p1, p2, p3, p4 = (0.0 if math.isnan(p) else p for p in params)
+    return p1, p2, p3, p4
+
+
+@given(mission=missions(frames=(0, 3), fences=False))
+def test_every_line_is_as_the_strictest_reader_wants_it(mission: Mission, tmp_path_factory: Any) -> None:
+    path = tmp_path_factory.getbasetemp() / "strict.waypoints"
+    write_waypoints(mission, path)
+    data = path.read_bytes()
+    assert b"\r" not in data
+    assert not data.startswith(b"\xef\xbb\xbf")
+    first, *lines, last = data.decode("ascii").split("\n")
+    assert (first, last) == ("QGC WPL 110", "")
+    assert len(lines) == len(mission.items) + 1
+    for seq, line in enumerate(lines):
+        fields = line.split("\t")
+        assert len(fields) == 12
+        assert fields[:2] == [str(seq), str(int(seq == 0))]
+        assert all(re.fullmatch(r"\d+", field) for field in (*fields[:4], fields[11])), "integers as integers"
+        assert all(re.fullmatch(r"-?\d+\.\d{8,}", field) for field in fields[8:10]), "at least eight decimals"
+        assert all(re.fullmatch(r"-?\d+\.\d+|nan", field) for field in (*fields[4:8], fields[10]))
+
+
+def test_a_file_reads_as_it_should(tmp_path: Path) -> None:
+    path = tmp_path / "flight.waypoints"
+    write_waypoints(FLIGHT, path)
+    assert path.read_text() == (
+        "QGC WPL 110\n"
+        "0	1	0	16	0.000000	0.000000	0.000000	0.000000	39.10100000	121.82000000	20.000000	1\n"
+        "1	0	3	22	0.000000	0.000000	0.000000	nan	39.10100000	121.82000000	40.000000	1\n"
+        "2	0	2	178	1.000000	15.000000	-1.000000	0.000000	0.00000000	0.00000000	0.000000	1\n"
+        "3	0	3	16	0.000000	0.000000	0.000000	nan	39.10230000	121.82120000	40.000000	1\n"
+    )
+
+
+def test_nan_stays_for_px4_which_would_turn_north_and_is_0_for_ardupilot(tmp_path: Path) -> None:
+    path = tmp_path / "flight.waypoints"
+    write_waypoints(replace(FLIGHT, autopilot=Autopilot.ARDUPILOT), path)
+    assert "nan" not in path.read_text()
+
+
+def test_what_does_not_fit_is_said(tmp_path: Path) -> None:
+    mission = replace(FLIGHT, fence=(FenceCircle((39.1, 121.8), 100.0),), rally=(HOME,))
+    assert write_waypoints(mission, tmp_path / "fence.waypoints") == (
+        "the geofence cannot be held by a .waypoints file",
+        "the rally points cannot be held by a .waypoints file",
+    )
+
+
+@pytest.mark.parametrize("frame", [10, 11])
+def test_terrain_altitudes_are_refused_because_ground_stations_take_them_for_amsl(frame: int, tmp_path: Path) -> None:
+    mission = Mission(HOME, (takeoff(HOME, 40.0), Item(16, frame, altitude=30.0)), Autopilot.ARDUPILOT)
+    with pytest.raises(BadInput, match=r"^item 2 \(NAV_WAYPOINT\): expected an altitude above home or AMSL, not above"):
+        write_waypoints(mission, tmp_path / "terrain.waypoints")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_position_that_is_no_number_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match=r"^item 1 \(NAV_WAYPOINT\): expected a finite position"):
+        write_waypoints(Mission(HOME, (Item(16, 3, altitude=math.nan),)), tmp_path / "nan.waypoints")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text.replace("\n", "\r\n"),
+        lambda text: text + "\n\n",
+        lambda text: text.replace("\t", " "),
+        lambda text: "\ufeff" + text,
+        lambda text: text.replace("\n", "\n# a comment\n", 1),
+        lambda text: text.rstrip("\n"),
+    ],
+    ids=["CRLF", "blank lines", "spaces", "byte order mark", "comment", "no last line end"],
+)
+def test_what_other_programs_write_is_read(change: Any, tmp_path: Path) -> None:
+    path = tmp_path / "lenient.waypoints"
+    write_waypoints(FLIGHT, path)
+    path.write_bytes(change(path.read_text()).encode())
+    assert same(read_waypoints(path), FLIGHT)
+
+
+def test_a_file_of_mission_planner_is_read() -> None:
+    mission = read_waypoints(FILES / "mission_planner.waypoints", Autopilot.ARDUPILOT)
+    assert mission.home == Geodetic(-35.3632622, 149.1652376, 584.09)
+    assert [(item.command, item.frame) for item in mission.items] == [
+        (22, 3),
+        (178, 2),
+        (16, 3),
+        (82, 3),
+        (177, 2),
+        (20, 2),
+    ]
+    assert mission.items[2].params[0] == 2.0
+
+
+@pytest.mark.parametrize("name", ["corners-ardupilot", "hold-px4"])
+def test_recorded_missions_are_read_and_written_back(name: str, tmp_path: Path) -> None:
+    source = FILES / f"{name}.waypoints"
+    mission = read_waypoints(source)
+    path = tmp_path / "again.waypoints"
+    write_waypoints(mission, path)
+    assert same(read_waypoints(path), mission)
+    assert len(mission.items) == len(source.read_text().splitlines()) - 2
