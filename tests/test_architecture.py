@@ -13,7 +13,9 @@ GROUND = {"errors", "files", "geometry", "vehicle"}  # everyone may import these
 MAY_IMPORT = {
     "world": set(),
     "optimize": set(),
-    "scenario": {"world"},
+    "maps": {"world"},
+    "energy": set(),
+    "scenario": {"world", "maps", "energy"},
     "planning": {"scenario", "world", "optimize"},
     "mission": {"scenario", "world", "planning", "timing"},
     "timing": {"mission", "world"},
@@ -31,7 +33,19 @@ IMPURE = {
     "serial": {"link/channel.py"},
     "pymavlink": {"link/codec.py"},
 }
-NO_CLOCK = {"world", "optimize", "planning", "mission", "timing", "geometry", "scenario", "vehicle", "errors"}
+NO_CLOCK = {
+    "world",
+    "maps",
+    "energy",
+    "optimize",
+    "planning",
+    "mission",
+    "timing",
+    "geometry",
+    "scenario",
+    "vehicle",
+    "errors",
+}
 
 FILES = sorted(PACKAGE.rglob("*.py"))
 
