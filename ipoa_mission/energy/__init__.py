@@ -1,0 +1,1 @@
+"""What a flight takes out of the battery, and whether it may."""

@@ -1,0 +1,87 @@
+"""The energy of a flight along a track, and the battery that must hold it with its reserve."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.energy.power import Airframe, air_density, power
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geometry import Points, Vector
+
+JOULES_A_WATT_HOUR = 3600.0
+
+
+class NotEnoughBattery(MissionError):
+    """The flight would come home with less than the reserve, or not at all."""
+
+
+@dataclass(frozen=True)
+class Battery:
+    """A battery: what it holds when full [Wh], and the share of it that must be left after landing."""
+
+    capacity_wh: float
+    reserve: float = 0.2
+
+    def __post_init__(self) -> None:
+        if not self.capacity_wh > 0 or not 0 <= self.reserve < 1:
+            raise BadInput(
+                "battery: expected a capacity of more than nothing and a reserve from 0 to below 1, "
+                f"not {self.capacity_wh:g} Wh and {self.reserve:g}"
+            )
+
+
+@dataclass(frozen=True)
+class Consumption:
+    """What a flight takes: all of it [Wh], mean and highest power [W], and the power of each span (n-1,) [W]."""
+
+    energy_wh: float
+    mean_w: float
+    peak_w: float
+    spans_w: Vector
+
+    def left(self, battery: Battery) -> float:
+        """The share of the battery that is left after the flight; negative if it is not enough."""
+        return 1 - self.energy_wh / battery.capacity_wh
+
+
+def consumption(
+    airframe: Airframe, times: Vector, points: Points, altitude_amsl: float = 0.0, wind: float = 0.0
+) -> Consumption:
+    """What flying along a track takes: at `times` (n,) [s] it passes `points` (n, 3) east, north, up [m].
+
+    `altitude_amsl` is that of up = 0 (the air is thinner higher up); `wind` [m/s] blows against the flight all the way
+    while it moves and while it hovers. Speeding up takes its kinetic energy; slowing down gives nothing back.
+
+    Raises:
+        BadInput: the times do not grow, or there are fewer than two.
+    """
+    spans = np.diff(times)
+    if len(times) < 2 or len(times) != len(points) or not (spans > 0).all():
+        raise BadInput("track: expected two or more points with times that grow")
+    steps = np.diff(points, axis=0)
+    speed, climb = np.hypot(steps[:, 0], steps[:, 1]) / spans, steps[:, 2] / spans
+    density = air_density(altitude_amsl + (points[:-1, 2] + points[1:, 2]) / 2)
+    steady = power(airframe, speed + wind, climb, density)
+    kinetic = 0.5 * airframe.mass_kg * (speed**2 + climb**2)
+    gained = np.maximum(np.diff(kinetic, prepend=0.0), 0.0)
+    drawn = steady + gained / airframe.drive_efficiency / spans
+    joules = float(drawn @ spans)
+    duration = float(times[-1] - times[0])
+    return Consumption(joules / JOULES_A_WATT_HOUR, joules / duration, float(drawn.max()), drawn)
+
+
+def expect_reserve(used: Consumption, battery: Battery) -> None:
+    """Refuse a flight after which less than the reserve is left.
+
+    Raises:
+        NotEnoughBattery: saying what the flight needs and what is left.
+    """
+    left = used.left(battery)
+    if left < battery.reserve:
+        needed = used.energy_wh / (1 - battery.reserve)
+        outcome = f"leaves {left:.1%} of {battery.capacity_wh:g} Wh" if left > 0 else f"not {battery.capacity_wh:g} Wh"
+        raise NotEnoughBattery(
+            f"battery: expected a reserve of {battery.reserve:.0%} after landing, "
+            f"but the flight takes {used.energy_wh:.1f} Wh, {outcome}",
+            hint=f"a battery of {needed:.1f} Wh would do; or fly a shorter way, or at another speed",
+        )

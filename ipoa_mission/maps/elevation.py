@@ -1,0 +1,192 @@
+"""Elevation models (GeoTIFF, SRTM .hgt, whatever GDAL reads) as a regular grid of ground in the local frame.
+
+A model's heights belong to posts, the centres of its pixels; between them it is bilinear. The local grid is read off
+that surface and then raised where needed, so that no post lies above it: coarse spacing costs room, never safety.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import RectBivariateSpline
+from scipy.ndimage import map_coordinates
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Vector
+from ipoa_mission.maps.geoid import undulation
+from ipoa_mission.maps.raster import Raster, open_raster
+from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.terrain import Grid
+
+KNOTS = 33  # coordinates are converted on so many lines each way, and are smooth in between
+LEVEL = 1000.0  # the second of the two heights at which they are converted; local coordinates are linear in height [m]
+MOST_NODES = 8_000_000
+HOME_AGREES = 10.0  # home's given altitude may differ from the model's by so much [m]
+
+
+@dataclass(frozen=True)
+class ElevationRules:
+    """How a model is to be read. `None` for `heights`: as its coordinate system says, or else above mean sea level.
+
+    `geoid` is the geoid's height above the ellipsoid [m] or a PROJ grid of it; `nodata` stands for a missing height.
+    """
+
+    heights: Literal["amsl", "ellipsoidal"] | None = None
+    geoid: float | Path | None = None
+    spacing: float | None = None
+    voids: Literal["refuse", "fill"] = "refuse"
+    nodata: float | None = None
+    level_at_home: bool = False
+
+
+def local_grid(
+    path: Path, rules: ElevationRules, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
+) -> tuple[Grid, tuple[str, ...]]:
+    """The ground between the corners `lower` and `upper` (east, north) [m] above home, and remarks on what was done.
+
+    Raises:
+        BadInput: naming the file and what is wrong with it, or that it does not cover the area.
+        MissionError: rasterio is not installed.
+    """
+    with open_raster(path, rules.nodata) as raster:
+        area = _pixels(raster, frame, _knots(lower[0], upper[0]), _knots(lower[1], upper[1]), 0.0)
+        raster.expect_cover(area)
+        apart = _post_distance(raster, frame, area)
+        nodes = _nodes(lower, upper, rules.spacing or apart)
+        knots = _knots(nodes[0][0], nodes[0][-1]), _knots(nodes[1][0], nodes[1][-1])
+        pixels = [_pixels(raster, frame, *knots, up) for up in (0.0, LEVEL)]
+        first, heights, remarks = raster.read(pixels, fill=rules.voids == "fill")
+        heights, said = _above_sea(heights, raster, first, rules)
+        posts = _posts(raster, frame, first, heights)
+    spacing = float(nodes[0][1] - nodes[0][0])
+    ground = _read_off(heights, first, knots, pixels, nodes)
+    lift = _raise_over_posts(ground, posts, lower, spacing)
+    grid, levelled = _level(Grid(lower[0], lower[1], spacing, ground), rules, frame, (lower, upper), path)
+    used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {lift:.2g} m at most"
+    return grid, tuple(f"{path.name}: {remark}" for remark in (*remarks, *said, used, *levelled))
+
+
+def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> tuple[Vector, Vector]:
+    """East of the columns and north of the rows [m]: from the lower corner to the upper one or just beyond."""
+    columns, rows = (max(int(np.ceil((upper[i] - lower[i]) / spacing - 1e-9)) + 1, 2) for i in (0, 1))
+    if columns * rows > MOST_NODES:
+        least = spacing * np.sqrt(columns * rows / MOST_NODES)
+        raise BadInput(f"terrain.spacing: expected {least:.1f} m or more over so wide an area, not {spacing:.3g} m")
+    return np.asarray(lower[0] + spacing * np.arange(columns)), np.asarray(lower[1] + spacing * np.arange(rows))
+
+
+def _knots(low: float, high: float) -> Vector:
+    return np.linspace(low, high, KNOTS, dtype=np.float64)
+
+
+def _pixels(raster: Raster, frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
+    """Column, row and altitude [m AMSL] of a lattice of places, (3, len(east), len(north))."""
+    lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
+    latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
+    return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))
+
+
+def _posts(raster: Raster, frame: LocalFrame, first: "_First", heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """East, north, up of every post read, (3, rows, columns): at one place on Earth they are linear in height."""
+    rows, columns = (begin + np.arange(count) for begin, count in zip(first, heights.shape, strict=True))
+    knots = [_knots(each[0], each[-1]) for each in (rows, columns)]
+    row, column = np.meshgrid(*knots, indexing="ij")
+    latitude, longitude = raster.places(column.ravel(), row.ravel())
+    at = [
+        [
+            RectBivariateSpline(*knots, axis.reshape(row.shape))(rows, columns)
+            for axis in frame.to_local(latitude, longitude, np.full(row.size, altitude)).T
+        ]
+        for altitude in (frame.home.altitude, frame.home.altitude + LEVEL)
+    ]
+    share = (heights - frame.home.altitude) / LEVEL
+    return np.stack([low + share * (high - low) for low, high in zip(*at, strict=True)])
+
+
+def _read_off(
+    heights: NDArray[np.float64],
+    first: "_First",
+    knots: tuple[Vector, Vector],
+    pixels: list[NDArray[np.float64]],
+    nodes: tuple[Vector, Vector],
+) -> NDArray[np.float64]:
+    """Ground above home at the nodes, (rows, columns): which place lies under a node depends a little on its height."""
+    low, high = ([RectBivariateSpline(*knots, values)(*nodes).T for values in level] for level in pixels)
+    up = np.zeros_like(low[0])
+    for _ in range(2):
+        column, row = (low[i] + up / LEVEL * (high[i] - low[i]) for i in (0, 1))
+        altitude = map_coordinates(heights, [row - first[0], column - first[1]], order=1, mode="nearest")
+        up = (altitude - low[2]) / (high[2] - low[2]) * LEVEL
+    return np.asarray(up)
+
+
+def _raise_over_posts(
+    ground: NDArray[np.float64], posts: NDArray[np.float64], lower: tuple[float, float], spacing: float
+) -> float:
+    """Raise `ground` in place until no post lies above it; the greatest raise [m]."""
+    east, north, up = posts.reshape(3, -1)
+    rows, columns = ground.shape
+    x, y = (east - lower[0]) / spacing, (north - lower[1]) / spacing
+    inside = (x >= 0) & (y >= 0) & (x <= columns - 1) & (y <= rows - 1)
+    x, y, up = x[inside], y[inside], up[inside]
+    surface = map_coordinates(ground, [y, x], order=1, mode="nearest")
+    missing = up - surface
+    short = missing > 0
+    column, row = (
+        np.minimum(x[short].astype(int), columns - 2),
+        np.minimum(y[short].astype(int), rows - 2),
+    )
+    raised = np.zeros_like(ground)
+    for down, right in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        np.maximum.at(raised, (row + down, column + right), missing[short])
+    ground += raised
+    return float(raised.max())
+
+
+def _post_distance(raster: Raster, frame: LocalFrame, area: NDArray[np.float64]) -> float:
+    """Distance between neighbouring posts in the middle of the area, the shorter of both ways [m]."""
+    column, row = (float(area[i].mean()) for i in (0, 1))
+    places = raster.places(np.array([column, column + 1, column]), np.array([row, row, row + 1]))
+    here, right, down = frame.to_local(*places, np.full(3, frame.home.altitude))
+    return float(min(np.linalg.norm(right - here), np.linalg.norm(down - here)))
+
+
+def _above_sea(
+    heights: NDArray[np.float64], raster: Raster, first: "_First", rules: ElevationRules
+) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Heights above mean sea level, and what was said about it."""
+    counted = rules.heights or ("ellipsoidal" if raster.ellipsoidal else "amsl")
+    if counted == "amsl" or rules.level_at_home:
+        return heights, (f"heights taken as {'above mean sea level' if counted == 'amsl' else 'differences only'}",)
+    row, column = first[0] + heights.shape[0] / 2, first[1] + heights.shape[1] / 2
+    latitude, longitude = raster.places(np.array([column]), np.array([row]))
+    geoid, source = undulation(float(latitude[0]), float(longitude[0]), rules.geoid, raster.path)
+    return heights - geoid, (f"heights above the ellipsoid, less {geoid:.2f} m of geoid ({source})",)
+
+
+def _level(
+    grid: Grid,
+    rules: ElevationRules,
+    frame: LocalFrame,
+    corners: tuple[tuple[float, float], tuple[float, float]],
+    path: Path,
+) -> tuple[Grid, tuple[str, ...]]:
+    """The grid, levelled if so asked; refused if home's altitude does not agree with it."""
+    if not all(low <= 0 <= high for low, high in zip(*corners, strict=True)):
+        return grid, ()
+    at_home = float(grid.height(np.zeros((1, 2)))[0])
+    if rules.level_at_home:
+        level = Grid(grid.east, grid.north, grid.spacing, grid.heights - at_home)
+        return level, (f"moved by {-at_home:.2f} m, so that the ground at home is at 0",)
+    if abs(at_home) > HOME_AGREES:
+        found, given = frame.home.altitude + at_home, frame.home.altitude
+        raise BadInput(
+            f"home.altitude_amsl: expected about {found:.1f} m, the ground there in {path}, not {given:g} m",
+            hint=f"set home.altitude_amsl = {found:.1f}, or terrain.level_at_home = true",
+        )
+    return grid, (f"ground at home {at_home:+.2f} m from home's altitude",)
+
+
+_First = tuple[int, int]  # row and column of the first post read

@@ -1,0 +1,91 @@
+"""A feature of a map file: a shape on the Earth with its tags, and where in the file it stands."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.errors import BadInput
+
+Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg, WGS 84]
+Made = TypeVar("Made")
+MANY = 10  # mistakes told at once
+
+
+@dataclass(frozen=True)
+class Feature:
+    """`shape` is a shapely geometry in longitude, latitude [deg, WGS 84], as it stands in the file: it may be invalid.
+
+    `place` names file and feature for messages; `tags` are its properties as text, those without a value left out.
+    """
+
+    place: str
+    shape: Any
+    tags: Mapping[str, str]
+
+    @property
+    def name(self) -> str:
+        """What messages call the thing: its name, or else its number in OpenStreetMap, or its place in the file."""
+        named = (self.tags.get(key) for key in ("name", "addr:housename", "@id", "id", "osm_way_id", "osm_id"))
+        return next((name for name in named if name), self.place)
+
+
+def read_features(path: Path) -> tuple[Feature, ...]:
+    """The features of a GeoJSON (`.geojson`, `.json`) or KML (`.kml`) file, in its order.
+
+    Raises:
+        BadInput: naming file and place of everything that is wrong, and what was expected there.
+    """
+    from ipoa_mission.maps.geojson import read_geojson
+    from ipoa_mission.maps.kml import read_kml
+
+    readers = {".geojson": read_geojson, ".json": read_geojson, ".kml": read_kml}
+    if path.suffix.lower() not in readers:
+        raise BadInput(f"{path}: expected a file that ends in {', '.join(readers)}, not in {path.suffix or 'nothing'}")
+    return readers[path.suffix.lower()](path)
+
+
+def on_earth(corners: Corners, place: str) -> Corners:
+    """The same corners, if they are longitudes and latitudes.
+
+    Raises:
+        BadInput: they are none.
+    """
+    outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
+    if outside.any():
+        x, y = corners[outside][0]
+        raise BadInput(
+            f"{place}: expected longitude and latitude in degrees, not {x:g}, {y:g}",
+            hint="export the file in WGS 84 (EPSG:4326)",
+        )
+    return corners
+
+
+class Mistakes:
+    """Collects what is wrong in a file, so that all of it is told at once."""
+
+    def __init__(self) -> None:
+        self._found: list[BadInput] = []
+
+    def attempt(self, act: Callable[..., Made], *arguments: Any) -> Made | None:
+        """What `act` makes of its arguments; or None, if it raised BadInput."""
+        try:
+            return act(*arguments)
+        except BadInput as mistake:
+            self._found.append(mistake)
+            return None
+
+    def tell(self) -> None:
+        """Raise what was found, if anything was.
+
+        Raises:
+            BadInput: with a line for each mistake, but no more than ten.
+        """
+        if self._found:
+            lines = [str(mistake) for mistake in self._found[:MANY]]
+            if len(self._found) > MANY:
+                lines.append(f"and {len(self._found) - MANY} more of this kind")
+            raise BadInput("\n".join(lines), hint=self._found[0].hint)

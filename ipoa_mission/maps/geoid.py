@@ -1,0 +1,43 @@
+"""The geoid's height above the ellipsoid at a place: given, or from a PROJ grid of EGM96 or EGM2008 if one is there.
+
+One value serves a whole flight: over some kilometres the geoid tilts by centimetres.
+"""
+
+from pathlib import Path
+
+from pyproj import Transformer
+from pyproj.exceptions import ProjError
+
+from ipoa_mission.errors import BadInput
+
+#: PROJ's own names of the grids, the best match to an autopilot's mean sea level first.
+GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
+
+
+def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | None, place: Path) -> tuple[float, str]:
+    """Height of the geoid above the WGS 84 ellipsoid [m], and where it is from.
+
+    Raises:
+        BadInput: nothing was given and PROJ has no grid on this machine, or a grid that was given says nothing here.
+    """
+    if isinstance(given, int | float):
+        return float(given), "as given"
+    for grid in GRIDS if given is None else (str(given),):
+        try:
+            shift = Transformer.from_pipeline(
+                "+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad "
+                f'+step +proj=vgridshift +grids="{grid}" +multiplier=1'
+            )
+            height = shift.transform(longitude_deg, latitude_deg, 0.0, errcheck=True)[2]
+        except ProjError:
+            continue
+        return float(height), f"by {Path(grid).name}"
+    if given is not None:
+        raise BadInput(
+            f"terrain.geoid: expected a PROJ grid that covers {latitude_deg:.4f}, {longitude_deg:.4f}: {given}"
+        )
+    raise BadInput(
+        f"{place}: its heights are above the ellipsoid, and PROJ's grid of the geoid is not on this machine",
+        hint=f"set terrain.geoid to the geoid's height there in metres, or get it by `pyproj sync --file {GRIDS[0]}`; "
+        "or set terrain.level_at_home = true",
+    )

@@ -1,0 +1,160 @@
+"""GeoJSON (RFC 7946) as OpenStreetMap's exports write it: Overpass turbo, osmtogeojson, QGIS.
+
+They differ in where they keep the tags: beside each other in `properties`, under `properties.tags`, or, from GDAL's
+OSM driver, as text in `properties.other_tags`. QGIS may write other coordinates than degrees, and says so in `crs`.
+"""
+
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from pyproj import CRS, Transformer
+from pyproj.exceptions import CRSError
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_text
+from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth
+
+HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')
+
+
+def read_geojson(path: Path) -> tuple[Feature, ...]:
+    """The features of a FeatureCollection, of a single Feature, or of a bare geometry.
+
+    Raises:
+        BadInput: naming file and place, and what was expected there.
+    """
+    try:
+        document = json.loads(read_text(path))
+    except json.JSONDecodeError as error:
+        raise BadInput(f"{path}: line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}") from error
+    kind = document.get("type") if isinstance(document, dict) else None
+    if kind == "FeatureCollection":
+        features = document.get("features")
+        if not isinstance(features, list):
+            raise BadInput(f"{path}: features: expected a list")
+        found = [(f"{path}: features[{i}]", feature) for i, feature in enumerate(features)]
+    elif kind == "Feature":
+        found = [(f"{path}: feature", document)]
+    elif kind == "GeometryCollection" or kind in SHAPES:
+        found = [(f"{path}: feature", {"type": "Feature", "geometry": document})]
+    else:
+        raise BadInput(f"{path}: type: expected 'FeatureCollection', not {kind!r}", hint="a map is a GeoJSON file")
+    to_degrees, mistakes = _coordinate_system(document, path), Mistakes()
+    made = [mistakes.attempt(_feature, place, feature, to_degrees) for place, feature in found]
+    mistakes.tell()
+    return tuple(feature for feature in made if feature is not None)
+
+
+def _feature(place: str, feature: Any, to_degrees: "_Degrees") -> Feature | None:
+    """A feature, or None if it has no geometry."""
+    if not isinstance(feature, dict) or feature.get("type") != "Feature":
+        raise BadInput(f"{place}: expected a Feature")
+    geometry, properties = feature.get("geometry"), feature.get("properties")
+    if geometry is None:
+        return None
+    tags = dict(_tags(properties if isinstance(properties, dict) else {}))
+    if isinstance(feature.get("id"), str | int):
+        tags.setdefault("@id", str(feature["id"]))
+    return Feature(place, _shape(geometry, f"{place}.geometry", to_degrees), tags)
+
+
+def _tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for key, value in properties.items():
+        if key == "tags" and isinstance(value, dict):
+            yield from _tags(value)
+        elif key == "other_tags" and isinstance(value, str):
+            yield from ((_unescaped(k), _unescaped(v)) for k, v in HSTORE.findall(value))
+        elif isinstance(value, str | int | float) and not isinstance(value, bool) and str(value).strip():
+            yield key, str(value).strip()
+
+
+def _unescaped(text: str) -> str:
+    return re.sub(r"\\(.)", r"\1", text)
+
+
+def _shape(geometry: Any, place: str, to_degrees: "_Degrees") -> Any:
+    kind = geometry.get("type") if isinstance(geometry, dict) else None
+    if isinstance(geometry, dict) and kind == "GeometryCollection":
+        members = geometry.get("geometries")
+        if not isinstance(members, list):
+            raise BadInput(f"{place}.geometries: expected a list")
+        shapes = [_shape(member, f"{place}.geometries[{i}]", to_degrees) for i, member in enumerate(members)]
+        return shapely.GeometryCollection(shapes)
+    if not isinstance(geometry, dict) or not isinstance(kind, str) or kind not in SHAPES:
+        raise BadInput(f"{place}.type: expected a kind of geometry, such as 'Polygon', not {kind!r}")
+    return SHAPES[kind](geometry.get("coordinates"), f"{place}.coordinates", to_degrees)
+
+
+def _corners(values: Any, place: str, to_degrees: "_Degrees") -> Corners:
+    try:
+        corners = np.array([position[:2] for position in values], float)
+    except (TypeError, ValueError, KeyError):
+        corners = np.zeros((0, 0))
+    if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
+        raise BadInput(f"{place}: expected positions as [longitude, latitude]")
+    return on_earth(to_degrees(corners), place)
+
+
+def _point(values: Any, place: str, to_degrees: "_Degrees") -> Any:
+    return shapely.Point(_corners([values], place, to_degrees)[0])
+
+
+def _line(values: Any, place: str, to_degrees: "_Degrees") -> Any:
+    corners = _corners(values, place, to_degrees)
+    if len(corners) < 2:
+        raise BadInput(f"{place}: expected 2 positions or more, not {len(corners)}")
+    return shapely.LineString(corners)
+
+
+def _polygon(values: Any, place: str, to_degrees: "_Degrees") -> Any:
+    if not isinstance(values, list) or not values:
+        raise BadInput(f"{place}: expected a list of rings")
+    rings = []
+    for i, ring in enumerate(values):
+        corners = _corners(ring, f"{place}[{i}]", to_degrees)
+        if len(np.unique(corners, axis=0)) < 3:
+            raise BadInput(f"{place}[{i}]: expected a ring of 3 different corners or more")
+        rings.append(corners)
+    return shapely.Polygon(rings[0], rings[1:])
+
+
+def _several(one: "_Reader", whole: Any) -> "_Reader":
+    def read(values: Any, place: str, to_degrees: "_Degrees") -> Any:
+        if not isinstance(values, list):
+            raise BadInput(f"{place}: expected a list")
+        return whole([one(value, f"{place}[{i}]", to_degrees) for i, value in enumerate(values)])
+
+    return read
+
+
+_Degrees = Callable[[Corners], Corners]
+_Reader = Callable[[Any, str, _Degrees], Any]
+
+SHAPES: Mapping[str, _Reader] = {
+    "Point": _point,
+    "MultiPoint": _several(_point, shapely.MultiPoint),
+    "LineString": _line,
+    "MultiLineString": _several(_line, shapely.MultiLineString),
+    "Polygon": _polygon,
+    "MultiPolygon": _several(_polygon, shapely.MultiPolygon),
+}
+
+
+def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
+    """How to turn the file's coordinates into longitude and latitude: its `crs` member (GeoJSON of 2008, and QGIS)."""
+    if document.get("crs") is None:
+        return lambda corners: corners
+    try:
+        name = document["crs"]["properties"]["name"]
+        system = CRS.from_user_input(name)
+    except (KeyError, TypeError, CRSError) as error:
+        raise BadInput(f"{path}: crs: expected the name of a coordinate system, such as 'EPSG:32633'") from error
+    if system.is_geographic and system.ellipsoid is not None and "WGS 84" in system.ellipsoid.name:
+        return lambda corners: corners
+    convert = Transformer.from_crs(system, "OGC:CRS84", always_xy=True)
+    return lambda corners: np.column_stack(convert.transform(*corners.T))

@@ -1,0 +1,92 @@
+"""KML 2.2 as Google Earth, Google My Maps and flight planners write it: the placemarks with a point, line or polygon.
+
+Heights in a KML are not read: a scenario says how high a zone or a building is.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_text
+from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth
+
+WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
+
+
+def read_kml(path: Path) -> tuple[Feature, ...]:
+    """Every placemark that has a shape, with its name and extended data as tags.
+
+    Raises:
+        BadInput: naming file and place, and what was expected there.
+    """
+    try:
+        root = ElementTree.fromstring(read_text(path).encode())
+    except ElementTree.ParseError as error:
+        raise BadInput(f"{path}: line {error.position[0]}: expected well-formed XML") from error
+    if _local(root) != "kml":
+        raise BadInput(f"{path}: expected a kml document, not {_local(root)}")
+    mistakes = Mistakes()
+    placemarks = [element for element in root.iter() if _local(element) == "Placemark"]
+    features = [mistakes.attempt(_feature, element, f"{path}: Placemark[{i}]") for i, element in enumerate(placemarks)]
+    mistakes.tell()
+    return tuple(feature for feature in features if feature is not None)
+
+
+def _feature(placemark: ElementTree.Element, place: str) -> Feature | None:
+    shapes = list(_shapes(placemark, place))
+    if not shapes:
+        return None
+    return Feature(place, shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes), dict(_tags(placemark)))
+
+
+def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
+    for element in placemark.iter():
+        key, value = element.get("name"), element.text
+        if _local(element) == "name":
+            key = "name"
+        elif _local(element) == "Data":
+            value = next((child.text for child in element if _local(child) == "value"), None)
+        elif _local(element) != "SimpleData":
+            continue
+        if key and value and value.strip():
+            yield key, value.strip()
+
+
+def _shapes(parent: ElementTree.Element, place: str) -> Iterator[Any]:
+    for element in parent:
+        kind = _local(element)
+        if kind in {"MultiGeometry", "Document", "Folder"}:
+            yield from _shapes(element, place)
+        elif kind == "Point":
+            yield shapely.Point(_corners(element, f"{place}.{kind}")[0])
+        elif kind == "LineString":
+            yield shapely.LineString(_corners(element, f"{place}.{kind}"))
+        elif kind == "Polygon":
+            outer = [ring for side in element if _local(side) == "outerBoundaryIs" for ring in side]
+            inner = [ring for side in element if _local(side) == "innerBoundaryIs" for ring in side]
+            if len(outer) != 1:
+                raise BadInput(f"{place}.Polygon.outerBoundaryIs: expected one LinearRing, not {len(outer)}")
+            rings = [_corners(ring, f"{place}.Polygon") for ring in (*outer, *inner)]
+            yield shapely.Polygon(rings[0], rings[1:])
+
+
+def _corners(element: ElementTree.Element, place: str) -> Corners:
+    text = next((child.text for child in element if _local(child) == "coordinates"), None) or ""
+    try:
+        corners = np.array([[float(number) for number in word.split(",")[:2]] for word in text.split()], float)
+    except ValueError:
+        corners = np.zeros((0, 0))
+    least = WORDS[_local(element)]
+    if corners.ndim != 2 or corners.shape[1] != 2 or len(np.unique(corners, axis=0)) < least:
+        raise BadInput(f"{place}.coordinates: expected {least} or more different positions as longitude,latitude")
+    return on_earth(corners, f"{place}.coordinates")
+
+
+def _local(element: ElementTree.Element) -> str:
+    """The tag without its namespace."""
+    return str(element.tag).rpartition("}")[2]

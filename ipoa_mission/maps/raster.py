@@ -1,0 +1,183 @@
+"""An elevation raster opened by rasterio: its pixels by place, and a window of its heights in metres."""
+
+import math
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pyproj import CRS, Transformer
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geometry import Vector
+
+UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
+UNITS |= {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
+LOWEST, HIGHEST = -12_000.0, 10_000.0  # no ground on Earth is lower or higher [m]
+BEYOND = 2  # posts read beyond the area, so that its edge lies between posts
+FILL_REACH = 100  # pixels over which a missing height is filled from its neighbours
+
+
+@dataclass(frozen=True, eq=False)
+class Raster:
+    """An open dataset. Pixel coordinates are those of posts: column 0, row 0 is the centre of the first pixel."""
+
+    path: Path
+    dataset: Any
+    nodata: float | None
+
+    @cached_property
+    def system(self) -> CRS:
+        """Its coordinate system, heights included if it says how they count."""
+        if self.dataset.crs is None:
+            raise BadInput(f"{self.path}: expected an elevation model that names its coordinate system")
+        return CRS.from_wkt(self.dataset.crs.to_wkt())
+
+    @property
+    def ellipsoidal(self) -> bool:
+        """Whether the coordinate system itself says that heights are above the ellipsoid: it has three axes in one."""
+        return not self.system.is_compound and len(self.system.axis_info) == 3
+
+    def pixels(self, latitude_deg: Vector, longitude_deg: Vector) -> tuple[Vector, Vector]:
+        """Column and row of places, each (n,)."""
+        x, y = self._from_degrees.transform(longitude_deg, latitude_deg)
+        a, b, c, d, e, f = self._affine
+        if self.system.is_geographic:  # the same meridian has many numbers: take the one nearest the raster's middle
+            middle = a * self.dataset.width / 2 + b * self.dataset.height / 2 + c
+            x = (np.asarray(x) - middle + 180.0) % 360.0 - 180.0 + middle
+        x, y = np.asarray(x) - c, np.asarray(y) - f
+        area = a * e - b * d
+        return (e * x - b * y) / area - 0.5, (a * y - d * x) / area - 0.5
+
+    def places(self, column: Vector, row: Vector) -> tuple[Vector, Vector]:
+        """Latitude and longitude [deg] of posts, each (n,)."""
+        a, b, c, d, e, f = self._affine
+        x, y = column + 0.5, row + 0.5
+        longitude, latitude = self._from_degrees.transform(a * x + b * y + c, d * x + e * y + f, direction="INVERSE")
+        return np.asarray(latitude), np.asarray(longitude)
+
+    def expect_cover(self, pixels: NDArray[np.float64]) -> None:
+        """Refuse an area (its pixels, (2 or more, ...)) that the raster does not cover.
+
+        Raises:
+            BadInput: saying on which side, and how many posts are missing.
+        """
+        outside = {
+            "left": -0.5 - pixels[0].min(),
+            "right": pixels[0].max() - self.dataset.width + 0.5,
+            "upper": -0.5 - pixels[1].min(),
+            "lower": pixels[1].max() - self.dataset.height + 0.5,
+        }
+        side = max(outside, key=lambda each: outside[each])
+        if not outside[side] < 1e-6:
+            missing = f"{math.ceil(outside[side])} posts" if math.isfinite(outside[side]) else "far"
+            raise BadInput(
+                f"{self.path}: expected a model of the whole flight area, which lies {missing} beyond its {side} edge",
+                hint="take a larger model, or narrow `bounds` (bounds.margin = 50 is the default)",
+            )
+
+    def read(
+        self, pixels: Sequence[NDArray[np.float64]], fill: bool
+    ) -> tuple[tuple[int, int], NDArray[np.float64], tuple[str, ...]]:
+        """First row and column, heights [m] of a window (rows, columns) round pixels, and remarks.
+
+        Raises:
+            BadInput: heights are missing and `fill` is false, or are not of this Earth.
+        """
+        left, top = (int(np.floor(min(level[i].min() for level in pixels))) for i in (0, 1))
+        right, bottom = (int(np.ceil(max(level[i].max() for level in pixels))) for i in (0, 1))
+        rows = max(top - BEYOND, 0), min(bottom + BEYOND + 1, self.dataset.height)
+        columns = max(left - BEYOND, 0), min(right + BEYOND + 1, self.dataset.width)
+        if self.dataset.height < 4 or self.dataset.width < 4:
+            raise BadInput(f"{self.path}: expected at least 4 x 4 heights")
+        rows, columns = _at_least_four(rows, self.dataset.height), _at_least_four(columns, self.dataset.width)
+        band = self.dataset.read(1, window=(rows, columns), masked=True)
+        missing = np.ma.getmaskarray(band) | ~np.isfinite(band.data.astype(float))
+        if self.nodata is not None:
+            missing |= band.data == self.nodata
+        heights = (band.data * self.dataset.scales[0] + self.dataset.offsets[0]) * self._unit
+        heights = np.where(missing, np.nan, heights.astype(float))
+        return (rows[0], columns[0]), *self._complete(heights, (rows[0], columns[0]), fill)
+
+    def _complete(
+        self, heights: NDArray[np.float64], first: tuple[int, int], fill: bool
+    ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+        wild = (heights < LOWEST) | (heights > HIGHEST)
+        if wild.any():
+            raise BadInput(
+                f"{self.path}: expected heights of ground, not {heights[wild][0]:g} m {self._where(wild, first)}",
+                hint="if this number stands for a missing height, say so by terrain.nodata",
+            )
+        missing = np.isnan(heights)
+        if not missing.any():
+            return heights, ()
+        found = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, first)}"
+        if not fill:
+            raise BadInput(f"{self.path}: {found}", hint='terrain.voids = "fill" fills them from their neighbours')
+        from rasterio.fill import fillnodata
+
+        holed = np.where(missing, LOWEST - 1, heights).astype("float32")
+        filled = np.asarray(fillnodata(holed, mask=~missing, max_search_distance=FILL_REACH), float)
+        if (filled < LOWEST).any():
+            raise BadInput(f"{self.path}: {found}, and some are too far from any other to be filled")
+        return np.where(missing, filled, heights), (f"{found}: filled from their neighbours",)
+
+    def _where(self, which: NDArray[np.bool_], first: tuple[int, int]) -> str:
+        row, column = np.argwhere(which)[0] + first
+        latitude, longitude = self.places(np.array([column]), np.array([row]))
+        return f"at row {row}, column {column} (latitude {latitude[0]:.5f}, longitude {longitude[0]:.5f})"
+
+    @property
+    def _affine(self) -> tuple[float, float, float, float, float, float]:
+        a, b, c, d, e, f = tuple(self.dataset.transform)[:6]
+        return a, b, c, d, e, f
+
+    @cached_property
+    def _from_degrees(self) -> Transformer:
+        return Transformer.from_crs("OGC:CRS84", self.system.to_2d(), always_xy=True)
+
+    @property
+    def _unit(self) -> float:
+        name = (self.dataset.units[0] or "").strip().lower()
+        vertical = [axis for axis in self.system.axis_info if axis.direction == "up"]
+        if not name and vertical:
+            return float(vertical[0].unit_conversion_factor)
+        if name not in UNITS:
+            raise BadInput(f"{self.path}: expected heights in metres or feet, not in {name!r}")
+        return UNITS[name]
+
+
+@contextmanager
+def open_raster(path: Path, nodata: float | None) -> Iterator[Raster]:
+    """An elevation raster, open while in use.
+
+    Raises:
+        BadInput: the file is none that GDAL reads.
+        MissionError: rasterio is not installed.
+    """
+    try:
+        import rasterio
+    except ImportError as error:
+        raise MissionError(
+            f"{path}: reading an elevation model needs rasterio, which is not installed",
+            hint="pip install 'ipoa-mission[maps]'",
+        ) from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # `system` refuses it in words
+            dataset = rasterio.open(path)
+    except rasterio.errors.RasterioIOError as error:
+        raise BadInput(f"{path}: expected an elevation model: {error}") from error
+    with dataset:
+        yield Raster(path, dataset, nodata)
+
+
+def _at_least_four(span: tuple[int, int], size: int) -> tuple[int, int]:
+    """A span of posts widened to four, inside the raster."""
+    first = max(min(span[0], size - 4), 0)
+    return first, max(span[1], first + 4)
