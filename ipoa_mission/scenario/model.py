@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario.maps import MapSection
 from ipoa_mission.scenario.places import (
     BoundsSection,
     FenceSection,
@@ -20,10 +21,10 @@ from ipoa_mission.scenario.places import (
     TerrainSection,
 )
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
+from ipoa_mission.scenario.surroundings import Surroundings, survey
 from ipoa_mission.vehicle import Autopilot, Parameters
-from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.terrain import Terrain
 
 
 class VehicleSection(Section):
@@ -142,6 +143,8 @@ class Scenario(Section):
     planning: PlanningSection = PlanningSection()
     optimizer: OptimizerSection = OptimizerSection()
     route: RouteSection = RouteSection()
+    maps: tuple[MapSection, ...] = ()
+    """Files with buildings, no-fly zones or the flight area."""
     fence: tuple[FenceSection, ...] = ()
     """Geofence that goes into the mission."""
     rally: tuple[Place, ...] = ()
@@ -172,29 +175,27 @@ class Scenario(Section):
         """Rally points, (k, 3) [m]."""
         return self._points(self.rally)
 
-    @cached_property
+    @property
     def airspace(self) -> Airspace:
-        """Bounds, terrain and obstacles in the local frame."""
-        names = [o.name or f"{o.kind} {i}" for i, o in enumerate(self.obstacles)]
-        obstacles = tuple(
-            o.build(name, self.frame, self._terrain.height) for name, o in zip(names, self.obstacles, strict=True)
-        )
-        ends = np.vstack([np.zeros(3), self.start_point, self.goal_point, self.via_points])
-        corners = np.array([corner for o in obstacles for corner in o.bounds]).reshape(-1, 3)
-        return Airspace(self._bounds(np.vstack([ends, corners])), self._terrain, obstacles)
+        """Bounds, terrain and obstacles in the local frame, those of the maps among them."""
+        return self._surroundings.airspace
+
+    @property
+    def geofence(self) -> tuple[FenceSection, ...]:
+        """The geofence that goes into the mission: `fence`, then the flight area and the no-fly zones of the maps."""
+        return self._surroundings.geofence
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was assumed, mended or left out when the maps were read, for the user to know."""
+        return self._surroundings.remarks
 
     def _point(self, place: Place) -> Vector:
-        return place.point(self.frame, self._terrain.height)
+        return place.point(self.frame, self.airspace.terrain.height)
 
     def _points(self, places: tuple[Place, ...]) -> Points:
         return np.array([self._point(place) for place in places]).reshape(-1, 3)
 
     @cached_property
-    def _terrain(self) -> Terrain:
-        return self.terrain.build()
-
-    def _bounds(self, things: Points) -> Bounds:
-        least, most = things.min(axis=0) - self.bounds.margin, things.max(axis=0) + self.bounds.margin
-        sides = (self.bounds.east, self.bounds.north, self.bounds.up)
-        east, north, up = (side or (float(a), float(b)) for side, a, b in zip(sides, least, most, strict=True))
-        return Bounds((east[0], north[0], up[0]), (east[1], north[1], up[1]))
+    def _surroundings(self) -> Surroundings:
+        return survey(self)

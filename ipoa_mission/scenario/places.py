@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario.maps import ElevationTerrain
 from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
@@ -182,7 +183,9 @@ class GridTerrain(Section):
         return Grid(self.east, self.north, self.spacing, heights)
 
 
-TerrainSection: TypeAlias = Annotated[FlatTerrain | AnalyticTerrain | GridTerrain, Field(discriminator="kind")]
+TerrainSection: TypeAlias = Annotated[
+    FlatTerrain | AnalyticTerrain | GridTerrain | ElevationTerrain, Field(discriminator="kind")
+]
 
 
 class SphereSection(Horizontal):

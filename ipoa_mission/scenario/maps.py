@@ -1,0 +1,157 @@
+"""Files of others that a scenario names: buildings, zones and the flight area, the elevation model of its terrain."""
+
+from pathlib import Path
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.areas import Zone, find_zones
+from ipoa_mission.maps.buildings import BuildingRules, Standing, find_buildings
+from ipoa_mission.maps.feature import read_features
+from ipoa_mission.scenario.section import Positive, Section
+from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.terrain import Grid
+
+
+class MapFile(Section):
+    """A table that names a file of shapes."""
+
+    file: Path
+    """A GeoJSON (`.geojson`, `.json`) or KML (`.kml`) file, relative to the scenario file."""
+
+    @field_validator("file")
+    @classmethod
+    def _beside_the_scenario(cls, value: Path, info: ValidationInfo) -> Path:
+        return beside_the_scenario(value, info, "a map")
+
+
+class BuildingsMap(MapFile):
+    """Buildings, masts and trees that stand on the ground, as OpenStreetMap's exports have them."""
+
+    kind: Literal["buildings"]
+    take: Literal["tagged", "all"] = "tagged"
+    """`tagged`: what OpenStreetMap's tags call a building, a mast, a tree or give a height; `all`: every feature."""
+    height_key: str = "height"
+    """The property that holds the height of the top above the ground [m, or feet if it says so]."""
+    default_height: Positive = 8.0
+    """Height of a building that has neither a height nor storeys [m]."""
+    storey_height: Positive = 3.0
+    """Height of a storey where only their number is known [m]."""
+    point_height: Positive = 20.0
+    """Height of a mast, tree or other point that has none [m]."""
+    point_radius: Positive = 2.0
+    """Radius of a mast, tree or other point; also half the width of a wall [m]."""
+
+    def read(self, frame: LocalFrame) -> tuple[tuple[Standing, ...], tuple[str, ...]]:
+        """What stands in the way, and remarks on what was assumed."""
+        rules = BuildingRules(
+            default_height=self.default_height,
+            storey_height=self.storey_height,
+            point_height=self.point_height,
+            point_radius=self.point_radius,
+            height_key=self.height_key,
+            everything=self.take == "all",
+        )
+        features = read_features(self.file)
+        standing, remarks = find_buildings(features, rules, frame)
+        if not standing:
+            raise BadInput(
+                f"{self.file}: expected buildings, but none of {len(features)} features is tagged as one",
+                hint='`take = "all"` takes every feature, whatever its tags',
+            )
+        return standing, remarks
+
+
+class ZoneMap(MapFile):
+    """Polygons on the map."""
+
+    geofence: bool = True
+    """Also put it into the mission, so that the vehicle itself keeps it."""
+
+    def read(self, frame: LocalFrame) -> tuple[tuple[Zone, ...], tuple[str, ...]]:
+        """The polygons, and remarks on what was mended or passed over."""
+        return find_zones(read_features(self.file), frame, self.file)
+
+
+class NoFlyMap(ZoneMap):
+    """Zones to keep out of."""
+
+    kind: Literal["no_fly"]
+    base: float | None = None
+    """Lower end of the zones [m above home]; left out, they begin below everything."""
+    top: float | None = None
+    """Upper end [m above home]; left out, they have none. Zones with an end are no geofence: fences have no height."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "NoFlyMap":
+        if self.base is not None and self.top is not None and self.base >= self.top:
+            raise ValueError(f"expected base below top, not {self.base:g} and {self.top:g}")
+        return self
+
+
+class FlightAreaMap(ZoneMap):
+    """The area to stay in: the bounds' footprint."""
+
+    kind: Literal["flight_area"]
+
+
+MapSection: TypeAlias = Annotated[BuildingsMap | NoFlyMap | FlightAreaMap, Field(discriminator="kind")]
+
+
+class ElevationTerrain(Section):
+    """An elevation model: GeoTIFF, SRTM `.hgt`, or another raster that GDAL reads (needs rasterio)."""
+
+    kind: Literal["elevation"]
+    file: Path
+    """The model, relative to the scenario file; in any coordinate system, if it names it."""
+    heights: Literal["amsl", "ellipsoidal"] | None = None
+    """What its heights are above: mean sea level (SRTM), or the WGS 84 ellipsoid; left out, what the file says."""
+    geoid: float | Path | None = None
+    """For ellipsoidal heights: the geoid's height above the ellipsoid [m], or a PROJ grid; left out, PROJ's own."""
+    spacing: Positive | None = None
+    """Distance between the nodes of the local grid [m]; left out, that of the model's posts."""
+    voids: Literal["refuse", "fill"] = "refuse"
+    """What is done about missing heights: `fill` takes them from their neighbours."""
+    nodata: float | None = None
+    """A number that stands for a missing height, where the file does not say so itself."""
+    level_at_home: bool = False
+    """Move the model up or down so that its ground at home is at home's altitude: only differences count then."""
+
+    @field_validator("file")
+    @classmethod
+    def _beside_the_scenario(cls, value: Path, info: ValidationInfo) -> Path:
+        return beside_the_scenario(value, info, "an elevation model")
+
+    @field_validator("geoid")
+    @classmethod
+    def _grid_beside_the_scenario(cls, value: float | Path | None, info: ValidationInfo) -> float | Path | None:
+        return beside_the_scenario(value, info, "a number or a grid") if isinstance(value, Path) else value
+
+    def read(
+        self, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
+    ) -> tuple[Grid, tuple[str, ...]]:
+        """The ground between two corners (east, north) [m] above home, and remarks on how it was read."""
+        from ipoa_mission.maps.elevation import ElevationRules, local_grid  # SciPy's splines are slow to import
+
+        rules = ElevationRules(
+            heights=self.heights,
+            geoid=self.geoid,
+            spacing=self.spacing,
+            voids=self.voids,
+            nodata=self.nodata,
+            level_at_home=self.level_at_home,
+        )
+        return local_grid(self.file, rules, frame, lower, upper)
+
+
+def beside_the_scenario(value: Path, info: ValidationInfo, what: str) -> Path:
+    """The path of a file that the scenario names, from the scenario's own folder.
+
+    Raises:
+        ValueError: there is no such file.
+    """
+    path = Path((info.context or {}).get("folder", ".")) / value
+    if not path.is_file():
+        raise ValueError(f"expected {what}, but there is no file {path}")
+    return path
