@@ -53,11 +53,13 @@ def consumption(
     while it moves and while it hovers. Speeding up takes its kinetic energy; slowing down gives nothing back.
 
     Raises:
-        BadInput: the times do not grow, or there are fewer than two.
+        BadInput: the times do not grow, or are not as many as the points.
     """
+    if len(times) != len(points) or not (np.diff(times) >= 0).all() or not times[-1] > times[0]:
+        raise BadInput("track: expected as many times as points, and times that grow")
+    lasting = np.concatenate([np.diff(times) > 0, [True]])
+    times, points = times[lasting], points[lasting]
     spans = np.diff(times)
-    if len(times) < 2 or len(times) != len(points) or not (spans > 0).all():
-        raise BadInput("track: expected two or more points with times that grow")
     steps = np.diff(points, axis=0)
     speed, climb = np.hypot(steps[:, 0], steps[:, 1]) / spans, steps[:, 2] / spans
     density = air_density(altitude_amsl + (points[:-1, 2] + points[1:, 2]) / 2)

@@ -20,40 +20,12 @@ from ipoa_mission.scenario.places import (
     Place,
     TerrainSection,
 )
+from ipoa_mission.scenario.profiles import with_profile
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.surroundings import Surroundings, survey
-from ipoa_mission.vehicle import Autopilot, Parameters
+from ipoa_mission.scenario.vehicle import VehicleSection
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import LocalFrame
-
-
-class VehicleSection(Section):
-    """What flies the mission."""
-
-    autopilot: Autopilot = Autopilot.PX4
-    radius: NotNegative = 0.5
-    """Radius of a ball that holds the whole vehicle [m]."""
-    cruise_speed: Positive = 5.0
-    """Ground speed along the route [m/s], sent as DO_CHANGE_SPEED."""
-    climb_speed: Positive | None = None
-    """Left out: what the autopilot's parameters say [m/s]."""
-    descent_speed: Positive | None = None
-    """Left out: what the autopilot's parameters say [m/s]."""
-    parameters: dict[str, float] = Field(default_factory=dict)
-    """Parameters of the autopilot that differ from its defaults, by its own names and units."""
-
-    def autopilot_parameters(self) -> Parameters:
-        """Parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""
-        names, unit = _SPEEDS[self.autopilot]
-        speeds = zip(names, (self.climb_speed, self.descent_speed), strict=True)
-        return {name: speed * unit for name, speed in speeds if speed is not None} | self.parameters
-
-
-#: Names of the climb and descent speed, and their unit in metres per second.
-_SPEEDS = {
-    Autopilot.ARDUPILOT: (("WPNAV_SPEED_UP", "WPNAV_SPEED_DN"), 100.0),
-    Autopilot.PX4: (("MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"), 1.0),
-}
 
 
 class CostSection(Section):
@@ -128,6 +100,8 @@ class Scenario(Section):
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")] = "mission"
     """Also the name of the files that are written."""
+    profile: Literal["delivery", "rescue", "endurance"] | None = None
+    """Weights and distances for a task; what the file says itself wins. Left out, those of the paper."""
     safety_distance: NotNegative = 1.0
     """Least clearance that must be left between the vehicle's hull and anything else [m]."""
     home: HomeSection
@@ -149,6 +123,11 @@ class Scenario(Section):
     """Geofence that goes into the mission."""
     rally: tuple[Place, ...] = ()
     """Rally points that go into the mission."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _profile_beneath(cls, table: Any) -> Any:
+        return with_profile(table) if isinstance(table, dict) else table
 
     @cached_property
     def frame(self) -> LocalFrame:

@@ -1,0 +1,23 @@
+"""The energy of a planned flight, by the scenario's airframe, against its battery."""
+
+from ipoa_mission.energy.flight import Consumption, consumption, expect_reserve
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario.model import Scenario
+
+
+def flight_energy(scenario: Scenario, times: Vector, points: Points) -> Consumption | None:
+    """What flying a track (times (n,) [s], points (n, 3) east, north, up [m]) takes; None without an airframe.
+
+    The track is the whole flight, take-off, way home and landing included, as an estimate predicts it.
+
+    Raises:
+        NotEnoughBattery: the scenario has a battery and less than its reserve would be left.
+    """
+    airframe, battery = scenario.vehicle.airframe, scenario.vehicle.battery
+    if airframe is None:
+        return None
+    wind = battery.head_wind if battery is not None else 0.0
+    used = consumption(airframe.build(), times, points, scenario.home.altitude_amsl, wind)
+    if battery is not None:
+        expect_reserve(used, battery.build())
+    return used

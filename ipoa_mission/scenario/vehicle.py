@@ -1,0 +1,96 @@
+"""What flies the mission, in the scenario: the autopilot, its speeds, and what its energy depends on."""
+
+import math
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from ipoa_mission.energy.flight import Battery
+from ipoa_mission.energy.power import KAPPA, Airframe
+from ipoa_mission.scenario.section import NotNegative, Positive, Section
+from ipoa_mission.vehicle import Autopilot, Parameters
+
+
+class AirframeSection(Section):
+    """A multirotor as its power needs it."""
+
+    mass_kg: Positive
+    """Take-off mass, battery and payload included."""
+    rotors: Annotated[int, Field(ge=1)] = 4
+    """Rotor discs seen from above: a coaxial pair is one."""
+    rotor_diameter: Positive
+    """Diameter of a rotor [m]."""
+    drag_area: Positive | None = None
+    """Drag coefficient times frontal area [m^2]; left out, 0.05 (mass_kg)^(2/3), a rule of thumb. Measured in level
+    flight at a steady airspeed V and tilt it is 2 m g tan(tilt) / (rho V^2)."""
+    figure_of_merit: Annotated[float, Field(gt=0, le=1 / KAPPA)] = 0.6
+    """Ideal over real power of the rotors in hover."""
+    drive_efficiency: Annotated[float, Field(gt=0, le=1)] = 0.8
+    """Efficiency of motors and speed controllers."""
+    avionics_w: NotNegative = 10.0
+    """Power of everything but the rotors [W]."""
+
+    def build(self) -> Airframe:
+        """The airframe itself."""
+        return Airframe(
+            mass_kg=self.mass_kg,
+            disc_area=self.rotors * math.pi * self.rotor_diameter**2 / 4,
+            drag_area=self.drag_area if self.drag_area is not None else 0.05 * self.mass_kg ** (2 / 3),
+            figure_of_merit=self.figure_of_merit,
+            drive_efficiency=self.drive_efficiency,
+            avionics_w=self.avionics_w,
+        )
+
+
+class BatterySection(Section):
+    """The battery; with it, a plan that would land with less than the reserve is refused."""
+
+    capacity_wh: Positive
+    """Energy that it gives when full; less than is printed on it once it is old or cold."""
+    reserve: Annotated[float, Field(ge=0, lt=1)] = 0.2
+    """Share that must be left after landing."""
+    head_wind: NotNegative = 0.0
+    """Wind to reckon with, blowing against the flight all the way [m/s]."""
+
+    def build(self) -> Battery:
+        """The battery itself."""
+        return Battery(self.capacity_wh, self.reserve)
+
+
+class VehicleSection(Section):
+    """What flies the mission."""
+
+    autopilot: Autopilot = Autopilot.PX4
+    radius: NotNegative = 0.5
+    """Radius of a ball that holds the whole vehicle [m]."""
+    cruise_speed: Positive = 5.0
+    """Ground speed along the route [m/s], sent as DO_CHANGE_SPEED."""
+    climb_speed: Positive | None = None
+    """Left out: what the autopilot's parameters say [m/s]."""
+    descent_speed: Positive | None = None
+    """Left out: what the autopilot's parameters say [m/s]."""
+    parameters: dict[str, float] = Field(default_factory=dict)
+    """Parameters of the autopilot that differ from its defaults, by its own names and units."""
+    airframe: AirframeSection | None = None
+    """Left out, no energy is estimated."""
+    battery: BatterySection | None = None
+    """Left out, no plan is refused for its energy."""
+
+    @model_validator(mode="after")
+    def _battery_has_an_airframe(self) -> "VehicleSection":
+        if self.battery is not None and self.airframe is None:
+            raise ValueError("expected an airframe with the battery")
+        return self
+
+    def autopilot_parameters(self) -> Parameters:
+        """Parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""
+        names, unit = _SPEEDS[self.autopilot]
+        speeds = zip(names, (self.climb_speed, self.descent_speed), strict=True)
+        return {name: speed * unit for name, speed in speeds if speed is not None} | self.parameters
+
+
+#: Names of the climb and descent speed, and their unit in metres per second.
+_SPEEDS = {
+    Autopilot.ARDUPILOT: (("WPNAV_SPEED_UP", "WPNAV_SPEED_DN"), 100.0),
+    Autopilot.PX4: (("MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"), 1.0),
+}
