@@ -1,0 +1,71 @@
+"""Which runs each table and figure needs, and the file that keeps them; several share one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ipoa_mission.experiments.cec2022 import FUNCTIONS
+from ipoa_mission.experiments.published import ALGORITHMS
+from ipoa_mission.experiments.runs import Trial, settings_text
+
+#: Evaluations of IPOA at N = 30 and T = 1000 with all strategies: the budget of every rival beyond the paper.
+BUDGET = 90_060
+
+#: What is compared beyond the paper: the libraries' optimisers, and the variant of ours.
+BEYOND = ("adaptive-pelican", "rcmaes", "lshade", "de")
+
+#: IPOA's settings in the ablation: each strategy off, and each other reading, one at a time.
+ABLATION: dict[str, dict[str, object]] = {
+    "IPOA as it stands here": {},
+    "without chaotic and refracted start": {"chaotic_start": False},
+    "without inertia weight": {"inertia": False},
+    "without Levy flight": {"levy": False},
+    "without t mutation": {"mutation": False},
+    "without all four": {"chaotic_start": False, "inertia": False, "levy": False, "mutation": False},
+    "literal: Levy on the whole candidate": {"reading": "literal"},
+    "literal, 0.01 of the Levy step": {"reading": "literal", "share": 0.01},
+    "Levy on the survivor of the exploitation": {"reading": "survivor"},
+    "omega = exp(t/T - 1)": {"weight": "exp(t/T-1)"},
+    "omega = exp(t/T) - 1": {"weight": "exp(t/T)-1"},
+    "prey is the best": {"prey": "best"},
+    "t mutation of the best only": {"mutated": "best"},
+    "t mutation around each pelican": {"mutated": "own"},
+    "nearest to the print known: omega = exp(t/T) - 1, prey best, t around each": {
+        "weight": "exp(t/T)-1",
+        "prey": "best",
+        "mutated": "own",
+    },
+    "rand for each dimension": {"rand": "dimension"},
+    "Levy and t one number a pelican": {"steps": "pelican"},
+    "omega = 1 and rand for each dimension": {"inertia": False, "rand": "dimension"},
+}
+
+
+@dataclass(frozen=True)
+class Series:
+    """Runs that belong together: the name of their file, how many of each the paper makes, and the first of each."""
+
+    name: str
+    runs: int
+    firsts: Sequence[Trial]
+
+    def trials(self, runs: int | None) -> list[Trial]:
+        """All trials for `runs` runs of each (the paper's number by default), one round after the other."""
+        return [
+            Trial(t.problem, t.case, t.dimension, t.algorithm, t.settings, t.budget, run)
+            for run in range(self.runs if runs is None else runs)
+            for t in self.firsts
+        ]
+
+
+def _cec(dimension: int, algorithms: Sequence[tuple[str, dict[str, object]]], budget: int = 0) -> list[Trial]:
+    return [
+        Trial("cec2022", function, dimension, name, settings_text(**settings), budget, 0)
+        for function in FUNCTIONS
+        for name, settings in algorithms
+    ]
+
+
+CEC_D20 = Series("cec2022-d20", 30, _cec(20, [(name, {}) for name in ALGORITHMS]))
+CEC_D10 = Series("cec2022-d10", 30, _cec(10, [(name, {}) for name in ALGORITHMS]))
+CEC_BEYOND = Series("cec2022-d20-beyond", 30, _cec(20, [(name, {}) for name in BEYOND], BUDGET))
+CEC_ABLATION = Series("cec2022-d20-ablation", 30, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
