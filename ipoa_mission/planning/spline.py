@@ -51,19 +51,18 @@ class Spline:
         even = np.interp(np.linspace(0.0, travelled[-1], n), travelled, u)
         return np.concatenate([[0.0], even[1:-1], [1.0]])
 
-    def deviation(self, low: Vector, high: Vector) -> Vector:
-        """How far the curve between parameters low and high (k,) can be from its chord at most, (k,) [m].
+    def chords(self, tolerance: float) -> Vector:
+        """Parameters (k,) between which the curve leaves its straight chords by no more than `tolerance` [m].
 
         A chord over h leaves the curve by at most max |p''| h^2 / 8; the second derivative is linear on each span, so
-        its greatest value is at an end or at a knot between.
+        its greatest value is at an end of the span.
         """
-        bend = np.maximum(*(np.linalg.norm(self.points(u, order=2), axis=1) for u in (low, high)))
-        at_knots = np.linalg.norm(self.points(np.arange(self.spans + 1) / self.spans, order=2), axis=1)
-        first, last = np.ceil(low * self.spans - 1e-9).astype(int), np.floor(high * self.spans + 1e-9).astype(int)
-        for k in range(self.spans + 1):
-            inside = (first <= k) & (k <= last)
-            bend[inside] = np.maximum(bend[inside], at_knots[k])
-        return np.asarray(bend * (high - low) ** 2 / 8)
+        knots = np.arange(self.spans + 1) / self.spans
+        bend = np.linalg.norm(self.points(knots, order=2), axis=1)
+        strongest = np.maximum(bend[:-1], bend[1:])
+        count = np.maximum(np.ceil(np.sqrt(strongest / (8 * tolerance)) / self.spans), 1).astype(int)
+        pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(knots[:-1], knots[1:], count, strict=True)]
+        return np.concatenate([*pieces, [1.0]])
 
     def refined(self) -> "Spline":
         """The same curve with twice as many spans."""

@@ -118,12 +118,17 @@ class Airspace:
 
     def terrain_clearance(self, points: Points) -> Clearance:
         """The least height above ground of the legs between consecutive points (n, 3)."""
-        least = NOTHING_NEAR
-        for leg, (a, b) in enumerate(pairwise(points)):
-            height, where = self.terrain.leg_clearance(a, b)
-            if height < least.distance:
-                least = Clearance(height, _place(a + where * (b - a)), "terrain", leg)
-        return least
+        return _clearance(points, "terrain", *self.terrain.least_height(points))
+
+    def near(self, points: Points, reach: float) -> Iterator[tuple[Obstacle, NDArray[np.intp], Vector]]:
+        """Each obstacle within `reach` [m] of any of the points (n, 3): which points (k,), and their distances (k,)."""
+        if not self.obstacles:
+            return
+        pairs = self._index.query(shapely.points(points[:, :2]), "dwithin", reach)
+        for body, which in _grouped(pairs):
+            distance = self.obstacles[body].distance(points[which])
+            if (close := distance <= reach).any():
+                yield self.obstacles[body], which[close], distance[close]
 
     def obstacle_clearance(self, points: Points) -> Clearance:
         """The least distance to an obstacle of the legs between consecutive points (n, 3)."""
@@ -142,7 +147,7 @@ class Airspace:
                 a, b = starts[legs[i]], ends[legs[i]]
                 distance, where = obstacle.leg_clearance(a, b)
                 if distance < least.distance:
-                    least = Clearance(distance, _place(a + where * (b - a)), obstacle.name, int(legs[i]))
+                    least = _clearance(points, obstacle.name, distance, int(legs[i]), where)
         return least
 
     def bounds_margin(self, points: Points) -> Clearance:
@@ -154,6 +159,11 @@ class Airspace:
     def _index(self) -> shapely.STRtree:
         boxes = np.array([obstacle.bounds[:, :2].ravel() for obstacle in self.obstacles])
         return shapely.STRtree(shapely.box(*boxes.T))
+
+
+def _clearance(points: Points, what: str, distance: float, leg: int, fraction: float) -> Clearance:
+    a, b = points[leg], points[leg + 1]
+    return Clearance(distance, _place(a + fraction * (b - a)), what, leg)
 
 
 def _place(point: Vector) -> tuple[float, float, float]:

@@ -1,29 +1,40 @@
-"""The ground: its height everywhere, and the least height of a straight leg above it, exactly.
+"""The ground: its height everywhere, and the least and greatest height of straight legs above it, exactly.
 
-Above the ground means vertically above: `height` and `leg_clearance` know nothing of slopes.
+Above the ground means vertically above: heights know nothing of slopes.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Points, Vector
 
-REFINED = 1e-4  # the bound on an analytic surface is closed to this [m]
+Spot: TypeAlias = tuple[float, int, float]  # a height [m], the leg on which it is, and the fraction of that leg
+REFINED = 1e-4  # bounds on an analytic surface are closed to this [m]
 
 
 class Terrain(Protocol):
     """Anything with a height over the plane."""
 
+    @property
+    def steepness(self) -> float:
+        """A slope [m/m] that the ground nowhere exceeds."""
+        ...
+
     def height(self, points: NDArray[np.float64]) -> Vector:
         """Height of the ground [m] under points (n, 2) or (n, 3) east, north(, up), (n,)."""
         ...
 
-    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Least height [m] of the straight leg from a to b above the ground, and the fraction of it where that is."""
+    def least_height(self, points: Points) -> Spot:
+        """Least height above ground of the straight legs between consecutive points (n, 3)."""
+        ...
+
+    def greatest_height(self, points: Points) -> Spot:
+        """Greatest height above ground of the straight legs between consecutive points (n, 3)."""
         ...
 
 
@@ -33,13 +44,26 @@ class Flat:
 
     level: float = 0.0
 
+    @property
+    def steepness(self) -> float:
+        """None."""
+        return 0.0
+
     def height(self, points: NDArray[np.float64]) -> Vector:
         """Height under points (n, 2 or 3), (n,)."""
         return np.full(len(points), self.level)
 
-    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Least height of the leg above the ground, and where."""
-        return float(min(a[2], b[2]) - self.level), float(b[2] < a[2])
+    def least_height(self, points: Points) -> Spot:
+        """Least height above ground of the legs between points (n, 3)."""
+        return self._at(points, int(np.argmin(points[:, 2])))
+
+    def greatest_height(self, points: Points) -> Spot:
+        """Greatest height above ground of the legs between points (n, 3)."""
+        return self._at(points, int(np.argmax(points[:, 2])))
+
+    def _at(self, points: Points, i: int) -> Spot:
+        leg = min(i, len(points) - 2)
+        return float(points[i, 2] - self.level), leg, float(i - leg)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +86,12 @@ class Grid:
         if not np.isfinite(self.heights).all():
             raise BadInput("terrain.heights: expected numbers only, not a missing height")
 
+    @cached_property
+    def steepness(self) -> float:
+        """The greatest slope: in a cell each component lies between those of its sides."""
+        along_north, along_east = (float(np.abs(np.diff(self.heights, axis=axis)).max()) for axis in (0, 1))
+        return float(np.hypot(along_north, along_east)) / self.spacing
+
     def height(self, points: NDArray[np.float64]) -> Vector:
         """Height under points (n, 2 or 3), (n,)."""
         rows, columns = self.heights.shape
@@ -73,31 +103,50 @@ class Grid:
         north = (1 - x) * self.heights[row + 1, column] + x * self.heights[row + 1, column + 1]
         return np.asarray((1 - y) * south + y * north)
 
-    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Least height of the leg above the ground, and where: in each cell it is a quadratic of the fraction."""
-        cuts = np.concatenate([[0.0, 1.0], self._crossings(a, b, 0), self._crossings(a, b, 1)])
-        cuts = np.sort(cuts[(cuts >= 0) & (cuts <= 1)])
-        first, last = cuts[:-1], cuts[1:]
-        at_first, at_middle, at_last = (self._above(a, b, t) for t in (first, (first + last) / 2, last))
+    def least_height(self, points: Points) -> Spot:
+        """Least height above ground of the legs between points (n, 3)."""
+        return self._lowest(points, 1.0)
+
+    def greatest_height(self, points: Points) -> Spot:
+        """Greatest height above ground of the legs between points (n, 3)."""
+        height, leg, fraction = self._lowest(points, -1.0)
+        return -height, leg, fraction
+
+    def _lowest(self, points: Points, sign: float) -> Spot:
+        """Within each cell the height above ground is a quadratic along the leg: its ends and its vertex are tried."""
+        everywhere = np.arange(len(points) - 1)
+        pieces = [(everywhere, np.zeros(len(everywhere))), (everywhere, np.ones(len(everywhere)))]
+        pieces += [self._crossings(points, axis) for axis in (0, 1)]
+        leg, fraction = (np.concatenate(column) for column in zip(*pieces, strict=True))
+        order = np.lexsort((fraction, leg))
+        leg, fraction = leg[order], fraction[order]
+
+        def above(leg: NDArray[np.intp], fraction: Vector) -> Vector:
+            spots = points[leg] + fraction[:, None] * (points[leg + 1] - points[leg])
+            return np.asarray(sign * (spots[:, 2] - self.height(spots)))
+
+        same = leg[:-1] == leg[1:]
+        legs, first, last = leg[:-1][same], fraction[:-1][same], fraction[1:][same]
+        at_first, at_middle, at_last = (above(legs, t) for t in (first, (first + last) / 2, last))
         curvature = at_first - 2 * at_middle + at_last
         bowl = curvature > 0
         lowest = 0.5 + (at_first - at_last)[bowl] / (4 * curvature[bowl])
-        vertices = first[bowl] + np.clip(lowest, 0.0, 1.0) * (last - first)[bowl]
-        fractions = np.concatenate([cuts, vertices])
-        heights = self._above(a, b, fractions)
+        vertex = first[bowl] + np.clip(lowest, 0.0, 1.0) * (last - first)[bowl]
+        leg, fraction = np.concatenate([leg, legs[bowl]]), np.concatenate([fraction, vertex])
+        heights = above(leg, fraction)
         best = int(np.argmin(heights))
-        return float(heights[best]), float(fractions[best])
+        return float(heights[best]), int(leg[best]), float(fraction[best])
 
-    def _above(self, a: Vector, b: Vector, fractions: Vector) -> Vector:
-        points = a + fractions[:, None] * (b - a)
-        return np.asarray(points[:, 2] - self.height(points))
-
-    def _crossings(self, a: Vector, b: Vector, axis: int) -> Vector:
-        """Fractions at which the leg crosses the grid lines of one axis."""
-        origin, count = (self.east, self.north)[axis], self.heights.shape[1 - axis]
-        low, high = sorted(((a[axis] - origin) / self.spacing, (b[axis] - origin) / self.spacing))
-        lines = np.arange(max(np.ceil(low), 0.0), min(np.floor(high), count - 1.0) + 1.0)
-        return (origin + lines * self.spacing - a[axis]) / (b[axis] - a[axis]) if high > low else np.zeros(0)
+    def _crossings(self, points: Points, axis: int) -> tuple[NDArray[np.intp], Vector]:
+        """Where the legs cross the grid lines of one axis: leg numbers and fractions."""
+        place = (points[:, axis] - (self.east, self.north)[axis]) / self.spacing
+        start, end = place[:-1], place[1:]
+        low = np.maximum(np.ceil(np.minimum(start, end)), 0.0)
+        high = np.minimum(np.floor(np.maximum(start, end)), self.heights.shape[1 - axis] - 1.0)
+        count = np.where(start == end, 0, np.maximum(high - low + 1, 0)).astype(int)
+        leg = np.repeat(np.arange(len(count)), count)
+        line = low[leg] + np.arange(len(leg)) - np.repeat(np.cumsum(count) - count, count)
+        return leg, np.clip((line - start[leg]) / (end - start)[leg], 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -125,9 +174,16 @@ class Analytic:
     peaks: tuple[Peak, ...]
     base: float = 0.0
 
+    @property
+    def steepness(self) -> float:
+        """A bound on the slope: exp(-w^2) falls by at most sqrt(2/e) per unit of w."""
+        landform = np.hypot(abs(self.b), 1 + abs(self.e + self.g)) + abs(self.c * self.d) + self.f**2
+        mountains = sum(abs(p.height) * np.sqrt(2 / np.e) / min(p.a, p.b) for p in self.peaks)
+        return float(max(landform, mountains))
+
     def height(self, points: NDArray[np.float64]) -> Vector:
         """Height under points (n, 2 or 3), (n,): eq. (3)."""
-        return np.maximum(self.landform(points), self.mountains(points))
+        return np.asarray(self._surfaces(points).max(axis=0))
 
     def landform(self, points: NDArray[np.float64]) -> Vector:
         """Eq. (1)."""
@@ -150,60 +206,74 @@ class Analytic:
             total += p.height * np.exp(-(((x - p.east) / p.a) ** 2) - ((y - p.north) / p.b) ** 2)
         return total
 
-    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """A height [m] that the leg nowhere goes below, within 0.1 mm of the least one, and where that is.
+    def least_height(self, points: Points) -> Spot:
+        """A height that the legs between points (n, 3) nowhere go below, within 0.1 mm of the least."""
+        return self._extreme(points, greatest=False)
 
-        If the height above a surface bends upwards by at most m along the leg, then over a span s it stays above the
-        lower end minus m s^2 / 8; spans that might go lower than the lowest end found are halved.
+    def greatest_height(self, points: Points) -> Spot:
+        """A height that the legs between points (n, 3) nowhere exceed, within 0.1 mm of the greatest."""
+        return self._extreme(points, greatest=True)
+
+    def _surfaces(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.stack([self.landform(points), self.mountains(points)])
+
+    def _extreme(self, points: Points, greatest: bool) -> Spot:
+        """Bound and refine: a span of a leg is halved until its bound cannot matter.
+
+        Over a span the height above a surface differs from the line between its ends by no more than the surface
+        arches above (for the least height) or sags below (for the greatest) its own chord.
         """
-        hollow_landform, hollow_mountains = self._bends(b - a)
-        return min(
-            _bound_and_refine(self.landform, a, b, hollow_landform),
-            _bound_and_refine(self.mountains, a, b, hollow_mountains),
-        )
+        sign = -1.0 if greatest else 1.0
+        leg, low, width = np.arange(len(points) - 1), np.zeros(len(points) - 1), 1.0
 
-    def _bends(self, step: Vector) -> tuple[float, float]:
-        """How strongly, at most, landform and mountains arch upwards along a leg, per squared fraction of it.
+        def above(fraction: Vector) -> NDArray[np.float64]:
+            spots = points[leg] + fraction[:, None] * (points[leg + 1] - points[leg])
+            return np.asarray(spots[:, 2] - self._surfaces(spots))  # (2, k)
 
-        c cos(d r) bends by at most |c| d^2 in any direction and f sin(f r) arches by at most |f|^3 (its kink at the
-        origin is hollow); a Gaussian exp(-w^2) has second derivatives between -2 and 4 exp(-3/2).
+        at_low, at_high = above(low), above(low + width)
+        best, where, proven = np.inf, (0, 0.0), np.inf
+        while len(leg):
+            for ends, fraction in ((at_low, low), (at_high, low + width)):
+                values = sign * ends.min(axis=0)
+                if values.min() < best:
+                    i = int(np.argmin(values))
+                    best, where = float(values[i]), (int(leg[i]), float(fraction[i]))
+            stray = self._strays(points, leg, low, width, greatest)
+            if greatest:
+                bound = -(np.maximum(at_low, at_high) + stray).min(axis=0)
+            else:
+                bound = (np.minimum(at_low, at_high) - stray).min(axis=0)
+            settled = bound >= best - REFINED
+            proven = min(proven, float(bound[settled].min(initial=np.inf)))
+            leg, low, width = leg[~settled], low[~settled], width / 2
+            at_low, at_high, at_middle = at_low[:, ~settled], at_high[:, ~settled], above(low + width)
+            leg, low = np.concatenate([leg, leg]), np.concatenate([low, low + width])
+            at_low, at_high = np.hstack([at_low, at_middle]), np.hstack([at_middle, at_high])
+        return sign * min(best, proven), *where
+
+    def _strays(
+        self, points: Points, leg: NDArray[np.intp], low: Vector, width: float, sagging: bool
+    ) -> NDArray[np.float64]:
+        """How far landform and mountains can arch above (or sag below) their chords over spans of legs, (2, k) [m].
+
+        c cos(d r) bends by at most |c| d^2 in any direction. f sin(f r) arches by at most |f|^3; it sags more, by
+        f^2 / r, and has a hollow kink at the origin, but never leaves a chord of length s by more than f^2 s / 2.
+        A Gaussian exp(-w^2) has second derivatives between -2 and 4 exp(-3/2).
         """
-        east, north, run = step[0] ** 2, step[1] ** 2, step[0] ** 2 + step[1] ** 2
-        waves = abs(self.b) * east + (1 + abs(self.e + self.g)) * north
-        rings = (abs(self.c) * self.d**2 + abs(self.f) ** 3) * run
-        domes = sum(
-            (2 * p.height if p.height > 0 else -4 * np.exp(-1.5) * p.height) * (east / p.a**2 + north / p.b**2)
-            for p in self.peaks
+        step = (points[leg + 1] - points[leg]) * width
+        east, north = step[:, 0] ** 2, step[:, 1] ** 2
+        run = east + north
+        bend = (
+            abs(self.b) * east + (1 + abs(self.e + self.g)) * north + (abs(self.c) * self.d**2 + abs(self.f) ** 3) * run
         )
-        return float(waves + rings), float(domes)
-
-
-def _bound_and_refine(surface: "_Surface", a: Vector, b: Vector, bend: float) -> tuple[float, float]:
-    fractions = np.linspace(0.0, 1.0, 2 + min(int(np.sqrt(bend)), 1000))
-    width = 1.0 / (len(fractions) - 1)
-    ends = _above(surface, a, b, fractions)
-    low, at_low, at_high = fractions[:-1], ends[:-1], ends[1:]
-    least, where = float(ends.min()), float(fractions[np.argmin(ends)])
-    proven = np.inf  # what the spans that are not halved any more cannot go below
-    while len(low):
-        bound = np.minimum(at_low, at_high) - bend * width**2 / 8
-        settled = bound >= least - REFINED
-        proven = min(proven, float(bound[settled].min(initial=np.inf)))
-        low, at_low, at_high, width = low[~settled], at_low[~settled], at_high[~settled], width / 2
-        if len(low) == 0:
-            break
-        at_middle = _above(surface, a, b, low + width)
-        if at_middle.min() < least:
-            least, where = float(at_middle.min()), float(low[np.argmin(at_middle)] + width)
-        low = np.concatenate([low, low + width])
-        at_low, at_high = np.concatenate([at_low, at_middle]), np.concatenate([at_middle, at_high])
-    return min(least, proven), where
-
-
-def _above(surface: "_Surface", a: Vector, b: Vector, fractions: Vector) -> Vector:
-    points = a + fractions[:, None] * (b - a)
-    return np.asarray(points[:, 2] - surface(points))
-
-
-class _Surface(Protocol):
-    def __call__(self, points: NDArray[np.float64]) -> Vector: ...
+        landform = bend / 8
+        if sagging and self.f:
+            span = np.sqrt(run)
+            middle = points[leg] + (low + width / 2)[:, None] * (points[leg + 1] - points[leg])
+            nearest = np.maximum(np.hypot(middle[:, 0], middle[:, 1]) - span / 2, 1e-12)
+            landform += np.minimum(self.f**2 / nearest * run / 8, self.f**2 * span / 2)
+        mountains = np.zeros(len(leg))
+        for p in self.peaks:
+            sharp = 2.0 if (p.height > 0) != sagging else 4 * np.exp(-1.5)
+            mountains += sharp * abs(p.height) * (east / p.a**2 + north / p.b**2) / 8
+        return np.stack([landform, mountains])

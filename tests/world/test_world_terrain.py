@@ -29,27 +29,54 @@ def analytic(rng: Rng) -> Terrain:
 KINDS: dict[str, Callable[[Rng], Terrain]] = {"flat": flat, "grid": grid, "analytic": analytic}
 
 
+def heights_above(ground: Terrain, a: np.ndarray, b: np.ndarray, t: np.ndarray) -> np.ndarray:
+    points = a + t[:, None] * (b - a)
+    return points[:, 2] - ground.height(points)
+
+
+@pytest.mark.parametrize("greatest", [False, True], ids=["least", "greatest"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_least_height_of_a_leg_is_what_dense_sampling_closes_in_on(kind: str) -> None:
-    rng = np.random.default_rng(11)
-    for case in range(500):
+def test_the_extreme_height_of_a_leg_is_what_dense_sampling_closes_in_on(kind: str, greatest: bool) -> None:
+    rng, sign = np.random.default_rng(11), -1 if greatest else 1
+    for case in range(300):
         ground = KINDS[kind](rng)
         a, b = rng.uniform(-20, 120, (2, 3))
         if case % 5 == 0:
             b[case % 3] = a[case % 3]
         if case % 17 == 0:
             b[:2] = a[:2]
-        least, where = ground.leg_clearance(a, b)
-
-        def above(t: np.ndarray, a: np.ndarray = a, b: np.ndarray = b, ground: Terrain = ground) -> np.ndarray:
-            points = a + t[:, None] * (b - a)
-            return points[:, 2] - ground.height(points)
-
-        sampled = above(np.linspace(0.0, 1.0, 20_001))
-        assert least <= sampled.min() + 1e-9
+        if case % 19 == 0:
+            b[:2] = -a[:2]  # over the kink at the origin
+        height, leg, where = (ground.greatest_height if greatest else ground.least_height)(np.array([a, b]))
+        sampled = sign * heights_above(ground, a, b, np.linspace(0.0, 1.0, 20_001))
+        assert sign * height <= sampled.min() + 1e-9
         near = np.clip(np.argmin(sampled) / 20_000 + np.linspace(-1e-4, 1e-4, 2001), 0, 1)
-        assert least >= above(near).min() - 1e-3
-        assert above(np.array([where]))[0] == pytest.approx(least, abs=2e-4)
+        assert sign * height >= (sign * heights_above(ground, a, b, near)).min() - 1e-3
+        assert leg == 0
+        assert heights_above(ground, a, b, np.array([where]))[0] == pytest.approx(height, abs=2e-4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_extreme_heights_of_many_legs_are_those_of_the_extreme_leg(kind: str) -> None:
+    rng = np.random.default_rng(13)
+    for _ in range(20):
+        ground, points = KINDS[kind](rng), rng.uniform(-20, 120, (40, 3))
+        points[7] = points[8]
+        singly = [ground.least_height(points[i : i + 2])[0] for i in range(39)]
+        assert ground.least_height(points)[0] == pytest.approx(min(singly), abs=2e-4)
+        assert singly[ground.least_height(points)[1]] == pytest.approx(min(singly), abs=2e-4)
+        singly = [ground.greatest_height(points[i : i + 2])[0] for i in range(39)]
+        assert ground.greatest_height(points)[0] == pytest.approx(max(singly), abs=2e-4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_ground_is_nowhere_steeper_than_its_steepness(kind: str) -> None:
+    rng = np.random.default_rng(14)
+    for _ in range(50):
+        ground, a = KINDS[kind](rng), rng.uniform(-20, 120, (500, 2))
+        b = a + rng.normal(size=a.shape)
+        rise = np.abs(ground.height(b) - ground.height(a))
+        assert (rise <= ground.steepness * np.linalg.norm(b - a, axis=1) + 1e-9).all()
 
 
 def test_a_grid_is_bilinear_and_goes_on_beyond_its_edge() -> None:
