@@ -1,0 +1,285 @@
+"""Bytes in, bytes out: the only owner of sockets, serial ports and the real clock.
+
+A channel knows peers, not vehicles: `receive` says where bytes came from, `send` where they go. Reading never blocks
+beyond the moment it is told; writing never blocks at all (a full buffer loses, as a radio does).
+"""
+
+import importlib
+import select
+import socket
+import time
+from collections.abc import Hashable
+from pathlib import Path
+from typing import Any, Protocol, TypeAlias
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.address import Address, Transport, parse_address
+
+Peer: TypeAlias = Hashable
+LONGEST_READ = 65536
+MOST_CONNECTIONS = 16
+
+
+class LinkDown(MissionError):
+    """The link cannot be opened, or broke."""
+
+
+class Channel(Protocol):
+    """What carries bytes, and the clock that goes with it."""
+
+    #: Whether bytes come in datagrams that hold whole frames.
+    datagrams: bool
+
+    def now(self) -> float:
+        """Seconds on the channel's clock, which never goes back."""
+
+    def unix_s(self) -> float:
+        """The same moment in seconds since 1970."""
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        """What has come in; waits for it until this moment at the latest, and returns at once when something came."""
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        """Send to one peer; None: to whomever the channel was opened for, if to anyone."""
+
+    def close(self) -> None:
+        """Give back what the system lent."""
+
+
+def open_channel(url: str) -> Channel:
+    """Open the link that a connection string names.
+
+    Raises:
+        BadInput: it is no connection string.
+        LinkDown: it cannot be opened.
+    """
+    address = parse_address(url)
+    try:
+        match address.transport:
+            case Transport.UDP_IN | Transport.UDP_OUT:
+                return UdpChannel(address)
+            case Transport.TCP_OUT | Transport.TCP_IN:
+                return TcpChannel(address)
+            case Transport.SERIAL:
+                return SerialChannel(address)
+    except OSError as error:
+        raise LinkDown(f"{address}: cannot be opened: {error.strerror or error}", hint=_hint(error)) from error
+
+
+def _hint(error: OSError) -> str | None:
+    if isinstance(error, ConnectionRefusedError):
+        return "nobody listens there: is the autopilot (or the simulation) running?"
+    return "is another ground station using it?" if "in use" in str(error) else None
+
+
+class _RealTime:
+    """The computer's clock."""
+
+    def __init__(self) -> None:
+        self._epoch = time.time() - time.monotonic()
+
+    def now(self) -> float:
+        """The monotonic clock."""
+        return time.monotonic()
+
+    def unix_s(self) -> float:
+        """The same in seconds since 1970."""
+        return self._epoch + time.monotonic()
+
+
+def _family(host: str) -> socket.AddressFamily:
+    return socket.AF_INET6 if ":" in host else socket.AF_INET
+
+
+class UdpChannel(_RealTime):
+    """UDP: `udpin` waits at its port and answers where it was spoken to; `udpout` speaks to one address first."""
+
+    datagrams = True
+
+    def __init__(self, address: Address) -> None:
+        super().__init__()
+        is_out = address.transport is Transport.UDP_OUT
+        self._socket = socket.socket(_family(address.host), socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self._remote: Any = None
+        try:
+            if is_out:
+                self._remote = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_DGRAM)[0][4]
+                self._socket.bind(("", 0) if not _is_loopback(self._remote[0]) else (self._remote[0], 0))
+            else:
+                self._socket.bind((address.host, address.port))
+        except OSError:
+            self._socket.close()
+            raise
+
+    @property
+    def port(self) -> int:
+        """The local port, for those who asked for any (0)."""
+        return int(self._socket.getsockname()[1])
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        """See `Channel`."""
+        select.select([self._socket], [], [], max(0.0, until - self.now()))
+        got: list[tuple[bytes, Peer]] = []
+        while len(got) < 64:
+            try:
+                data, peer = self._socket.recvfrom(LONGEST_READ)
+            except BlockingIOError:
+                break
+            except ConnectionError:  # an earlier datagram met a closed port: the other side may come yet
+                continue
+            got.append((data, peer))
+        return got
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        """See `Channel`."""
+        to: Any = peer or self._remote
+        if to is None:
+            return
+        try:
+            self._socket.sendto(data, to)
+        except (BlockingIOError, ConnectionError):
+            return
+        except OSError as error:
+            raise LinkDown(f"the link broke: {error.strerror}") from error
+
+    def close(self) -> None:
+        """See `Channel`."""
+        self._socket.close()
+
+
+def _is_loopback(host: str) -> bool:
+    return host.startswith("127.") or host == "::1"
+
+
+class TcpChannel(_RealTime):
+    """TCP: `tcp` connects, `tcpin` waits for those who connect; a peer is a connection."""
+
+    datagrams = False
+
+    def __init__(self, address: Address) -> None:
+        super().__init__()
+        self._listener: socket.socket | None = None
+        self._connections: list[socket.socket] = []
+        if address.transport is Transport.TCP_IN:
+            self._listener = socket.create_server(
+                (address.host, address.port), family=_family(address.host), backlog=MOST_CONNECTIONS
+            )
+            self._listener.setblocking(False)
+        else:
+            connection = socket.create_connection((address.host, address.port), timeout=5.0)
+            self._adopt(connection)
+
+    @property
+    def port(self) -> int:
+        """The local port, for those who asked for any (0)."""
+        return int((self._listener or self._connections[0]).getsockname()[1])
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        """See `Channel`."""
+        watched = [*self._connections, *([self._listener] if self._listener else [])]
+        ready, _, _ = select.select(watched, [], [], max(0.0, until - self.now()))
+        got: list[tuple[bytes, Peer]] = []
+        for one in ready:
+            if one is self._listener:
+                self._accept()
+                continue
+            try:
+                data = one.recv(LONGEST_READ)
+            except BlockingIOError:
+                continue
+            except OSError:
+                data = b""
+            if data:
+                got.append((data, one))
+            else:
+                self._drop(one)
+        return got
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        """See `Channel`."""
+        for connection in [*self._connections] if peer is None else [peer]:
+            if not isinstance(connection, socket.socket) or connection not in self._connections:
+                continue
+            try:
+                sent = connection.send(data)
+            except BlockingIOError:
+                continue
+            except OSError:
+                self._drop(connection)
+                continue
+            if 0 < sent < len(data):
+                self._finish(connection, data[sent:])
+
+    def close(self) -> None:
+        """See `Channel`."""
+        for connection in [*self._connections]:
+            connection.close()
+        self._connections = []
+        if self._listener:
+            self._listener.close()
+
+    def _adopt(self, connection: socket.socket) -> None:
+        connection.setblocking(False)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._connections.append(connection)
+
+    def _accept(self) -> None:
+        try:
+            connection, _ = self._listener.accept()  # type: ignore[union-attr]
+        except OSError:
+            return
+        if len(self._connections) >= MOST_CONNECTIONS:
+            connection.close()
+        else:
+            self._adopt(connection)
+
+    def _finish(self, connection: socket.socket, rest: bytes) -> None:
+        """A frame must not be torn: give a full buffer half a second, else give up the connection."""
+        connection.settimeout(0.5)
+        try:
+            connection.sendall(rest)
+            connection.setblocking(False)
+        except OSError:
+            self._drop(connection)
+
+    def _drop(self, connection: socket.socket) -> None:
+        self._connections.remove(connection)
+        connection.close()
+        if self._listener is None:
+            raise LinkDown("the other side closed the connection")
+
+
+class SerialChannel(_RealTime):
+    """A serial port: a telemetry radio, or USB."""
+
+    datagrams = False
+
+    def __init__(self, address: Address) -> None:
+        super().__init__()
+        try:
+            serial = importlib.import_module("serial")
+        except ModuleNotFoundError:
+            raise LinkDown("serial links need pyserial", hint="pip install 'ipoa-mission[serial]'") from None
+        if not Path(address.device).exists() and not address.device.upper().startswith("COM"):
+            raise LinkDown(f"{address}: there is no such device")
+        self._port = serial.Serial(address.device, address.baud, timeout=0, write_timeout=0)
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        """See `Channel`."""
+        data: bytes = self._port.read(LONGEST_READ)
+        while not data and (left := until - self.now()) > 0:
+            time.sleep(min(left, 0.002))
+            data = self._port.read(LONGEST_READ)
+        return [(data, "serial")] if data else []
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        """See `Channel`."""
+        try:
+            self._port.write(data)
+        except OSError as error:
+            raise LinkDown(f"the link broke: {error}") from error
+
+    def close(self) -> None:
+        """See `Channel`."""
+        self._port.close()

@@ -1,0 +1,240 @@
+"""Messages <-> MAVLink frames: the only import of pymavlink, used as the table of message definitions.
+
+The framing is ours, because pymavlink's parser forgets who sent an unknown message, drops a whole good frame behind
+a corrupt length, and records the timestamp of a signature before it has checked it.
+"""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+from pymavlink.dialects.v20 import ardupilotmega as dialect
+
+from ipoa_mission.link import wire
+from ipoa_mission.link.messages import Message
+from ipoa_mission.link.signing import Signer
+
+MAGIC_1, MAGIC_2 = 0xFE, 0xFD
+SIGNED = 0x01  # incompat_flags bit
+SIGNATURE_BYTES = 13
+LONGEST_FRAME = 10 + 255 + 2 + SIGNATURE_BYTES
+RADIO_STATUS = "RADIO_STATUS"
+
+
+class Target(NamedTuple):
+    """Whom a message is for; 0 is everyone."""
+
+    system: int
+    component: int
+
+
+EVERYONE = Target(0, 0)
+
+
+@dataclass(frozen=True)
+class Heard:
+    """One message that came in whole, who said it and to whom; `raw` is its frame."""
+
+    system: int
+    component: int
+    target: Target
+    message: Message | None  # None: a message that the package has no use for
+    raw: bytes
+
+    def is_for(self, system: int, component: int) -> bool:
+        """Whether it is addressed to this system and component, or to everyone."""
+        return self.target.system in (0, system) and self.target.component in (0, component)
+
+
+@dataclass(frozen=True)
+class Definition:
+    """One MAVLink message: its payload in wire order, and what its checksum is seeded with."""
+
+    number: int
+    name: str
+    layout: struct.Struct
+    names: tuple[str, ...]
+    lengths: tuple[int, ...]  # values of each field in the layout
+    crc_extra: int
+
+    def pack(self, fields: wire.Fields) -> bytes:
+        """The payload; a field that is not given is zero."""
+        values: list[Any] = []
+        for name, length, blank in zip(self.names, self.lengths, self._blanks(), strict=True):
+            value = fields.get(name, blank)
+            values.extend(value) if length > 1 else values.append(value)
+        return self.layout.pack(*values)
+
+    def unpack(self, payload: bytes) -> SimpleNamespace:
+        """The fields of a payload; MAVLink 2 cuts it at its trailing zeros, MAVLink 1 before its extensions."""
+        size = self.layout.size
+        values = self.layout.unpack(payload[:size].ljust(size, b"\0"))
+        fields, at = {}, 0
+        for name, length in zip(self.names, self.lengths, strict=True):
+            fields[name] = values[at] if length == 1 else values[at : at + length]
+            at += length
+        return SimpleNamespace(**fields)
+
+    def _blanks(self) -> tuple[Any, ...]:
+        return _blanks(self.number)
+
+
+@cache
+def _blanks(number: int) -> tuple[Any, ...]:
+    fields = vars(_DEFINITIONS[number].unpack(b""))
+    return tuple(fields.values())
+
+
+def _definition(kind: Any) -> Definition:
+    lengths = tuple(kind.lengths)
+    names = tuple(kind.ordered_fieldnames)
+    chars = [
+        length if "char" not in kind.fieldtypes[kind.fieldnames.index(name)] else 1
+        for name, length in zip(names, lengths, strict=True)
+    ]
+    return Definition(kind.id, kind.msgname, kind.unpacker, names, tuple(chars), kind.crc_extra)
+
+
+#: PX4's EVENT, which the stable dialects do not have yet.
+_EVENT = Definition(
+    410,
+    "EVENT",
+    struct.Struct("<IIHBBB40s"),
+    ("id", "event_time_boot_ms", "sequence", "destination_component", "destination_system", "log_levels", "arguments"),
+    (1,) * 7,
+    160,
+)
+_DEFINITIONS: dict[int, Definition] = {number: _definition(kind) for number, kind in dialect.mavlink_map.items()}
+_DEFINITIONS.setdefault(_EVENT.number, _EVENT)
+_NUMBERS = {definition.name: definition.number for definition in _DEFINITIONS.values()}
+
+
+def message_number(name: str) -> int:
+    """MAVLink's number of a message name."""
+    return _NUMBERS[name]
+
+
+def message_name(number: int) -> str | None:
+    """MAVLink's name of a message number, where it is known."""
+    return _DEFINITIONS[number].name if number in _DEFINITIONS else None
+
+
+def checksum(frame: bytes, crc_extra: int) -> int:
+    """CRC-16/MCRF4XX over everything behind the magic byte, and the seed of this message."""
+    return int(dialect.x25crc(frame[1:] + bytes((crc_extra,))).crc)
+
+
+class Codec:
+    """One end's voice: its ids, its sequence of frames, and its key where the link is signed."""
+
+    def __init__(self, system: int, component: int, signer: Signer | None = None) -> None:
+        self.system = system
+        self.component = component
+        self.signer = signer
+        self._sequence = 0
+
+    def encode(self, message: Message, target: Target, unix_s: float) -> bytes:
+        """The MAVLink 2 frame of a message; `unix_s` is the time that a signature carries."""
+        name, fields = wire.write(message)
+        definition = _DEFINITIONS[_NUMBERS[name]]
+        addressed = {"target_system": target.system, "target_component": target.component, **fields}
+        payload = definition.pack(addressed).rstrip(b"\0") or b"\0"
+        flags = SIGNED if self.signer else 0
+        header = struct.pack(
+            "<BBBBBBBHB",
+            MAGIC_2,
+            len(payload),
+            flags,
+            0,
+            self._sequence,
+            self.system,
+            self.component,
+            definition.number & 0xFFFF,
+            definition.number >> 16,
+        )
+        self._sequence = (self._sequence + 1) % 256
+        body = header + payload
+        frame = body + struct.pack("<H", checksum(body, definition.crc_extra))
+        return frame if self.signer is None else frame + self.signer.signature(frame, unix_s)
+
+    def decode(self, frame: bytes) -> Heard | None:
+        """What a whole frame says; None where the signature does not convince."""
+        definition, system, component, payload = _parts(frame)
+        if self.signer and not self.signer.accepts(frame, system, component) and definition.name != RADIO_STATUS:
+            return None
+        if definition.name not in wire.NAMES:
+            return Heard(system, component, EVERYONE, None, frame)
+        raw = definition.unpack(payload)
+        target = Target(getattr(raw, "target_system", 0), getattr(raw, "target_component", 0))
+        return Heard(system, component, target, wire.read(definition.name, raw), frame)
+
+
+class Framer:
+    """Cuts a stream of bytes into whole frames; what is no frame is passed over, one byte at a time."""
+
+    def __init__(self) -> None:
+        self._buffer = b""
+
+    def feed(self, data: bytes) -> Iterator[bytes]:
+        """The frames that `data` completes, checksums checked; never keeps more than one frame's worth."""
+        self._buffer += data
+        while (start := _next_magic(self._buffer)) >= 0:
+            self._buffer = self._buffer[start:]
+            length = _frame_length(self._buffer)
+            if length is None or len(self._buffer) < length:
+                return
+            frame = self._buffer[:length]
+            whole = _is_whole(frame)
+            self._buffer = self._buffer[length if whole else 1 :]
+            if whole:
+                yield frame
+        self._buffer = b""
+
+
+def frames(data: bytes) -> Iterator[bytes]:
+    """The whole frames in one datagram, which holds no half frames."""
+    rest = data
+    while (start := _next_magic(rest)) >= 0:
+        rest = rest[start:]
+        length = _frame_length(rest)
+        whole = length is not None and len(rest) >= length and _is_whole(rest[:length])
+        if whole:
+            yield rest[:length]
+        rest = rest[length if whole else 1 :]
+
+
+def _next_magic(data: bytes) -> int:
+    found = [at for at in (data.find(MAGIC_2), data.find(MAGIC_1)) if at >= 0]
+    return min(found, default=-1)
+
+
+def _frame_length(data: bytes) -> int | None:
+    """Length of the frame that begins here, None while that cannot be told."""
+    if len(data) < 3:
+        return None
+    if data[0] == MAGIC_1:
+        return 6 + data[1] + 2
+    return 10 + data[1] + 2 + (SIGNATURE_BYTES if data[2] & SIGNED else 0)
+
+
+def _is_whole(frame: bytes) -> bool:
+    """Whether this is a frame of a known message with the right checksum, and with no flag that we do not know."""
+    is_v2 = frame[0] == MAGIC_2
+    if is_v2 and frame[2] & ~SIGNED:
+        return False
+    number = int.from_bytes(frame[7:10], "little") if is_v2 else frame[5]
+    if number not in _DEFINITIONS:
+        return False
+    end = len(frame) - (SIGNATURE_BYTES if is_v2 and frame[2] & SIGNED else 0)
+    body, crc = frame[: end - 2], int.from_bytes(frame[end - 2 : end], "little")
+    return checksum(body, _DEFINITIONS[number].crc_extra) == crc
+
+
+def _parts(frame: bytes) -> tuple[Definition, int, int, bytes]:
+    if frame[0] == MAGIC_1:
+        return _DEFINITIONS[frame[5]], frame[3], frame[4], frame[6:-2]
+    number = int.from_bytes(frame[7:10], "little")
+    return _DEFINITIONS[number], frame[5], frame[6], frame[10 : 10 + frame[1]]

@@ -1,0 +1,225 @@
+"""The mission service: `offer` and `fetch` are one transfer seen from its two ends, for the client and the mock alike.
+
+An upload is the client offering and the vehicle fetching; a download is the reverse. What follows them are the
+client's own conversations, made of the two.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell
+from ipoa_mission.link.messages import (
+    Ack,
+    ClearAll,
+    Count,
+    ItemAt,
+    Message,
+    MissionType,
+    Request,
+    RequestList,
+    Result,
+    Text,
+)
+from ipoa_mission.mission.items import Item
+
+Progress = Callable[[int, int], None]
+Take = Callable[[int, ItemAt], int]
+
+#: Refusals after which a vehicle may still go on asking: a second COUNT or a stray item gets ERROR from PX4,
+#: a duplicate gets INVALID_SEQUENCE from ArduPilot, and neither ends the transfer.
+DOUBTFUL = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
+#: How long to wait for the next request after a doubtful refusal; both firmwares ask again every second or sooner.
+GRACE_S = 3.0
+#: The words that explain a refusal come before it or just behind it.
+WORDS_S = 0.3
+
+
+def silent(done: int, total: int) -> None:
+    """The progress callback that tells nobody."""
+
+
+class MissionRefused(MissionError):
+    """The vehicle said no: `result` (a `Result`), the item that it refused, where known, and its words."""
+
+    def __init__(self, result: int, kind: int, seq: int | None = None, words: str = "") -> None:
+        self.result, self.kind, self.seq, self.words = result, kind, seq, words
+        name = Result(result).name if result in set(Result) else str(result)
+        where = "" if seq is None else f" at item {seq}"
+        said = f": {words}" if words else ""
+        super().__init__(f"the vehicle refused the {list_name(kind)}{where} with {name}{said}")
+
+
+def list_name(kind: int) -> str:
+    """How a human calls this list."""
+    return {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}.get(
+        MissionType(kind) if kind in set(MissionType) else MissionType.ALL, "lists"
+    )
+
+
+@dataclass
+class Overheard:
+    """The vehicle's words during a conversation."""
+
+    words: list[str] = field(default_factory=list)
+
+    def note(self, message: Message | None) -> None:
+        """Keep it if it is text (warnings and worse, and the few notices that explain a refusal)."""
+        if isinstance(message, Text) and message.severity <= 6 and message.text not in self.words:
+            self.words = [*self.words[-7:], message.text]
+
+    def __str__(self) -> str:
+        return "; ".join(self.words)
+
+
+def offer(
+    items: Sequence[Item], kind: int, opening: type[Ask] | type[Tell] = Ask, progress: Progress = silent
+) -> Dialogue[bool]:
+    """Offer a list. Returns whether its receipt was acknowledged: False when silence followed the last item.
+
+    With `opening` Ask we are the client: the vehicle pulls one item at a time, in order, so a request for an earlier
+    item is a late duplicate and stays unanswered. With Tell we are the vehicle, and the client may ask for any item.
+
+    Raises:
+        MissionRefused: a refusal that ended the transfer.
+        NoAnswer: silence before the last item was asked for.
+    """
+    in_order = opening is Ask
+    asked = -1
+    doubt: int | None = None
+    overheard = Overheard()
+    step: Step = opening(Count(len(items), kind))
+    while True:
+        try:
+            heard = yield step
+        except NoAnswer as silence:
+            if doubt is not None:
+                raise MissionRefused(doubt, kind, max(asked, 0), str(overheard)) from None
+            if asked == len(items) - 1 and items:
+                return False
+            raise NoAnswer(f"{silence} after {max(asked, 0)} of {len(items)} items of the {list_name(kind)}") from None
+        step = None
+        match heard:
+            case Request(seq, k) if k == kind and seq < len(items) and (not in_order or asked <= seq <= asked + 1):
+                asked = seq
+                doubt = None
+                progress(seq, len(items))
+                step = Tell(ItemAt(seq, items[seq], kind))
+            case Ack(Result.ACCEPTED, k) if k == kind:
+                if asked == len(items) - 1 or not in_order:
+                    progress(len(items), len(items))
+                    return True
+            case Ack(Result.INVALID_SEQUENCE, k) if k == kind:
+                doubt = Result.INVALID_SEQUENCE
+            case Ack(Result.ERROR, k) if k == kind:
+                doubt = Result.ERROR
+                step = Pause(GRACE_S)
+            case Ack(result, k) if k == kind:
+                yield from _listen_for_words(overheard)
+                raise MissionRefused(result, kind, max(asked, 0), str(overheard))
+            case None:  # the grace is over, and no request came
+                raise MissionRefused(doubt or Result.ERROR, kind, max(asked, 0), str(overheard))
+            case _:
+                overheard.note(heard)
+
+
+@dataclass(frozen=True)
+class Manners:
+    """How one fetches: by the old MISSION_REQUEST, and whether a stray item is rebuked with INVALID_SEQUENCE."""
+
+    legacy: bool = False
+    rebukes: bool = False
+
+
+def fetch(count: int, kind: int, take: Take, manners: Manners = Manners()) -> Dialogue[int]:
+    """Fetch `count` items in order and hand each to `take`. Returns the first result that is not ACCEPTED, or ACCEPTED.
+
+    Saying the closing Ack is left to the caller, who may want to judge the whole list first.
+
+    Raises:
+        MissionRefused: the other side broke it off.
+        NoAnswer: silence.
+    """
+    doubt: int | None = None
+    for seq in range(count):
+        step: Step = Ask(Request(seq, kind, manners.legacy), item=True)
+        while True:
+            try:
+                heard = yield step
+            except NoAnswer as silence:
+                if doubt is not None:
+                    raise MissionRefused(doubt, kind, seq) from None
+                raise NoAnswer(f"{silence} after {seq} of {count} items of the {list_name(kind)}") from None
+            step = None
+            match heard:
+                case ItemAt(s, _, k) as item if k == kind and s == seq:
+                    result = take(seq, item)
+                    if result != Result.ACCEPTED:
+                        return result
+                    break
+                case ItemAt(_, _, k) if k == kind and manners.rebukes:
+                    yield Remark(Ack(Result.INVALID_SEQUENCE, kind))
+                case Ack(result, k) if k == kind and result in DOUBTFUL:
+                    doubt = result
+                case Ack(result, k) if k == kind and result != Result.ACCEPTED:
+                    raise MissionRefused(result, kind, seq)
+    return Result.ACCEPTED
+
+
+def download(kind: int, progress: Progress = silent) -> Dialogue[tuple[Item, ...]]:
+    """Read the list that the vehicle holds, as it stands on the wire.
+
+    Raises:
+        MissionRefused, NoAnswer.
+    """
+    step: Step = Ask(RequestList(kind))
+    overheard = Overheard()
+    while True:
+        heard = yield step
+        step = None
+        match heard:
+            case Count(count, k) if k == kind:
+                break
+            case Ack(result, k) if k == kind and result not in (Result.ACCEPTED, *DOUBTFUL):
+                yield from _listen_for_words(overheard)
+                raise MissionRefused(result, kind, words=str(overheard))
+            case _:
+                overheard.note(heard)
+    items: list[Item] = []
+
+    def take(seq: int, heard: ItemAt) -> int:
+        items.append(heard.item)
+        progress(len(items), count)
+        return Result.ACCEPTED
+
+    yield from fetch(count, kind, take)
+    yield Remark(Ack(Result.ACCEPTED, kind))
+    return tuple(items)
+
+
+def clear(kind: int) -> Dialogue[None]:
+    """Have the vehicle forget a list.
+
+    Raises:
+        MissionRefused, NoAnswer.
+    """
+    step: Step = Ask(ClearAll(kind))
+    overheard = Overheard()
+    while True:
+        heard = yield step
+        step = None
+        match heard:
+            case Ack(Result.ACCEPTED, k) if k == kind:
+                return
+            case Ack(result, k) if k == kind and result not in DOUBTFUL:
+                yield from _listen_for_words(overheard)
+                raise MissionRefused(result, kind, words=str(overheard))
+            case _:
+                overheard.note(heard)
+
+
+def _listen_for_words(overheard: Overheard) -> Dialogue[None]:
+    heard: Message | None = yield Pause(WORDS_S)
+    while heard is not None:
+        overheard.note(heard)
+        heard = yield None

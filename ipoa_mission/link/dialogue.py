@@ -1,0 +1,241 @@
+"""A conversation is a generator; `Exchange` gives it a clock.
+
+A dialogue yields what it wants to say and is sent what it hears, so its code reads like the sequence diagram:
+
+    heard = yield Ask(Count(3))      # said again until something is heard that the dialogue acts upon
+    heard = yield Tell(item)         # said once: it is the other side's turn to ask again
+    heard = yield Pause(2.0)         # nothing is said; `None` is heard when the time is up
+    yield Remark(Ack(...))           # said by the way; goes on at once, and what was awaited stays awaited
+    heard = yield None               # that was not for us: keep listening as before
+
+What ends an `Exchange` is the dialogue: it returns, or raises. When the other side stays silent, `NoAnswer` is thrown
+into it at the place where it waits, so a dialogue can try another way.
+"""
+
+import math
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Generic, TypeAlias, TypeVar
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.messages import Message
+
+T = TypeVar("T")
+
+
+class NoAnswer(MissionError):
+    """The other side said nothing for as long as our patience lasts."""
+
+
+class Cancelled(MissionError):
+    """The user took it back; the message says what the vehicle holds now."""
+
+
+@dataclass(frozen=True)
+class Ask:
+    """Say this, again and again, until an answer comes; `item`: one of many, for which the shorter timer holds."""
+
+    message: Message
+    item: bool = False
+
+
+@dataclass(frozen=True)
+class Tell:
+    """Say this once and wait for what the other side makes of it."""
+
+    message: Message
+
+
+@dataclass(frozen=True)
+class Remark:
+    """Say this by the way."""
+
+    message: Message
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Listen for so many seconds."""
+
+    seconds: float
+
+
+Step: TypeAlias = Ask | Tell | Remark | Pause | None
+Dialogue: TypeAlias = Generator[Step, Message | None, T]
+
+
+@dataclass(frozen=True)
+class Patience:
+    """When to repeat, and when to give up: MAVLink's own timers by default.
+
+    A question is repeated after `answer_s` (an item of a list: `item_s`), or, with `adapt`, after the measured round
+    trip and four times its spread. A silent link is given up after `retries` of `answer_s`; one on which the other side
+    is heard at all, after `alive_retries` repeats: losing a third of the packets is no reason to give up.
+    """
+
+    answer_s: float = 1.5
+    item_s: float = 0.25
+    retries: int = 5
+    alive_retries: int = 20
+    adapt: bool = True
+    echo_s: float = 0.1  # the same question heard twice within this time is a duplicate of the network
+
+    @property
+    def silence_s(self) -> float:
+        """How long nothing at all may be heard."""
+        return self.answer_s * (self.retries + 1)
+
+
+SPECIFIED = Patience()
+
+
+class Tempo:
+    """The round trip of a link as measured so far (after RFC 6298: smoothed mean and deviation, Karn's rule)."""
+
+    FASTEST_S = 0.05
+    SLOWEST_S = 6.0
+
+    def __init__(self, patience: Patience) -> None:
+        self._patience = patience
+        self._mean: float | None = None
+        self._spread = 0.0
+        self._backoff = 1.0
+
+    def wait_s(self, item: bool) -> float:
+        """How long to wait for an answer before asking again."""
+        usual = self._patience.item_s if item else self._patience.answer_s
+        if not self._patience.adapt:
+            return usual
+        if self._mean is not None:
+            usual = max(self._mean + 4 * self._spread, self.FASTEST_S)
+        return min(usual * self._backoff, max(self.SLOWEST_S, usual))
+
+    def sample(self, seconds: float) -> None:
+        """An answer came this long after a question that was asked once."""
+        self._backoff = 1.0
+        if self._mean is None:
+            self._mean, self._spread = seconds, seconds / 2
+        else:
+            self._spread += (abs(seconds - self._mean) - self._spread) / 4
+            self._mean += (seconds - self._mean) / 8
+
+    def repeated(self) -> None:
+        """A question went unanswered: perhaps the link is slower than we think."""
+        self._backoff = min(self._backoff * 1.5, 8.0)
+
+
+class Exchange(Generic[T]):
+    """One dialogue under way: hand it what is heard and the time, send what it says."""
+
+    def __init__(self, dialogue: Dialogue[T], now: float, patience: Patience, tempo: Tempo | None = None) -> None:
+        self.finished = False
+        self._dialogue = dialogue
+        self._patience = patience
+        self._tempo = tempo or Tempo(patience)
+        self._outbox: list[Message] = []
+        self._awaited: Ask | Tell | Pause = Pause(math.inf)
+        self._since = self._said = self._heard = now
+        self._repeats = 0
+        self._acted_on: tuple[Message | None, float] = (None, -math.inf)
+        self._result: T | None = None
+        self._follow(self._resume(None), now)
+
+    @property
+    def result(self) -> T:
+        """What the dialogue returned."""
+        if not self.finished:
+            raise RuntimeError("the dialogue is still under way")
+        return self._result  # type: ignore[return-value]
+
+    @property
+    def deadline(self) -> float:
+        """When `tick` is next needed."""
+        if self.finished:
+            return math.inf
+        match self._awaited:
+            case Ask():
+                return self._said + self._wait_s
+            case Tell():
+                return self._since + self._patience.silence_s
+            case Pause(seconds):
+                return self._since + seconds
+
+    def outgoing(self) -> list[Message]:
+        """What is to be said now; each message once."""
+        said, self._outbox = self._outbox, []
+        return said
+
+    def receive(self, message: Message, now: float) -> None:
+        """The other side has said something (whatever it is)."""
+        if self.finished:
+            return
+        self._heard = now
+        last, when = self._acted_on
+        if message == last and now - when < self._patience.echo_s:
+            return
+        step = self._resume(message)
+        if step is None and not self.finished:
+            return
+        if not isinstance(self._awaited, Pause) and self._repeats == 0:
+            self._tempo.sample(now - self._since)
+        self._acted_on = (message, now)
+        self._follow(step, now)
+
+    def tick(self, now: float) -> None:
+        """Time has passed."""
+        if now < self.deadline:
+            return
+        match self._awaited:
+            case Pause():
+                self._follow(self._resume(None), now)
+            case Ask(message) if not self._is_hopeless(now):
+                self._repeats += 1
+                self._tempo.repeated()
+                self._say(message, now)
+            case _:
+                self.interrupt(NoAnswer("the vehicle does not answer"), now)
+
+    def interrupt(self, error: MissionError, now: float) -> None:
+        """Raise an error in the dialogue, where it waits."""
+        if self.finished:
+            return
+        try:
+            step = self._dialogue.throw(error)
+        except StopIteration as stop:
+            self._finish(stop.value)
+        else:
+            self._follow(step, now)
+
+    def _is_hopeless(self, now: float) -> bool:
+        patience = self._patience
+        if self._repeats < patience.retries:
+            return False
+        return self._repeats >= patience.alive_retries or now - self._heard >= patience.silence_s
+
+    def _resume(self, message: Message | None) -> Step:
+        try:
+            return self._dialogue.send(message)
+        except StopIteration as stop:
+            self._finish(stop.value)
+            return None
+
+    def _follow(self, step: Step, now: float) -> None:
+        while isinstance(step, Remark):
+            self._outbox.append(step.message)
+            step = self._resume(None)
+        if step is None or self.finished:
+            return
+        self._awaited = step
+        self._since = now
+        self._repeats = 0
+        if not isinstance(step, Pause):
+            self._say(step.message, now)
+
+    def _say(self, message: Message, now: float) -> None:
+        self._said = now
+        self._wait_s = self._tempo.wait_s(isinstance(self._awaited, Ask) and self._awaited.item)
+        self._outbox.append(message)
+
+    def _finish(self, result: T) -> None:
+        self.finished = True
+        self._result = result

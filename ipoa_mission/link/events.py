@@ -1,0 +1,49 @@
+"""Words for PX4's EVENT numbers, as far as they tell why a mission is not flyable.
+
+A number is the autopilot's component id and the lower 24 bits of the FNV-1a hash of the event's name; the words live
+in a metadata file that ground stations load. These are the names that PX4's mission feasibility check uses.
+"""
+
+AUTOPILOT = 1 << 24
+
+
+def event_number(name: str) -> int:
+    """PX4's number of an event name."""
+    value = 0x811C9DC5
+    for byte in name.encode():
+        value = (value ^ byte) * 0x01000193 & 0xFFFFFFFF
+    return AUTOPILOT | value & 0xFFFFFF
+
+
+_WORDS = {
+    event_number(f"navigator_mis_{name}"): words
+    for name, words in {
+        "takeoff_missing": "a take-off item is required",
+        "land_missing": "a landing item is required",
+        "takeoff_or_land_missing": "a take-off or a landing item is missing",
+        "add_land_or_rm_to": "there is a take-off but no landing",
+        "add_to_or_rm_land": "there is a landing but no take-off",
+        "takeoff_too_low": "the take-off is too low: it must be a metre above the acceptance radius",
+        "takeoff_not_first": "the take-off is not the first item with a position",
+        "starts_w_landing": "the mission begins with a landing",
+        "starts_w_landing2": "the mission begins with a landing",
+        "unsup_cmd": "an item has a command that this vehicle cannot fly",
+        "act_index": "an actuator number is out of bounds",
+        "act_range": "an actuator value is out of bounds",
+        "first_wp_too_far": "the first waypoint is too far away",
+        "wp_dist_too_far": "two waypoints are too far apart",
+        "wp_gate_too_close": "a waypoint and a gate are too close",
+        "no_home_rel_alt": "the vehicle has no home, but altitudes are relative to it",
+        "multiple_land": "there is more than one landing start",
+        "land_before_rtl": "a landing start stands before the return",
+        "invalid_land": "the landing start is not valid",
+        "approach_wp_below_land": "the landing is approached from below",
+        "land_wp_inside_orbit_radius": "the landing point lies inside the orbit",
+        "glide_slope_too_steep": "the glide slope is too steep",
+    }.items()
+}
+
+
+def words_of(number: int) -> str | None:
+    """What an event says, where it is about a mission that cannot be flown."""
+    return _WORDS.get(number)

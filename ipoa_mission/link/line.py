@@ -1,0 +1,105 @@
+"""`Line`: one end of a link, with a voice (codec), ears that know who speaks (routes), and a memory (tlog).
+
+`converse` is the only loop that joins a dialogue to the world.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import TypeVar
+
+from ipoa_mission.link.channel import Channel
+from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, frames
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, Patience, Tempo
+from ipoa_mission.link.messages import Firmware, Heartbeat, Message
+from ipoa_mission.link.routes import Routes
+from ipoa_mission.link.tlog import TlogWriter
+
+T = TypeVar("T")
+HEARTBEAT_S = 1.0
+MAV_TYPE_GCS = 6
+
+
+class Line:
+    """A ground station's end of a link; `close` it, or use it with `with`."""
+
+    def __init__(self, channel: Channel, codec: Codec, log: Path | None = None) -> None:
+        self.channel = channel
+        self.codec = codec
+        self._log = TlogWriter(log) if log else None
+        self._routes = Routes()
+        self._next_heartbeat = channel.now()
+
+    def send(self, message: Message, target: Target = EVERYONE) -> None:
+        """Say something to one vehicle, or to all."""
+        frame = self.codec.encode(message, target, self.channel.unix_s())
+        if self._log:
+            self._log.write(frame, self.channel.unix_s())
+        peers = self._routes.to(target)
+        for peer in peers or {None}:
+            self.channel.send(frame, peer)
+
+    def receive(self, until: float) -> list[Heard]:
+        """What was said to us (or to everyone) up to this moment, at the latest; keeps our own heartbeat going."""
+        now = self.channel.now()
+        if now >= self._next_heartbeat:
+            self._next_heartbeat = now + HEARTBEAT_S
+            self.send(Heartbeat(MAV_TYPE_GCS, Firmware.INVALID))
+        heard: list[Heard] = []
+        for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
+            now = self.channel.now()
+            for frame in frames(data) if self.channel.datagrams else self._routes.framer(peer).feed(data):
+                one = self.codec.decode(frame)
+                if one is None or not self._routes.learn(one.system, one.component, peer, now):
+                    continue
+                if self._log:
+                    self._log.write(frame, self.channel.unix_s())
+                if one.message is not None and one.is_for(self.codec.system, self.codec.component):
+                    heard.append(one)
+        return heard
+
+    def close(self) -> None:
+        """Close the channel and the log."""
+        self.channel.close()
+        if self._log:
+            self._log.close()
+
+    def __enter__(self) -> "Line":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+
+def converse(
+    line: Line,
+    target: Target,
+    dialogue: Dialogue[T],
+    patience: Patience,
+    tempo: Tempo | None = None,
+    overhear: Callable[[Message], None] | None = None,
+) -> T:
+    """Hold a dialogue with one vehicle and return what it returns; other voices on the line are not heard.
+
+    Ctrl-C asks the dialogue to end well (`Cancelled` is raised in it); a second one ends it at once.
+    """
+    exchange = Exchange(dialogue, line.channel.now(), patience, tempo)
+    was_cancelled = False
+    while not exchange.finished:
+        try:
+            for message in exchange.outgoing():
+                line.send(message, target)
+            for heard in line.receive(exchange.deadline):
+                if (heard.system, heard.component) == target and heard.message is not None:
+                    if overhear:
+                        overhear(heard.message)
+                    exchange.receive(heard.message, line.channel.now())
+            exchange.tick(line.channel.now())
+        except KeyboardInterrupt:
+            if was_cancelled:
+                raise
+            was_cancelled = True
+            exchange.interrupt(Cancelled("cancelled"), line.channel.now())
+    for message in exchange.outgoing():
+        line.send(message, target)
+    return exchange.result

@@ -1,0 +1,444 @@
+"""What is said on the link, as data: one frozen class a message, SI units and degrees, no bytes.
+
+A field that MAVLink does not scale keeps MAVLink's own name. Numbers that come from outside stay plain integers
+(an unknown mission type is not an error of the reader); the enumerations here name the known ones.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+from ipoa_mission.mission.items import Item
+
+
+class MissionType(IntEnum):
+    """MAV_MISSION_TYPE: the three lists that a vehicle keeps."""
+
+    MISSION = 0
+    FENCE = 1
+    RALLY = 2
+    ALL = 255  # in CLEAR_ALL only
+
+
+class Result(IntEnum):
+    """MAV_MISSION_RESULT."""
+
+    ACCEPTED = 0
+    ERROR = 1
+    UNSUPPORTED_FRAME = 2
+    UNSUPPORTED = 3
+    NO_SPACE = 4
+    INVALID = 5
+    INVALID_PARAM1 = 6
+    INVALID_PARAM2 = 7
+    INVALID_PARAM3 = 8
+    INVALID_PARAM4 = 9
+    INVALID_PARAM5_X = 10
+    INVALID_PARAM6_Y = 11
+    INVALID_PARAM7 = 12
+    INVALID_SEQUENCE = 13
+    DENIED = 14
+    OPERATION_CANCELLED = 15
+
+
+class CommandResult(IntEnum):
+    """MAV_RESULT."""
+
+    ACCEPTED = 0
+    TEMPORARILY_REJECTED = 1
+    DENIED = 2
+    UNSUPPORTED = 3
+    FAILED = 4
+    IN_PROGRESS = 5
+    CANCELLED = 6
+
+
+class Firmware(IntEnum):
+    """MAV_AUTOPILOT, as far as it matters here."""
+
+    GENERIC = 0
+    ARDUPILOT = 3
+    INVALID = 8  # not an autopilot: a ground station, a gimbal
+    PX4 = 12
+
+
+#: MAV_STATE_STANDBY: below it an autopilot is still starting up.
+STANDBY = 3
+#: MAV_MODE_FLAG_SAFETY_ARMED in HEARTBEAT.base_mode.
+ARMED_FLAG = 128
+#: MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.
+CUSTOM_MODE_FLAG = 1
+#: MAV_COMP_ID_AUTOPILOT1 and what a ground station calls itself (MAV_COMP_ID_MISSIONPLANNER).
+AUTOPILOT_COMPONENT = 1
+STATION_SYSTEM, STATION_COMPONENT = 245, 190
+
+
+@dataclass(frozen=True)
+class Message:
+    """Anything that can be said."""
+
+
+# --- the mission service -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Count(Message):
+    """MISSION_COUNT: so many items are to come."""
+
+    count: int
+    kind: int = MissionType.MISSION
+
+
+@dataclass(frozen=True)
+class Request(Message):
+    """MISSION_REQUEST_INT, or the old MISSION_REQUEST (`legacy`), which asks for the same."""
+
+    seq: int
+    kind: int = MissionType.MISSION
+    legacy: bool = False
+
+
+@dataclass(frozen=True)
+class ItemAt(Message):
+    """MISSION_ITEM_INT: the item at `seq`. `current` 2 and 3 are orders to a flying ArduPilot: never sent here."""
+
+    seq: int
+    item: Item
+    kind: int = MissionType.MISSION
+    current: int = 0
+
+
+@dataclass(frozen=True)
+class Ack(Message):
+    """MISSION_ACK: how a transfer ended (a `Result`)."""
+
+    result: int
+    kind: int = MissionType.MISSION
+
+
+@dataclass(frozen=True)
+class RequestList(Message):
+    """MISSION_REQUEST_LIST: how many items have you?"""
+
+    kind: int = MissionType.MISSION
+
+
+@dataclass(frozen=True)
+class ClearAll(Message):
+    """MISSION_CLEAR_ALL."""
+
+    kind: int = MissionType.MISSION
+
+
+@dataclass(frozen=True)
+class SetCurrent(Message):
+    """MISSION_SET_CURRENT: go on with item `seq` (superseded by command 224, yet all PX4 knows)."""
+
+    seq: int
+
+
+@dataclass(frozen=True)
+class Current(Message):
+    """MISSION_CURRENT: the item flown to; states: 0 not told, 1 none, 2 not started, 3 active, 4 paused, 5 done."""
+
+    seq: int
+    total: int = 0
+    mission_state: int = 0
+    mission_mode: int = 0
+
+
+@dataclass(frozen=True)
+class Reached(Message):
+    """MISSION_ITEM_REACHED."""
+
+    seq: int
+
+
+@dataclass(frozen=True)
+class WritePartialList(Message):
+    """MISSION_WRITE_PARTIAL_LIST: items `start_index` to `end_index` are to be replaced."""
+
+    start_index: int
+    end_index: int
+    kind: int = MissionType.MISSION
+
+
+# --- presence, words, time -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Heartbeat(Message):
+    """HEARTBEAT: who is there, in which mode."""
+
+    type: int
+    autopilot: int
+    base_mode: int = 0
+    custom_mode: int = 0
+    system_status: int = STANDBY
+
+    @property
+    def armed(self) -> bool:
+        """Whether the motors may run."""
+        return bool(self.base_mode & ARMED_FLAG)
+
+
+@dataclass(frozen=True)
+class Text(Message):
+    """STATUSTEXT: words for a human; severity 0 (emergency) to 7 (debug). A long text comes in chunks with one `id`."""
+
+    severity: int
+    text: str
+    id: int = 0
+    chunk_seq: int = 0
+
+
+@dataclass(frozen=True)
+class Event(Message):
+    """EVENT: PX4's numbered messages (`number` is its id); the words live in the ground station."""
+
+    number: int
+    log_levels: int
+    arguments: bytes = b""
+
+
+@dataclass(frozen=True)
+class Ping(Message):
+    """PING: a request is addressed to (0, 0), its answer to the one who asked."""
+
+    time_usec: int
+    seq: int
+
+
+@dataclass(frozen=True)
+class TimeSync(Message):
+    """TIMESYNC: a question has `tc1` 0; nanoseconds."""
+
+    tc1: int
+    ts1: int
+
+
+# --- commands and parameters ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class CommandLong(Message):
+    """COMMAND_LONG."""
+
+    command: int
+    params: tuple[float, float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    confirmation: int = 0
+
+
+@dataclass(frozen=True)
+class CommandInt(Message):
+    """COMMAND_INT: x and y are integers of the command's own scale, left as they are."""
+
+    command: int
+    frame: int
+    params: tuple[float, float, float, float]
+    x: int
+    y: int
+    z: float
+
+
+@dataclass(frozen=True)
+class CommandAck(Message):
+    """COMMAND_ACK: what became of a command (a `CommandResult`)."""
+
+    command: int
+    result: int
+    progress: int = 0
+    result_param2: int = 0
+
+
+@dataclass(frozen=True)
+class SetMode(Message):
+    """SET_MODE: the old way to ask for a mode."""
+
+    base_mode: int
+    custom_mode: int
+
+
+@dataclass(frozen=True)
+class ParamRequestList(Message):
+    """PARAM_REQUEST_LIST."""
+
+
+@dataclass(frozen=True)
+class ParamRequestRead(Message):
+    """PARAM_REQUEST_READ: by name, or by index where that is not -1."""
+
+    param_id: str
+    param_index: int = -1
+
+
+@dataclass(frozen=True)
+class ParamSet(Message):
+    """PARAM_SET."""
+
+    param_id: str
+    param_value: float
+    param_type: int = 9
+
+
+@dataclass(frozen=True)
+class ParamValue(Message):
+    """PARAM_VALUE: number `param_index` of `param_count`; type 9 is a float."""
+
+    param_id: str
+    param_value: float
+    param_type: int
+    param_count: int
+    param_index: int
+
+
+@dataclass(frozen=True)
+class RequestDataStream(Message):
+    """REQUEST_DATA_STREAM: the old way to ask for streams."""
+
+    req_stream_id: int
+    req_message_rate: int
+    start_stop: int
+
+
+@dataclass(frozen=True)
+class MessageInterval(Message):
+    """MESSAGE_INTERVAL: how often a message is sent [us]; 0 unknown, -1 never."""
+
+    message_id: int
+    interval_us: int
+
+
+@dataclass(frozen=True)
+class FileTransfer(Message):
+    """FILE_TRANSFER_PROTOCOL: 251 bytes of MAVFTP."""
+
+    payload: bytes
+
+
+# --- telemetry -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class AutopilotVersion(Message):
+    """AUTOPILOT_VERSION: `capabilities` is a bit field of MAV_PROTOCOL_CAPABILITY."""
+
+    capabilities: int
+    flight_sw_version: int = 0
+    uid: int = 0
+
+
+@dataclass(frozen=True)
+class ProtocolVersion(Message):
+    """PROTOCOL_VERSION: 200 is MAVLink 2."""
+
+    version: int = 200
+
+
+@dataclass(frozen=True)
+class HomePosition(Message):
+    """HOME_POSITION: altitude AMSL [m]."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+
+
+@dataclass(frozen=True)
+class GlobalOrigin(Message):
+    """GPS_GLOBAL_ORIGIN: where the local frame begins."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+
+
+@dataclass(frozen=True)
+class Position(Message):
+    """GLOBAL_POSITION_INT: altitude AMSL, height above home [m]; velocity north, east, down [m/s]; yaw [rad]."""
+
+    time_s: float
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+    height: float
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True)
+class LocalPosition(Message):
+    """LOCAL_POSITION_NED: north, east, down of the origin [m], and the velocity [m/s]."""
+
+    time_s: float
+    position: tuple[float, float, float]
+    velocity: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Gps(Message):
+    """GPS_RAW_INT: a fix of type 3 is three-dimensional."""
+
+    time_s: float
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+    speed: float
+    fix_type: int = 3
+    satellites_visible: int = 12
+
+
+@dataclass(frozen=True)
+class Attitude(Message):
+    """ATTITUDE [rad]."""
+
+    time_s: float
+    roll: float
+    pitch: float
+    yaw: float
+
+
+@dataclass(frozen=True)
+class Hud(Message):
+    """VFR_HUD: speeds [m/s], altitude AMSL [m], heading [deg]."""
+
+    airspeed: float
+    groundspeed: float
+    heading: int
+    throttle: int
+    alt: float
+    climb: float
+
+
+@dataclass(frozen=True)
+class SystemStatus(Message):
+    """SYS_STATUS: sensor bits present, enabled and healthy; volts and remaining battery [%]."""
+
+    present: int
+    enabled: int
+    health: int
+    voltage: float = 12.6
+    battery_remaining: int = 100
+
+
+@dataclass(frozen=True)
+class ExtendedState(Message):
+    """EXTENDED_SYS_STATE: `landed_state` 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
+
+    landed_state: int
+    vtol_state: int = 0
+
+
+@dataclass(frozen=True)
+class SystemTime(Message):
+    """SYSTEM_TIME: seconds since 1970 and since boot."""
+
+    unix_s: float
+    boot_s: float
+
+
+@dataclass(frozen=True)
+class RadioStatus(Message):
+    """RADIO_STATUS: from the radio itself, so it is never signed."""
+
+    rssi: int
+    remrssi: int

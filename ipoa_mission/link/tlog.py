@@ -1,0 +1,67 @@
+"""`.tlog`: every frame that went over the link, as ground stations keep and replay it.
+
+A record is the time of a frame in microseconds since 1970, eight bytes big-endian, and the raw frame.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import BinaryIO
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.link.codec import LONGEST_FRAME, Framer
+
+STAMP_BYTES = 8
+
+
+class TlogWriter:
+    """A log under way; each frame is on the disk as soon as it is written."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            self._file: BinaryIO = path.open("wb", buffering=0)
+        except OSError as error:
+            raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+
+    def write(self, frame: bytes, unix_s: float) -> None:
+        """Add one frame."""
+        self._file.write(round(unix_s * 1e6).to_bytes(STAMP_BYTES, "big") + frame)
+
+    def close(self) -> None:
+        """No more frames."""
+        self._file.close()
+
+    def __enter__(self) -> "TlogWriter":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+
+@dataclass(frozen=True)
+class Record:
+    """One frame of a log and when it was seen, in seconds since 1970."""
+
+    unix_s: float
+    frame: bytes
+
+
+def read_tlog(path: Path) -> Iterator[Record]:
+    """The frames of a log in their order; a torn record is passed over, as are frames with a wrong checksum.
+
+    Raises:
+        BadInput: the file cannot be read.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    at = 0
+    while at + STAMP_BYTES < len(data):
+        frame = next(Framer().feed(data[at + STAMP_BYTES : at + STAMP_BYTES + LONGEST_FRAME]), None)
+        if frame is None or not data.startswith(frame, at + STAMP_BYTES):
+            at += 1
+            continue
+        yield Record(int.from_bytes(data[at : at + STAMP_BYTES], "big") / 1e6, frame)
+        at += STAMP_BYTES + len(frame)

@@ -1,0 +1,261 @@
+"""The client's verbs: `connect` to a vehicle, then upload, download, clear, set_current, arm, start, watch.
+
+Each verb is one dialogue, held by `converse`; nothing here knows about bytes or timers.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import TypeVar
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link import conversations, orders
+from ipoa_mission.link.channel import open_channel
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.conversations import Progress, silent
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, NoAnswer, Patience, Tempo
+from ipoa_mission.link.line import Line, converse
+from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
+from ipoa_mission.link.messages import (
+    AUTOPILOT_COMPONENT,
+    STANDBY,
+    STATION_COMPONENT,
+    STATION_SYSTEM,
+    Firmware,
+    Heartbeat,
+    Message,
+    MissionType,
+)
+from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.upload import Upload, upload
+from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
+from ipoa_mission.mission.firmware import from_wire, to_wire
+from ipoa_mission.mission.items import Command, Item, Mission
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+T = TypeVar("T")
+#: How long to wait for the first heartbeat, and for those of other vehicles after it.
+PRESENCE_S = 10.0
+OTHERS_S = 1.2
+STARTUP_S = 60.0
+POSITION_INTERVAL_S = 0.05
+
+
+@dataclass(frozen=True)
+class Found:
+    """An autopilot that was heard on a link."""
+
+    system: int
+    firmware: int
+    armed: bool
+    is_ready: bool
+
+    @property
+    def autopilot(self) -> Autopilot:
+        """Its family; any other firmware is spoken to as PX4 is, which keeps closest to the specification."""
+        return Autopilot.ARDUPILOT if self.firmware == Firmware.ARDUPILOT else Autopilot.PX4
+
+
+def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
+    """The autopilots that are heard within so many seconds, by system id."""
+    found: dict[int, Found] = {}
+    until = line.channel.now() + seconds
+    while line.channel.now() < until:
+        found |= _autopilots(line, until)
+    return tuple(found[system] for system in sorted(found))
+
+
+def connect(
+    url: str,
+    system: int | None = None,
+    log: Path | None = None,
+    signer: Signer | None = None,
+    patience: Patience = SPECIFIED,
+) -> "Vehicle":
+    """Open a link and find the vehicle on it; every frame goes to `log`.
+
+    Raises:
+        BadInput, LinkDown: the link cannot be opened.
+        NoAnswer: there is no vehicle.
+        MissionError: there are several, and `system` does not say which.
+    """
+    line = open_line(url, log, signer)
+    try:
+        return meet(line, system, patience)
+    except NoAnswer as silence:
+        line.close()
+        raise NoAnswer(
+            f"{url}: {silence}", hint="is the autopilot running, and does it send to this address?"
+        ) from None
+    except BaseException:
+        line.close()
+        raise
+
+
+def open_line(url: str, log: Path | None = None, signer: Signer | None = None) -> Line:
+    """A ground station's end of the link that `url` names."""
+    return Line(open_channel(url), Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
+
+
+def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED) -> "Vehicle":
+    """The vehicle on a line: the one with this system id, or the only one."""
+    found: dict[int, Found] = {}
+    until = line.channel.now() + PRESENCE_S
+    while line.channel.now() < until:
+        was_alone = not found
+        found |= _autopilots(line, until)
+        if system is not None and system in found:
+            return Vehicle(line, found[system], patience)
+        if system is None and found and was_alone:
+            until = line.channel.now() + OTHERS_S
+    if system is not None:
+        others = f"; heard: {', '.join(map(str, sorted(found)))}" if found else ""
+        raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
+    if not found:
+        raise NoAnswer("no autopilot is heard")
+    if len(found) > 1:
+        raise MissionError(
+            f"several vehicles are heard: {', '.join(map(str, sorted(found)))}", hint="choose one by its system id"
+        )
+    return Vehicle(line, found.popitem()[1], patience)
+
+
+def _autopilots(line: Line, until: float) -> dict[int, Found]:
+    return {
+        heard.system: Found(heard.system, beat.autopilot, beat.armed, beat.system_status >= STANDBY)
+        for heard in line.receive(until)
+        if isinstance(beat := heard.message, Heartbeat)
+        and heard.component == AUTOPILOT_COMPONENT
+        and beat.autopilot != Firmware.INVALID
+    }
+
+
+class Vehicle:
+    """One vehicle on a line; `close` it, or use it with `with`."""
+
+    def __init__(self, line: Line, found: Found, patience: Patience = SPECIFIED) -> None:
+        self.line = line
+        self.system = found.system
+        self.autopilot = found.autopilot
+        self._ready = found.is_ready
+        self._patience = patience
+        self._tempo = Tempo(patience)
+        self._logbook = Logbook(0, self._first)
+        self._lands = True
+
+    # --- missions ---------------------------------------------------------------------------------------------------
+
+    def upload(self, mission: Mission, progress: Progress = silent) -> None:
+        """Put a mission on the vehicle, with its fence and rally points if it has some, and verify each list.
+
+        Raises:
+            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, Cancelled.
+        """
+        self.upload_items(to_wire(replace(mission, autopilot=self.autopilot)), MissionType.MISSION, progress)
+        if mission.fence:
+            self.upload_items(fence_to_wire(mission.fence), MissionType.FENCE)
+        if mission.rally:
+            self.upload_items(rally_to_wire(mission.rally), MissionType.RALLY)
+        self._expect(mission.items)
+
+    def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
+        """Put one list on the vehicle as it stands on the wire, and verify it."""
+        self._await_ready()
+        self._hold(upload(Upload(items, self.autopilot, kind), progress))
+
+    def download(self, progress: Progress = silent) -> Mission:
+        """The mission on the vehicle, with its fence and rally points.
+
+        Raises:
+            MissionRefused, NoAnswer.
+        """
+        items = self.download_items(MissionType.MISSION, progress)
+        fence = fence_from_wire(self.download_items(MissionType.FENCE))
+        rally = rally_from_wire(self.download_items(MissionType.RALLY))
+        mission = from_wire(items, self.autopilot, self.home())
+        self._expect(mission.items)
+        return replace(mission, fence=fence, rally=rally)
+
+    def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
+        """One list as it stands on the wire."""
+        self._await_ready()
+        return self._hold(conversations.download(kind, progress))
+
+    def clear(self, kind: int = MissionType.MISSION) -> None:
+        """Have the vehicle forget a list (255: all three)."""
+        self._hold(conversations.clear(kind))
+
+    # --- flying -----------------------------------------------------------------------------------------------------
+
+    def set_current(self, index: int) -> None:
+        """Go on with item `index` of `Mission.items`."""
+        self._hold(orders.set_current(index + self._first))
+
+    def arm(self) -> None:
+        """Let the motors run."""
+        self._hold(orders.arm())
+
+    def start(self) -> None:
+        """Fly the mission: time zero of the flight record."""
+        self._hold(orders.stream("GLOBAL_POSITION_INT", POSITION_INTERVAL_S))
+        self._hold(orders.start(self.autopilot))
+        self._logbook.begin()
+
+    def watch(self, progress: Callable[[int], None] = lambda done: None) -> FlightRecord:
+        """Wait until the mission is flown; `progress` is told how many items are done.
+
+        Raises:
+            NoAnswer: the vehicle is not heard any more.
+        """
+        return self._hold(watch(self._logbook, self._lands, progress))
+
+    def home(self) -> Geodetic | None:
+        """Where the vehicle's home is; None while it does not know."""
+        return self._hold(orders.home())
+
+    def parameters(self, names: Iterable[str]) -> Mapping[str, float]:
+        """The vehicle's values of these parameters; those that it does not have are left out."""
+        return self._hold(orders.parameters(tuple(names), self.autopilot))
+
+    # --- the rest ---------------------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Close the line."""
+        self.line.close()
+
+    def __enter__(self) -> "Vehicle":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    @property
+    def _first(self) -> int:
+        """The sequence number of the first thing done: ArduPilot counts its home."""
+        return 1 if self.autopilot is Autopilot.ARDUPILOT else 0
+
+    def _hold(self, dialogue: Dialogue[T]) -> T:
+        target = Target(self.system, AUTOPILOT_COMPONENT)
+        return converse(self.line, target, dialogue, self._patience, self._tempo, self._overhear)
+
+    def _overhear(self, message: Message) -> None:
+        self._logbook.note(message)
+        if isinstance(message, Heartbeat):
+            self._ready = message.system_status >= STANDBY
+
+    def _expect(self, items: Sequence[Item]) -> None:
+        armed = self._logbook.armed
+        self._logbook = Logbook(len(items), self._first)
+        self._logbook.armed = armed
+        self._lands = bool(items) and items[-1].command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH)
+
+    def _await_ready(self) -> None:
+        """An ArduPilot that is still starting up answers every COUNT with NO_SPACE."""
+        until = self.line.channel.now() + STARTUP_S
+        while not self._ready and self.autopilot is Autopilot.ARDUPILOT:
+            if self.line.channel.now() >= until:
+                raise NoAnswer(f"the vehicle has not finished its start-up within {STARTUP_S:g} s")
+            for found in _autopilots(self.line, until).values():
+                self._ready = self._ready or (found.system == self.system and found.is_ready)
