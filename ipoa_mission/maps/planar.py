@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.world.frame import LocalFrame
 
-GRAIN = 1e-3  # corners of a ring nearer than this are one [m]
+LEAST_AREA = 1e-3  # [m^2]
 REACH = 100_000.0  # the local frame is right to here; what is farther from home is an error [m]
 
 
@@ -45,12 +45,12 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
     Raises:
         BadInput: nothing with an area is left.
     """
-    clean = shapely.remove_repeated_points(shape, GRAIN)
+    clean = shapely.remove_repeated_points(shape)
     wrong = None if shapely.is_valid(clean) else shapely.is_valid_reason(clean)
     if wrong is not None:
         clean = shapely.make_valid(clean, method="structure", keep_collapsed=False)
-        clean = shapely.remove_repeated_points(clean, GRAIN)
-    parts = [part for part in shapely.get_parts(clean) if part.geom_type == "Polygon" and part.area > GRAIN]
+        clean = shapely.remove_repeated_points(clean)
+    parts = [part for part in shapely.get_parts(clean) if part.geom_type == "Polygon" and part.area > LEAST_AREA]
     parts = [part for part in parts if shapely.is_valid(part)]
     if not parts:
         raise BadInput(f"{place}.geometry: expected a polygon with an area, not {_words(wrong)}")

@@ -75,7 +75,7 @@ class Raster:
         }
         side = max(outside, key=lambda each: outside[each])
         if not outside[side] < 1e-6:
-            missing = f"{math.ceil(outside[side])} posts" if math.isfinite(outside[side]) else "far"
+            missing = f"{outside[side]:.1f} posts" if math.isfinite(outside[side]) else "far"
             raise BadInput(
                 f"{self.path}: expected a model of the whole flight area, which lies {missing} beyond its {side} edge",
                 hint="take a larger model, or narrow `bounds` (bounds.margin = 50 is the default)",

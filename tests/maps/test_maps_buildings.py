@@ -1,0 +1,154 @@
+"""Features become obstacles of the right size at the right place; nothing is guessed without being said."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_buildings
+from ipoa_mission.maps.feature import read_features
+from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
+
+Square = Callable[..., dict[str, Any]]
+WriteMap = Callable[..., Path]
+At = Callable[[float, float], list[float]]
+
+
+def slope(points: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Ground that rises a metre in ten towards the east."""
+    return np.asarray(points[:, 0] / 10)
+
+
+def stand(path: Path, frame: LocalFrame, rules: BuildingRules = BuildingRules()) -> tuple[Obstacle, ...]:  # noqa: B008
+    return raise_buildings(find_buildings(read_features(path), rules, frame)[0], slope)
+
+
+def test_a_building_stands_where_pymap3d_says(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
+    (house,) = stand(write_map((square(100, 50), {"building": "yes", "height": "23"})), frame)
+    np.testing.assert_allclose(house.bounds, [[100, 50, 10], [120, 70, 12 + 23]], atol=1e-6)
+
+
+def test_a_courtyard_is_free(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
+    shape = square(0, 0, 60)
+    shape["coordinates"].append(square(20, 20)["coordinates"][0])
+    (house,) = stand(write_map((shape, {"building": "yes", "height": "23"})), frame)
+    assert house.distance(np.array([[30.0, 30.0, 10.0]]))[0] == pytest.approx(10, abs=1e-6)
+    assert house.distance(np.array([[10.0, 30.0, 10.0]]))[0] == pytest.approx(-10, abs=1e-6)
+
+
+def test_each_part_of_a_multipolygon_is_an_obstacle(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
+    shape = {"type": "MultiPolygon", "coordinates": [square(0, 0)["coordinates"], square(100, 0)["coordinates"]]}
+    west, east = stand(write_map((shape, {"building": "yes", "height": "23", "name": "twins"})), frame)
+    assert (west.name, east.name) == ("twins", "twins")
+    assert (west.bounds[1, 2], east.bounds[1, 2]) == pytest.approx((25, 35), abs=1e-6)  # each on its own ground
+
+
+def test_a_bridge_between_houses_leaves_the_street_free(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
+    (bridge,) = stand(write_map((square(0, 0), {"building": "bridge", "height": "12", "min_height": "6"})), frame)
+    assert bridge.bounds[:, 2] == pytest.approx([0 + 6, 2 + 12], abs=1e-6)
+
+
+def test_points_are_cylinders(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
+    features = [
+        ({"type": "Point", "coordinates": at(10, 0)}, {"natural": "tree"}),
+        ({"type": "Point", "coordinates": at(10, 50)}, {"natural": "tree", "diameter_crown": "7 m", "height": "12"}),
+        ({"type": "MultiPoint", "coordinates": [at(0, 90)]}, {"man_made": "mast", "height": "100 ft"}),
+        ({"type": "Point", "coordinates": at(0, 0)}, {"amenity": "bench"}),
+    ]
+    tree, oak, mast = stand(write_map(*features), frame, BuildingRules(point_height=15, point_radius=2.5))
+    assert isinstance(tree, Cylinder)
+    assert isinstance(oak, Cylinder)
+    assert isinstance(mast, Cylinder)
+    assert (tree.radius, tree.base, tree.top) == pytest.approx((2.5, 0.75, 1.25 + 15), abs=1e-6)
+    assert (oak.radius, oak.north) == pytest.approx((3.5, 50), abs=1e-6)
+    assert mast.top - mast.base == pytest.approx(30.48 + 0.5, abs=1e-6)  # the ground rises by half a metre under it
+
+
+def test_a_wall_is_as_wide_as_it_says(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
+    line = {"type": "LineString", "coordinates": [at(0, 0), at(100, 0), at(100, 80)]}
+    (wall,) = stand(write_map((line, {"barrier": "wall", "height": "3", "width": "2"})), frame)
+    assert isinstance(wall, Prism)
+    assert wall.distance(np.array([[50.0, 11.0, 3.0], [91.0, 40.0, 3.0]])) == pytest.approx([10, 8], abs=1e-6)
+
+
+def test_the_closed_line_of_a_building_is_its_outline(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
+    line = {"type": "LineString", "coordinates": square(0, 0)["coordinates"][0]}
+    (house,) = stand(write_map((line, {"building": "yes"})), frame)
+    assert house.distance(np.array([[10.0, 10.0, 3.0]]))[0] < 0
+
+
+def test_only_what_stands_in_the_way_is_taken(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
+    others = [
+        {"leisure": "park"},
+        {"building": "no", "height": "5"},
+        {"building": "yes", "location": "underground"},
+        {"building": "entrance"},
+        {},
+    ]
+    kinds = [{"building": "yes"}, {"building:part": "yes"}, {"height": "4"}, {"man_made": "silo"}]
+    path = write_map(*((square(100 * i, 0), tags) for i, tags in enumerate([*others, *kinds])))
+    assert [house.bounds[0, 0] for house in stand(path, frame)] == pytest.approx([500, 600, 700, 800], abs=1e-3)
+    assert len(stand(path, frame, BuildingRules(everything=True))) == 9
+
+
+def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square: Square, at: At) -> None:
+    bow = {"type": "Polygon", "coordinates": [[at(0, 0), at(40, 20), at(40, 0), at(0, 20), at(0, 0)]]}
+    path = write_map(
+        (square(0, 0), {"building": "yes"}),
+        (square(50, 0), {"building": "yes"}),
+        (square(90, 0), {"building": "yes", "height": "6", "min_height": "8"}),
+        (bow, {"building": "yes", "height": "9"}),
+        ({"type": "LineString", "coordinates": [at(0, 0), at(9, 9)]}, {"power": "line", "name": "110 kV"}),
+    )
+    standing, remarks = find_buildings(read_features(path), BuildingRules(default_height=11), frame)
+    assert remarks == (
+        "2 without a height, given 11 m",
+        "1 upside down: taken to stand on the ground (min_height is not below the height)",
+        "1 mended (a ring with self-intersection)",
+        "1 overhead lines have no height and are not in the map of obstacles: 110 kV",
+    )
+    # A bow tie of 40 m by 20 m is two triangles of 20 m by 20 m / 2.
+    assert [s.shape.area for s in standing[3:]] == pytest.approx([200, 200], abs=1e-3)
+    assert all(shapely.is_valid(s.shape) for s in standing)
+
+
+@pytest.mark.parametrize(
+    ("ring", "words"),
+    [
+        ([(0, 0), (10, 0), (20, 0), (0, 0)], "expected a polygon with an area, not a"),
+        ([(0, 0), (0, 1e-4), (1e-4, 0), (0, 0)], "expected a polygon with an area, not a"),
+    ],
+)
+def test_a_footprint_without_an_area_is_refused(
+    write_map: WriteMap, frame: LocalFrame, at: At, ring: list[tuple[float, float]], words: str
+) -> None:
+    path = write_map(({"type": "Polygon", "coordinates": [[at(*corner) for corner in ring]]}, {"building": "yes"}))
+    with pytest.raises(BadInput) as told:
+        stand(path, frame)
+    assert str(told.value).startswith(f"{path}: features[0].geometry: {words}")
+
+
+def test_repeated_corners_do_no_harm(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
+    ring = [at(0, 0), at(20, 0), at(20, 0), at(20, 20), at(0, 20), at(0, 1e-5), at(0, 0)]
+    (house,) = stand(write_map(({"type": "Polygon", "coordinates": [ring]}, {"building": "yes"})), frame)
+    assert house.distance(np.array([[30.0, 10.0, 3.0]]))[0] == pytest.approx(10, abs=1e-3)
+
+
+def test_a_building_given_as_a_point_is_refused(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
+    path = write_map(({"type": "Point", "coordinates": at(0, 0)}, {"building": "yes"}))
+    with pytest.raises(BadInput) as told:
+        stand(path, frame)
+    assert str(told.value) == f"{path}: features[0].geometry: expected the outline of a building, not a Point"
+    assert told.value.hint
+
+
+def test_swapped_latitude_and_longitude_are_noticed(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
+    ring = [[y, x] for x, y in square(0, 0)["coordinates"][0]]
+    path = write_map(({"type": "Polygon", "coordinates": [ring]}, {"building": "yes"}))
+    with pytest.raises(BadInput, match=r"features\[0\]\.geometry: expected a place within 100 km of home"):
+        stand(path, frame)

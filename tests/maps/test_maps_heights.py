@@ -1,0 +1,73 @@
+"""Heights as OpenStreetMap's mappers write them."""
+
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.heights import foot_of, height_of, metres
+
+#: What the wiki's page on `height` allows, and what is met in exports, in metres.
+LENGTHS = {
+    "23": 23.0,
+    "23 m": 23.0,
+    "23m": 23.0,
+    "4.5": 4.5,
+    "4,5": 4.5,
+    ".5": 0.5,
+    "~20": 20.0,
+    "75 ft": 22.86,
+    "75ft": 22.86,
+    "7'": 2.1336,
+    "7'4\"": 2.2352,
+    "7 ft 4 in": 2.2352,
+    "12;15 m": 15.0,
+    "23 Metres": 23.0,
+}
+NO_LENGTHS = ["tall", "", "-3", "20-25", "1,200", "12 km", "3 storeys", "nan", "inf", "1e3", "12;tall", "²"]
+
+
+@pytest.mark.parametrize(("text", "expected"), LENGTHS.items(), ids=LENGTHS)
+def test_a_length_is_read_in_metres(text: str, expected: float) -> None:
+    assert metres(text, "here") == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("text", NO_LENGTHS)
+def test_what_is_no_length_is_refused_with_its_place(text: str) -> None:
+    with pytest.raises(BadInput) as told:
+        metres(text, "map.geojson: features[3].properties.height")
+    assert str(told.value) == (
+        f'map.geojson: features[3].properties.height: expected metres or feet ("23", "23 m", "75 ft"), not {text!r}'
+    )
+
+
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [
+        ({"height": "23", "building:levels": "2"}, 23.0),
+        ({"building:levels": "5"}, 15.0),
+        ({"building:levels": "5", "roof:levels": "1"}, 18.0),
+        ({"building:levels": "5", "roof:levels": "1", "roof:height": "4.5"}, 19.5),
+        ({"building:levels": "2.5;3"}, 9.0),
+        ({"building:levels": "0"}, None),
+        ({"building": "yes"}, None),
+    ],
+)
+def test_a_building_is_as_high_as_its_tags_say(tags: dict[str, str], expected: float | None) -> None:
+    assert height_of(tags, "here", "height", 3.0) == expected
+
+
+def test_another_property_may_hold_the_height() -> None:
+    assert height_of({"h_mean": "12.5", "height": "99"}, "here", "h_mean", 3.0) == 12.5
+
+
+@pytest.mark.parametrize("text", ["0", "0 m"])
+def test_a_height_of_nothing_is_refused(text: str) -> None:
+    with pytest.raises(BadInput, match=r"here\.height: expected a height of more than nothing"):
+        height_of({"height": text}, "here", "height", 3.0)
+
+
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [({"min_height": "6 m"}, 6.0), ({"building:min_level": "2"}, 6.0), ({"min_height": "-2"}, 0.0), ({}, 0.0)],
+)
+def test_what_bridges_a_street_begins_above_it(tags: dict[str, str], expected: float) -> None:
+    assert foot_of(tags, "here", 3.0) == expected
