@@ -79,7 +79,7 @@ def expect_reserve(used: Consumption, battery: Battery) -> None:
         NotEnoughBattery: saying what the flight needs and what is left.
     """
     left = used.left(battery)
-    if left < battery.reserve:
+    if left < battery.reserve - 1e-9:  # a rounding error is no shortage
         needed = used.energy_wh / (1 - battery.reserve)
         outcome = f"leaves {left:.1%} of {battery.capacity_wh:g} Wh" if left > 0 else f"not {battery.capacity_wh:g} Wh"
         raise NotEnoughBattery(
