@@ -1,0 +1,126 @@
+"""Charts as HTML that stretches: the drawing is an SVG without proportions of its own, the words are plain text on top.
+
+So a chart is as wide as the page, its words keep their size on a telephone and on paper, and it is there without
+any script. Curves are given in the chart's own units.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Vector
+
+SIDE = 1000.0  # of the drawing, in its own units
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What one side of a chart stands for: its least and greatest value, and its words."""
+
+    low: float
+    high: float
+    label: str
+
+    def place(self, values: Vector) -> Vector:
+        """Shares of the side, 0 to 1, (n,)."""
+        return np.asarray((np.asarray(values, float) - self.low) / (self.high - self.low))
+
+    def ticks(self, most: int = 6) -> list[float]:
+        """Round values between the ends: at most `most`, 1, 2 or 5 times a power of ten apart."""
+        span = self.high - self.low
+        power = 10.0 ** math.floor(math.log10(span / most))
+        step = next(k * power for k in (1, 2, 5, 10) if span / (k * power) <= most)
+        return [n * step for n in range(math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9) + 1)]
+
+
+def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | None = None) -> Axis:
+    """An axis that holds all finite `values`, with a share `room` of their range above, and below unless `floor`."""
+    everything = np.concatenate([np.ravel(v) for v in values]) if values else np.zeros(0)
+    everything = everything[np.isfinite(everything)]
+    low, high = (float(everything.min()), float(everything.max())) if len(everything) else (0.0, 1.0)
+    low = low if floor is None else min(floor, low)
+    span = max(high - low, 1e-6 * max(abs(high), 1.0), 1e-9)
+    return Axis(low if floor is not None else low - room * span, high + room * span, label)
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Two axes and what is drawn between them; `layers` are pieces of SVG made by the methods, the lowest first."""
+
+    x: Axis
+    y: Axis
+
+    def curve(self, x: Vector, y: Vector, look: str) -> str:
+        """A line through points; `look` is its CSS class. Broken where a value is not finite."""
+        return f'<path class="{look}" d="{_path(self._points(x, y))}"/>'
+
+    def steps(self, x: Vector, y: Vector, look: str) -> str:
+        """A line that keeps each value until the next."""
+        return self.curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], look)
+
+    def band(self, x: Vector, low: Vector, high: Vector, look: str) -> str:
+        """The area between two curves."""
+        there, back = self._points(x, high), self._points(x, low)[::-1]
+        return f'<path class="{look}" d="{_path(np.vstack([there, back]))}Z"/>'
+
+    def block(self, x: tuple[float, float], y: tuple[float, float], look: str, title: str) -> str:
+        """A rectangle that says its name."""
+        (x0, y0), (x1, y1) = self._points(np.array(x), np.array(y))
+        return (
+            f'<rect class="{look}" x="{min(x0, x1):.1f}" y="{min(y0, y1):.1f}" width="{abs(x1 - x0):.1f}" '
+            f'height="{abs(y1 - y0):.1f}"><title>{escape(title)}</title></rect>'
+        )
+
+    def level(self, y: float, look: str) -> str:
+        """A horizontal line."""
+        return self.curve(np.array([self.x.low, self.x.high]), np.array([y, y]), look)
+
+    def html(self, name: str, layers: Sequence[str], over: str = "", tall: str = "", along: str = "") -> str:
+        """The chart itself: `over` is HTML laid on top, `along` names the series that the cursor follows."""
+        return (
+            f'<div class="chart {tall}" id="{name}" data-along="{along}" data-low="{self.x.low:.9g}" '
+            f'data-high="{self.x.high:.9g}" role="img" aria-label="{escape(self.y.label)} over {escape(self.x.label)}">'
+            f'<span class="unit y">{escape(self.y.label)}</span><div class="plot">'
+            f'<svg viewBox="0 0 1000 1000" preserveAspectRatio="none">{self._grid()}{"".join(layers)}</svg>'
+            f'{self._words()}{over}<i class="cursor"></i></div><span class="unit x">{escape(self.x.label)}</span></div>'
+        )
+
+    def spot(self, x: float, y: float) -> str:
+        """The CSS that puts something on top at a value."""
+        left, up = float(self.x.place(np.array([x]))[0]), float(self.y.place(np.array([y]))[0])
+        return f"left:{100 * left:.2f}%;top:{100 - 100 * up:.2f}%"
+
+    def _points(self, x: Vector, y: Vector) -> NDArray[np.float64]:
+        return np.column_stack([SIDE * self.x.place(x), SIDE * (1 - self.y.place(y))])
+
+    def _grid(self) -> str:
+        level = "".join(self.level(y, "grid") for y in self.y.ticks(5))
+        return f"<g>{level}</g>"
+
+    def _words(self) -> str:
+        below = ("x", "left", self.x, self.x.ticks())
+        beside = ("y", "bottom", self.y, self.y.ticks(5))
+        return "".join(
+            f'<span class="tick {name}" style="{side}:{100 * share:.2f}%">{_number(value)}</span>'
+            for name, side, axis, values in (below, beside)
+            for value, share in zip(values, axis.place(np.array(values)), strict=True)
+        )
+
+
+def _path(points: NDArray[np.float64]) -> str:
+    pieces, pen = [], "M"
+    for x, y in points:
+        if not (math.isfinite(x) and math.isfinite(y)):
+            pen = "M"
+            continue
+        pieces.append(f"{pen}{x:.1f} {y:.1f}")
+        pen = "L"
+    return "".join(pieces)
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}".replace("-", "−")

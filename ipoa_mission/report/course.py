@@ -1,0 +1,144 @@
+"""The flight as the report tells it: the predicted path with all that is asked of each of its points, and its stops."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.mission.items import Command, Item, Mission, command_name
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.timing.estimate import Estimate, ItemTime
+from ipoa_mission.timing.prediction import Track
+from ipoa_mission.world.airspace import Airspace, Clearance
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+SAMPLES = 800
+MOVING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_TAKEOFF})
+
+
+@dataclass(frozen=True)
+class Course:
+    """Samples of a path, each (n,) but `points` (n, 3): time [s], ground distance so far [m], speed [m/s], and so on.
+
+    `ground` is the height of the ground below [m], `apart` the distance to the nearest obstacle [m] (infinite: none).
+    """
+
+    times: Vector
+    along: Vector
+    points: Points
+    speeds: Vector
+    ground: Vector
+    apart: Vector
+
+    def at(self, time: float) -> int:
+        """The sample nearest to a time."""
+        return int(np.argmin(np.abs(self.times - time)))
+
+
+def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Course:
+    """Look at a path, predicted or flown, at `samples` places: close together where it is slow and where it is fast."""
+    gone = _ground_distance(track.points)
+    share = track.times / max(float(track.times[-1]), 1e-9) + gone / max(float(gone[-1]), 1e-9)
+    wanted = np.linspace(share[0], share[-1], samples)
+    times = np.interp(wanted, share, track.times)
+    points = np.column_stack([np.interp(times, track.times, axis) for axis in track.points.T])
+    return Course(
+        times=times,
+        along=_ground_distance(points),
+        points=points,
+        speeds=np.interp(times, track.times, track.speeds),
+        ground=airspace.ground(points),
+        apart=airspace.obstacle_distance(points),
+    )
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One item as it is flown, for the table and the map: `place` is where it lies (None: nowhere), `leg` how it is
+    reached: length [m], heading [rad clockwise from north, NaN: straight up], climb [m] and least clearance.
+    """
+
+    item: Item
+    time: ItemTime
+    name: str
+    place: Vector | None
+    above_ground: float
+    length: float
+    heading: float
+    climb: float
+    clearance: Clearance | None
+
+
+def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Stop, ...]:
+    """Every item in the order flown, with the leg that leads to it; a leg's clearance is exact."""
+    found, airspace = [], scenario.airspace
+    before, flying = np.zeros(3), False
+    for time in estimate.items:
+        item = mission.items[time.seq - 1]
+        place = item_place(item, mission, scenario)
+        leg = (place if place is not None else before) - before
+        run = float(np.hypot(*leg[:2]))
+        flown = place is not None and flying and item.command in MOVING
+        found.append(
+            Stop(
+                item=item,
+                time=time,
+                name=_words(item),
+                place=place,
+                above_ground=math.nan
+                if place is None
+                else float(place[2] - scenario.airspace.ground(place[None, :])[0]),
+                length=float(np.linalg.norm(leg)),
+                heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > 0.01 else math.nan,
+                climb=float(leg[2]),
+                clearance=airspace.leg_clearance(before, place) if flown and place is not None else None,
+            )
+        )
+        if place is not None:
+            before, flying = place, True
+    return tuple(found)
+
+
+def item_place(item: Item, mission: Mission, scenario: Scenario) -> Vector | None:
+    """Where an item lies in the local frame, (3,) [m]; None where it names no place. A landing is on the ground."""
+    if not item.has_position:
+        return None
+    height = mission.altitude_above_home(item)
+    amsl = mission.home.altitude + (0.0 if math.isnan(height) else height)
+    place = LocalFrame(mission.home).local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+    if item.command == Command.NAV_LAND or math.isnan(height):
+        ground = float(scenario.airspace.ground(place[None, :])[0])
+        place[2] = ground if item.command == Command.NAV_LAND else ground + item.altitude
+    return place
+
+
+def least_clearance(found: tuple[Stop, ...]) -> Clearance | None:
+    """The least of the legs' clearances, with the number of the item that the leg leads to as `leg`."""
+    legs = [(s.clearance, s.time.seq) for s in found if s.clearance is not None]
+    if not legs:
+        return None
+    nearest, seq = min(legs, key=lambda leg: leg[0].distance)
+    return Clearance(nearest.distance, nearest.place, nearest.what, seq)
+
+
+def _ground_distance(points: Points) -> Vector:
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points[:, :2], axis=0).T))])
+
+
+def _words(item: Item) -> str:
+    hold = f", hold {item.params[0]:g} s" if item.params[0] > 0 else ""
+    match item.command:
+        case Command.NAV_TAKEOFF:
+            return "take off"
+        case Command.NAV_WAYPOINT:
+            return f"waypoint{hold}"
+        case Command.NAV_SPLINE_WAYPOINT:
+            return f"spline waypoint{hold}"
+        case Command.NAV_RETURN_TO_LAUNCH:
+            return "return to launch"
+        case Command.NAV_LAND:
+            return "land"
+        case Command.DO_CHANGE_SPEED:
+            return f"speed {item.params[1]:g} m/s"
+    return command_name(item.command).removeprefix("NAV_").removeprefix("DO_").replace("_", " ").lower()

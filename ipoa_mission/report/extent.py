@@ -1,0 +1,41 @@
+"""The part of the world that the report shows: round the flight, however large the city."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.geometry import Points
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Obstacle
+
+LEAST_ROOM = 30.0  # [m]
+ROOM = 0.18  # of the flight's longer side
+FLATTEST = 0.62  # shorter side over longer side
+
+
+@dataclass(frozen=True)
+class Extent:
+    """South-western and north-eastern corner (east, north) [m]."""
+
+    lower: tuple[float, float]
+    upper: tuple[float, float]
+
+    def obstacles(self, airspace: Airspace) -> tuple[Obstacle, ...]:
+        """The obstacles that reach into it."""
+        return tuple(
+            body
+            for body in airspace.obstacles
+            if (body.bounds[1, :2] > self.lower).all() and (body.bounds[0, :2] < self.upper).all()
+        )
+
+
+def extent_of(*paths: Points) -> Extent:
+    """The extent that holds all paths (n, 3), with room round them, and not too slender a rectangle."""
+    points = np.vstack(paths)[:, :2]
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = max(LEAST_ROOM, ROOM * float((high - low).max()))
+    half = (high - low) / 2 + room
+    half = np.maximum(half, FLATTEST * half.max())
+    middle = (low + high) / 2
+    lower, upper = middle - half, middle + half
+    return Extent((float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1])))

@@ -1,0 +1,97 @@
+"""The report: one HTML file that holds everything, opens anywhere without a network, and prints.
+
+All is drawn here as HTML and SVG; the script on the page links the views and turns the 3D one.
+"""
+
+from collections.abc import Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+import numpy as np
+
+from ipoa_mission.files import write_atomically
+from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.report.course import Stop, follow, least_clearance, stops
+from ipoa_mission.report.extent import extent_of
+from ipoa_mission.report.panels.ground_plan import ground_plan, legend
+from ipoa_mission.report.panels.headline import figures, verdict, warnings
+from ipoa_mission.report.panels.legs import legs
+from ipoa_mission.report.panels.profile import distance_profile, height_profile, speed_profile
+from ipoa_mission.report.scene import page_data
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.vehicle import Autopilot
+
+AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
+
+
+def write_report(
+    path: Path, scenario: Scenario, mission: Mission, estimate: Estimate, remarks: Sequence[str] = ()
+) -> None:
+    """Write the report on a mission to `path`; `remarks` are shown with the estimate's own.
+
+    Raises:
+        BadInput: the folder may not be written.
+    """
+    write_atomically(path, report_html(scenario, mission, estimate, remarks))
+
+
+def report_html(scenario: Scenario, mission: Mission, estimate: Estimate, remarks: Sequence[str] = ()) -> str:
+    """The whole page."""
+    airspace, required = scenario.airspace, scenario.safety_distance + scenario.vehicle.radius
+    found = stops(mission, estimate, scenario)
+    course = follow(estimate.track, airspace)
+    places = np.array([stop.place for stop in found if stop.place is not None])
+    extent = extent_of(places, course.points)
+    least = least_clearance(found)
+    flown = None
+    parts = {
+        "title": escape(scenario.name),
+        "subtitle": escape(_subtitle(scenario, mission)),
+        "verdict": verdict(least, required),
+        "figures": figures(estimate, least, required, float(course.along[-1]), _waypoints(found), None),
+        "warnings": warnings([*remarks, *estimate.remarks]),
+        "map": ground_plan(scenario, extent, found, course, flown),
+        "legend": legend(scenario, extent, flown is not None),
+        "profile": height_profile(course, airspace, required, found, flown),
+        "apart": distance_profile(course, required),
+        "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
+        "profile_legend": PROFILE_LEGEND,
+        "speed": speed_profile(course, found, flown),
+        "speed_note": "A tick where an item is done.",
+        "flight": "",
+        "legs": legs(found, required, None),
+        "legs_note": LEGS_NOTE,
+        "search": "",
+        "footer": "",
+        "css": _asset("page.css"),
+        "scene_js": _asset("scene.js"),
+        "page_js": _asset("page.js"),
+        "data": page_data(scenario, extent, course, found, flown),
+    }
+    return Template(_asset("page.html")).substitute(parts)
+
+
+LEGS_NOTE = (
+    "Heights are above home, times from arming; clearance is the least distance of the straight leg "
+    "to the ground or an obstacle."
+)
+PROFILE_LEGEND = (
+    '<p class="legend"><span class="key planned">path</span><span class="key band">must stay free</span>'
+    '<span class="key below">obstacles below</span><span class="key beside">within 15 m beside</span></p>'
+)
+
+
+def _subtitle(scenario: Scenario, mission: Mission) -> str:
+    words = f"Mission for {AUTOPILOT_NAMES[mission.autopilot]}, {len(mission.items)} items"
+    return f"{words}, cruise {scenario.vehicle.cruise_speed:g} m/s"
+
+
+def _waypoints(found: Sequence[Stop]) -> int:
+    return sum(stop.item.command in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT) for stop in found)
+
+
+def _asset(name: str) -> str:
+    return files("ipoa_mission.report").joinpath("assets", name).read_text(encoding="utf-8")

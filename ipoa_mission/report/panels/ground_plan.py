@@ -1,0 +1,123 @@
+"""The map: ground tints and contours, obstacles by height, the path, and a button for every waypoint."""
+
+import math
+from collections.abc import Sequence
+from html import escape
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from contourpy import FillType, LineType, contour_generator
+
+from ipoa_mission.geometry import Points
+from ipoa_mission.report.course import Course, Stop
+from ipoa_mission.report.extent import Extent
+from ipoa_mission.report.solids import ground_mesh_over, outline
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.obstacles import Obstacle
+
+TINTS = 8  # of the ground, from low to high
+SHADES = 5  # of the roofs, from low to high
+
+
+def ground_plan(scenario: Scenario, extent: Extent, found: Sequence[Stop], course: Course, flown: Course | None) -> str:
+    """The map of `extent` with north up."""
+    airspace = scenario.airspace
+    bodies = extent.obstacles(airspace)
+    highest = max((float(body.bounds[1, 2]) for body in bodies), default=1.0)
+    layers = [
+        _relief(*ground_mesh_over(airspace, extent.lower, extent.upper, 120)),
+        *(_footprint(body, highest) for body in sorted(bodies, key=lambda b: float(b.bounds[1, 2]))),
+        _line(np.array([stop.place for stop in found if stop.place is not None]), "legs"),
+        _line(course.points, "planned"),
+    ]
+    if flown is not None:
+        layers.append(_line(flown.points, "flown"))
+    (west, south), (east, north) = extent.lower, extent.upper
+    width, height = east - west, north - south
+    spots = "".join(_button(n, stop, extent) for n, stop in enumerate(found) if stop.place is not None)
+    return (
+        f'<div class="map" id="map" style="aspect-ratio:{width:.2f}/{height:.2f}" data-west="{west:.3f}" '
+        f'data-south="{south:.3f}" data-width="{width:.3f}" data-height="{height:.3f}">'
+        f'<svg viewBox="0 0 {width:.2f} {height:.2f}" role="img" aria-label="map of the flight, north up">'
+        f'<g transform="translate({-west:.3f} {north:.3f}) scale(1 -1)">{"".join(layers)}</g></svg>'
+        f'{spots}<i class="here"></i>{_scale(width)}</div>'
+    )
+
+
+def legend(scenario: Scenario, extent: Extent, flown: bool) -> str:
+    """What the colours of the map and of the 3D view mean."""
+    bodies = extent.obstacles(scenario.airspace)
+    tops = [float(body.bounds[1, 2]) for body in bodies]
+    keys = [
+        '<span class="key planned">path as predicted</span>',
+        '<span class="key legs">legs between waypoints</span>',
+    ]
+    if flown:
+        keys.append('<span class="key flown">flown</span>')
+    if tops:
+        shades = "".join(f'<i class="roof{n}"></i>' for n in range(SHADES))
+        keys.append(f'<span class="ramp">{shades} roofs up to {max(tops):.0f} m above home</span>')
+    return f'<p class="legend">{"".join(keys)}</p>'
+
+
+def _relief(east: Points, north: Points, up: Points) -> str:
+    low, high = float(up.min()), float(up.max())
+    if high - low < 1.0:
+        return ""
+    step = _round_step((high - low) / TINTS)
+    levels = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
+    maker: Any = contour_generator(east, north, up, fill_type=FillType.OuterOffset, line_type=LineType.Separate)
+    drawn = []
+    for n, level in enumerate(levels):
+        polygons, offsets = maker.filled(float(level), np.inf)
+        rings = [p[a:b] for p, o in zip(polygons, offsets, strict=True) for a, b in pairwise(o)]
+        tint = round((n + 1) / len(levels) * TINTS)
+        drawn.append(f'<path class="ground{tint}" d="{"".join(_ring(ring) for ring in rings)}"/>')
+    for level in levels:
+        lines = "".join("M" + _pairs(line) for line in maker.lines(float(level)))
+        drawn.append(f'<path class="contour" d="{lines}"><title>{level:g} m above home</title></path>')
+    return "".join(drawn)
+
+
+def _footprint(body: Obstacle, highest: float) -> str:
+    base, top = body.bounds[:, 2]
+    shade = min(SHADES - 1, int(SHADES * max(top, 0.0) / max(highest, 1e-9)))
+    rings = "".join(_ring(ring) for ring in outline(body))
+    words = f"{escape(body.name)}: {base:.0f} to {top:.0f} m above home"
+    return f'<path class="roof{shade}" d="{rings}"><title>{words}</title></path>'
+
+
+def _button(n: int, stop: Stop, extent: Extent) -> str:
+    assert stop.place is not None
+    (west, south), (east, north) = extent.lower, extent.upper
+    left, top = (stop.place[0] - west) / (east - west), (north - stop.place[1]) / (north - south)
+    return (
+        f'<button type="button" class="stop" data-stop="{n}" style="left:{100 * left:.2f}%;top:{100 * top:.2f}%" '
+        f'aria-label="item {stop.time.seq}, {escape(stop.name)}"></button>'
+    )
+
+
+def _scale(width: float) -> str:
+    length = _round_step(width / 5)
+    return (
+        f'<span class="scale" style="width:{100 * length / width:.2f}%">{length:g} m</span><span class="north">N</span>'
+    )
+
+
+def _round_step(value: float) -> float:
+    """The least of 1, 2, 5, 10, ... that is not below `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(k * power for k in (1, 2, 5, 10) if k * power >= value * (1 - 1e-9))
+
+
+def _line(points: Points, look: str) -> str:
+    return f'<path class="{look}" d="M{_pairs(points)}"/>' if len(points) else ""
+
+
+def _ring(points: Points) -> str:
+    return f"M{_pairs(points)}Z"
+
+
+def _pairs(points: Points) -> str:
+    return "L".join(f"{east:.1f} {north:.1f}" for east, north in points[:, :2])

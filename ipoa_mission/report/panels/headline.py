@@ -1,0 +1,51 @@
+"""What an engineer wants to know first: is it clear, how long will it fly, and what must be known before it does."""
+
+from collections.abc import Sequence
+from html import escape
+
+from ipoa_mission.report.words import metres, seconds, share
+from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.world.airspace import Clearance
+
+
+def verdict(least: Clearance | None, required: float) -> str:
+    """One line in words and with a sign: clear of everything, or not."""
+    if least is None:
+        return '<p class="verdict">No leg between waypoints to judge.</p>'
+    if least.distance >= required:
+        words = f"Clear by {metres(least.distance)}: the nearest thing is {escape(least.what)}"
+        return f'<p class="verdict good"><b aria-hidden="true">✓</b> {words}; {metres(required)} are required.</p>'
+    how = "runs into" if least.distance < 0 else f"comes within {metres(least.distance)} of"
+    words = f"The leg to item {least.leg} {how} {escape(least.what)}; {metres(required)} are required"
+    return f'<p class="verdict bad"><b aria-hidden="true">✕</b> {words}.</p>'
+
+
+def figures(
+    estimate: Estimate, least: Clearance | None, required: float, length: float, waypoints: int, flown_s: float | None
+) -> str:
+    """The headline numbers."""
+    interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}"
+    cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
+    if flown_s is not None:
+        off = f"the estimate is off by {share(estimate.total_s, flown_s)}"
+        cards.append(_card("flown", seconds(flown_s), off, "flown"))
+    against = f"{share(estimate.qgroundcontrol_s, estimate.total_s)} against the estimate"
+    cards.append(_card("QGroundControl says", seconds(estimate.qgroundcontrol_s), against))
+    if least is not None:
+        words = f"to {least.what}, leg to item {least.leg}"
+        look = "" if least.distance >= required else "bad"
+        cards.append(_card("least clearance", metres(least.distance), words, look))
+    cards.append(_card("path", metres(length, 0), f"{waypoints} waypoints"))
+    return f'<dl class="figures">{"".join(cards)}</dl>'
+
+
+def warnings(remarks: Sequence[str]) -> str:
+    """What must be known before flying; nothing when there is nothing."""
+    if not remarks:
+        return ""
+    rows = "".join(f"<li>{escape(remark)}</li>" for remark in remarks)
+    return f'<section class="warnings"><h2>Before you fly</h2><ul>{rows}</ul></section>'
+
+
+def _card(label: str, value: str, note: str, look: str = "") -> str:
+    return f'<div class="{look}"><dt>{escape(label)}</dt><dd>{escape(value)}<small>{escape(note)}</small></dd></div>'

@@ -1,0 +1,120 @@
+"""Charts along the flight: height over ground with the band that must stay free, distance to obstacles, speed."""
+
+from collections.abc import Iterator, Sequence
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.report.chart import Axis, Chart, axis_over
+from ipoa_mission.report.course import Course, Stop
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Obstacle
+
+BESIDE = 15.0  # obstacles this near beside the path are shown too [m]
+NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
+
+
+def height_profile(
+    course: Course, airspace: Airspace, required: float, found: Sequence[Stop], flown: Course | None
+) -> str:
+    """Heights over the distance on the ground, with the obstacles under and beside the path."""
+    near = list(_near(course, airspace, required))
+    tops = np.array([min(float(body.bounds[1, 2]), float(course.points[:, 2].max()) * 1.6) for body, *_ in near])
+    paths = [course.points[:, 2] + required, course.ground] + ([flown.points[:, 2]] if flown is not None else [])
+    along = axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0)
+    chart = Chart(along, axis_over("height above home [m]", *paths, tops))
+    floor = np.full(len(course.along), chart.y.low)
+    up = course.points[:, 2]
+    layers = [
+        *(_block(chart, body, run, look) for body, run, look in near),
+        chart.band(course.along, floor, course.ground, "soil"),
+        chart.band(course.along, up - required, up + required, "band"),
+        chart.curve(course.along, up, "planned"),
+    ]
+    if flown is not None:
+        layers.append(chart.curve(_along_of(flown, course), flown.points[:, 2], "flown"))
+    spots = [(n, course.at(stop.time.done_s)) for n, stop in enumerate(found) if stop.place is not None]
+    over = "".join(
+        f'<button type="button" class="stop" data-stop="{n}" style="{chart.spot(course.along[i], up[i])}" '
+        f'aria-label="item {found[n].time.seq}"></button>'
+        for n, i in spots
+    )
+    return chart.html("profile", layers, over, "tall", along="along")
+
+
+def distance_profile(course: Course, required: float) -> str:
+    """Distance to the nearest obstacle along the way; far ones are cut off. Nothing where there are no obstacles."""
+    if not np.isfinite(course.apart).any():
+        return ""
+    most = max(6 * required, 20.0)
+    chart = Chart(
+        axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0), Axis(0.0, most, "to obstacles [m]")
+    )
+    apart = np.clip(course.apart, 0.0, most)
+    layers = [
+        chart.band(course.along, np.zeros(len(apart)), np.full(len(apart), required), "forbidden"),
+        chart.curve(course.along, apart, "planned"),
+        chart.level(required, "limit"),
+    ]
+    return chart.html("apart", layers, "", "low", along="along")
+
+
+def speed_profile(course: Course, found: Sequence[Stop], flown: Course | None) -> str:
+    """Speed over time, with a tick where an item is done; what kept it slow is said when one points at it."""
+    speeds = [course.speeds] + ([flown.speeds] if flown is not None else [])
+    times = [course.times] + ([flown.times] if flown is not None else [])
+    chart = Chart(
+        axis_over("time from arming [s]", *times, room=0.015, floor=0.0),
+        axis_over("speed [m/s]", *speeds, room=0.12, floor=0.0),
+    )
+    layers = [
+        chart.band(course.times, np.zeros(len(course.times)), course.speeds, "under"),
+        chart.curve(course.times, course.speeds, "planned"),
+    ]
+    if flown is not None:
+        layers.append(chart.curve(flown.times, flown.speeds, "flown"))
+    over = "".join(_mark(n, stop, chart) for n, stop in enumerate(found) if stop.time.duration_s > 0)
+    return chart.html("speed", layers, over, "middle", along="times")
+
+
+def _mark(n: int, stop: Stop, chart: Chart) -> str:
+    time = stop.time
+    words = f"item {time.seq}, {stop.name}" + (f": {time.reason}" if time.reason else "")
+    left = 100 * float(chart.x.place(np.array([time.done_s]))[0])
+    return (
+        f'<button type="button" class="mark" data-stop="{n}" style="left:{left:.2f}%" '
+        f'title="{escape(words)}" aria-label="{escape(words)}"></button>'
+    )
+
+
+def _near(course: Course, airspace: Airspace, required: float) -> Iterator[tuple[Obstacle, tuple[float, float], str]]:
+    """Obstacles under or beside the path, each with the stretch of the way along which it is."""
+    low, high = course.points.min(axis=0)[:2] - BESIDE, course.points.max(axis=0)[:2] + BESIDE
+    for look, reach in (("beside", max(BESIDE, 2 * required)), ("below", required)):
+        for body in airspace.obstacles:
+            if (body.bounds[1, :2] < low).any() or (body.bounds[0, :2] > high).any():
+                continue
+            level = course.points.copy()
+            level[:, 2] = body.bounds[:, 2].mean()
+            for first, last in _runs(body.distance(level) < reach):
+                yield body, (float(course.along[first]), float(course.along[last])), look
+
+
+def _runs(mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """First and last index of every stretch of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
+    yield from ((int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True))
+
+
+def _block(chart: Chart, body: Obstacle, run: tuple[float, float], look: str) -> str:
+    least = NARROWEST * (chart.x.high - chart.x.low)
+    middle, half = sum(run) / 2, max(run[1] - run[0], least) / 2
+    base, top = (float(up) for up in body.bounds[:, 2])
+    words = f"{body.name}: {base:.0f} to {top:.0f} m"
+    return chart.block((middle - half, middle + half), (max(base, chart.y.low), min(top, chart.y.high)), look, words)
+
+
+def _along_of(flown: Course, course: Course) -> NDArray[np.float64]:
+    """Where on the predicted path's axis a flown one lies: its own distance, stretched to end where the other does."""
+    return np.asarray(flown.along * (course.along[-1] / max(float(flown.along[-1]), 1e-9)))

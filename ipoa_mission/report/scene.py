@@ -1,0 +1,88 @@
+"""What the page's script is given: the predicted path, the stops, and the world as plain numbers."""
+
+import json
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.report.course import Course, Stop
+from ipoa_mission.report.extent import Extent
+from ipoa_mission.report.solids import ground_mesh_over, outline
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere
+from ipoa_mission.world.terrain import Flat
+
+CELLS = 64  # of the ground along the longer side
+TALLEST = 0.55  # a world higher than this share of its width is drawn flatter
+FLATTEST = 0.10  # and one lower than this is drawn higher
+
+
+def page_data(scenario: Scenario, extent: Extent, course: Course, found: Sequence[Stop], flown: Course | None) -> str:
+    """JSON that is safe inside an HTML script element."""
+    data = {
+        "course": {
+            "times": _rounded(course.times, 2),
+            "along": _rounded(course.along, 1),
+            "points": _rounded(course.points, 2),
+            "speeds": _rounded(course.speeds, 2),
+            "ground": _rounded(course.ground, 2),
+            "apart": _rounded(course.apart, 2),
+        },
+        "stops": [_stop(stop, course, scenario) for stop in found],
+        "flown": None if flown is None else _rounded(flown.points, 2),
+        "world": _world(scenario, extent, course),
+    }
+    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _stop(stop: Stop, course: Course, scenario: Scenario) -> dict[str, Any]:
+    spot = None
+    if stop.place is not None:
+        spot = _rounded(np.append(stop.place, scenario.airspace.ground(stop.place[None, :])), 2)
+    index = course.at(stop.time.done_s)
+    return {"seq": stop.time.seq, "name": stop.name, "reason": stop.time.reason, "index": index, "spot": spot}
+
+
+def _world(scenario: Scenario, extent: Extent, course: Course) -> dict[str, Any]:
+    flat = isinstance(scenario.airspace.terrain, Flat)
+    east, north, up = ground_mesh_over(scenario.airspace, extent.lower, extent.upper, 12 if flat else CELLS)
+    bodies = extent.obstacles(scenario.airspace)
+    floor = float(up.min())
+    highest = max([float(up.max()), float(course.points[:, 2].max()), *(float(b.bounds[1, 2]) for b in bodies)])
+    width = float(np.subtract(extent.upper, extent.lower).max())
+    steepness = max(highest - floor, 1.0) / width
+    return {
+        "lower": extent.lower,
+        "upper": extent.upper,
+        "floor": floor,
+        "highest": highest,
+        "lift": round(min(max(steepness, FLATTEST), TALLEST) / steepness, 3),
+        "ground": {
+            "east": float(east[0, 0]),
+            "north": float(north[0, 0]),
+            "step_east": float(east[0, 1] - east[0, 0]),
+            "step_north": float(north[1, 0] - north[0, 0]),
+            "rows": up.shape[0],
+            "columns": up.shape[1],
+            "heights": _rounded(up.ravel(), 1),
+        },
+        "bodies": [_body(body) for body in bodies],
+    }
+
+
+def _body(body: Obstacle) -> dict[str, Any]:
+    if isinstance(body, Sphere):
+        return {"centre": _rounded(np.array(body.center), 2), "radius": round(body.radius, 2)}
+    base, top = (round(float(up), 2) for up in body.bounds[:, 2])
+    rings = [_rounded(ring, 2) for ring in outline(body)]
+    return {"rings": rings, "base": base, "top": top, "round": isinstance(body, Cylinder)}
+
+
+def _rounded(values: NDArray[np.float64], digits: int) -> list[Any]:
+    """Nested lists of rounded numbers; what is not finite becomes null."""
+    if values.ndim > 1:
+        return [_rounded(row, digits) for row in values]
+    return [round(float(v), digits) if math.isfinite(v) else None for v in values]

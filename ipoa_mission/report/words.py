@@ -1,0 +1,28 @@
+"""How the report writes numbers: with as many digits as are worth reading, and a real minus sign."""
+
+import math
+
+
+def seconds(value: float) -> str:
+    """A time for reading: `43.1 s`, `103 s`, `12 min 05 s`."""
+    if value < 99.95:
+        return f"{value:.1f} s"
+    if value < 599.5:
+        return f"{value:.0f} s"
+    minutes, rest = divmod(round(value), 60)
+    return f"{minutes} min {rest:02d} s"
+
+
+def metres(value: float, digits: int = 2) -> str:
+    """A length for reading: `2.61 m`; `free` when there is nothing near."""
+    return f"{number(value, digits)} m" if math.isfinite(value) else "free"
+
+
+def number(value: float, digits: int) -> str:
+    """A number with so many decimals; an empty string when there is none."""
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−") if math.isfinite(value) else ""
+
+
+def share(value: float, of: float) -> str:
+    """A difference in per cent with its sign: `+1.2 %`."""
+    return f"{100 * (value - of) / of:+.1f} %".replace("-", "−") if of else ""

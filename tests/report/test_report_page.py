@@ -1,0 +1,182 @@
+"""The report's page as a file: whole, self-contained, safe, and its numbers those of the flight."""
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.report.chart import Axis, axis_over
+from ipoa_mission.report.course import follow, least_clearance, stops
+from ipoa_mission.report.page import report_html, write_report
+from ipoa_mission.report.panels.profile import _near
+from ipoa_mission.report.words import metres, number, seconds, share
+from ipoa_mission.scenario import Scenario
+
+VOID = {"meta", "br", "i", "path", "rect"}  # elements without an end, and ours that are closed at once
+
+
+class Reader(HTMLParser):
+    """Collects elements and complains where tags do not pair."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str]]] = []
+        self.texts: dict[str, str] = {}
+        self.open: list[str] = []
+        self.feed(page)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, {name: value or "" for name, value in attrs}))
+        if tag != "meta":
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, {name: value or "" for name, value in attrs}))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        where = self.open[-1] if self.open else ""
+        self.texts[where] = self.texts.get(where, "") + data
+
+    def having(self, name: str, value: str) -> list[dict[str, str]]:
+        return [attrs for _, attrs in self.elements if value in attrs.get(name, "").split()]
+
+
+@pytest.mark.parametrize("name", ["campus.toml", "downtown.toml", "sitl.toml"])
+def test_the_page_is_whole_and_asks_for_nothing_from_outside(bowed: Callable[[str], tuple], name: str) -> None:
+    page = report_html(*bowed(name))
+    read = Reader(page)
+    for _, attrs in read.elements:
+        assert not {"src", "href", "action", "srcset"} & set(attrs), attrs
+    assert not re.search(r"https?://|@import|url\(|fetch\(|XMLHttpRequest", page)
+    assert "$" not in page.replace("${", "")  # no blank of the template is left
+    assert "NaN" not in page
+    assert "Infinity" not in read.texts["body"]
+
+
+def test_the_same_mission_gives_the_same_page(bowed: Callable[[str], tuple], tmp_path: Path) -> None:
+    for name in "ab":
+        write_report(tmp_path / name, *bowed("sitl.toml"))
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_names_from_files_cannot_become_markup(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, estimate = bowed("sitl.toml")
+    evil = '</script><script>alert(1)</script><b title="x" on=\''
+    text = scenario.model_dump(mode="json")
+    text["obstacles"][0]["name"] = evil
+    page = report_html(Scenario.model_validate(text), mission, replace(estimate, remarks=(evil,)), [evil])
+    assert "<script>alert" not in page
+    assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
+
+
+def test_waypoints_stand_on_the_map_where_they_are(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, estimate = bowed("campus.toml")
+    read = Reader(report_html(scenario, mission, estimate))
+    box = read.having("class", "map")[0]
+    west, south, width, height = (float(box[f"data-{key}"]) for key in ("west", "south", "width", "height"))
+    shown = []
+    for button in read.having("class", "stop"):
+        left, top = (float(v) / 100 for v in re.findall(r"([\d.]+)%", button["style"]))
+        shown.append((west + left * width, south + (1 - top) * height))
+    flown_to = [item for item in mission.items if item.has_position]
+    places = scenario.frame.to_local(
+        *(np.array([getattr(item, key) for item in flown_to]) for key in ("latitude_deg", "longitude_deg")),
+        np.full(len(flown_to), mission.home.altitude),
+    )
+    on_the_map = np.array(shown)[: len(places)]
+    assert np.abs(on_the_map - places[:, :2]).max() < 1e-4 * width
+
+
+def test_the_table_has_every_item_with_its_own_time(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, estimate = bowed("campus.toml")
+    page = report_html(scenario, mission, estimate)
+    rows = re.findall(r'<tr data-stop="(\d+)".*?<i>(\d+)</i>.*?<b>([\d.]+)</b>', page)
+    assert [(int(seq), float(done)) for _, seq, done in rows] == [
+        (item.seq, round(item.done_s, 1)) for item in estimate.items
+    ]
+
+
+def test_the_script_is_given_the_world_as_it_is(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, estimate = bowed("sitl.toml")
+    data = json.loads(re.search(r'id="data">(.*?)</script>', report_html(scenario, mission, estimate))[1])
+    mast, hangar, balloon = data["world"]["bodies"]
+    assert (mast["round"], mast["base"], mast["top"]) == (True, 0.0, 60.0)
+    assert len(hangar["rings"][0]) == 4
+    assert (balloon["centre"], balloon["radius"]) == ([95.0, 45.0, 22.0], 12.0)
+    course = data["course"]
+    assert len({len(series) for series in course.values()}) == 1
+    for stop, item in zip(data["stops"], estimate.items, strict=True):
+        assert course["times"][stop["index"]] == pytest.approx(item.done_s, abs=0.3)
+
+
+def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, estimate = bowed("downtown.toml")
+    found = stops(mission, estimate, scenario)
+    least = least_clearance(found)
+    assert least is not None
+    assert least.distance < 0  # an arc through a city does not miss its towers
+    places = np.array([stop.place for stop in found if stop.place is not None])[:-1]
+    assert least.distance == pytest.approx(scenario.airspace.polyline_clearance(places).distance)
+    page = report_html(scenario, mission, estimate)
+    assert '<p class="verdict bad">' in page
+    assert f"runs into {least.what}" in page
+
+
+def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Callable[[str], tuple]) -> None:
+    scenario, _, estimate = bowed("campus.toml")
+    course = follow(estimate.track, scenario.airspace)
+    below = [(body.name, run) for body, run, look in _near(course, scenario.airspace, 2.6) if look == "below"]
+    assert len(below) == 5
+    for name, (first, last) in below:
+        body = next(o for o in scenario.airspace.obstacles if o.name == name)
+        inside = (course.along > first) & (course.along < last)
+        assert body.footprint.distance(course.points[inside, :2]).max() < 2.6
+
+
+def test_a_followed_track_keeps_its_length_time_and_speed(bowed: Callable[[str], tuple]) -> None:
+    scenario, _, estimate = bowed("campus.toml")
+    track = estimate.track
+    course = follow(track, scenario.airspace)
+    assert course.times[[0, -1]] == pytest.approx(track.times[[0, -1]])
+    assert course.along[-1] == pytest.approx(np.hypot(*np.diff(track.points[:, :2], axis=0).T).sum(), rel=1e-3)
+    assert (np.diff(course.times) >= 0).all()
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [(0, 10, [0, 2, 4, 6, 8, 10]), (-0.3, 1.2, [0.0, 0.5, 1.0]), (98, 103, [98, 99, 100, 101, 102, 103])],
+)
+def test_ticks_are_round_numbers_within_the_axis(low: float, high: float, expected: list[float]) -> None:
+    assert Axis(low, high, "").ticks(6) == pytest.approx(expected)
+
+
+def test_an_axis_over_one_value_still_has_a_length() -> None:
+    axis = axis_over("", np.array([5.0, 5.0]))
+    assert axis.low < 5 < axis.high
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (seconds(43.14), "43.1 s"),
+        (seconds(103.4), "103 s"),
+        (seconds(725.2), "12 min 05 s"),
+        (seconds(599.6), "10 min 00 s"),
+        (metres(-0.5), "−0.50 m"),
+        (metres(float("inf")), "free"),
+        (number(-0.04, 1), "0.0"),
+        (share(29.0, 103.0), "−71.8 %"),
+    ],
+)
+def test_numbers_are_written_for_people(words: str, expected: str) -> None:
+    assert words == expected
