@@ -29,6 +29,7 @@ class Firmware:
     plain: Mapping[int, str]
     fence: Mapping[int, str]
     rally: Mapping[int, str]
+    fence_is_union: bool  # of areas to stay in: inside one is enough; else the vehicle must be inside all
     max_items: int  # the home item counts
     max_fence_items: int
     max_rally_points: int
@@ -136,6 +137,7 @@ ARDUCOPTER = Firmware(
         }
     ),
     rally=_table({"----ddm": (Command.NAV_RALLY_POINT,)}),
+    fence_is_union=False,  # unless bit 1 of FENCE_OPTIONS says so
     max_items=650,
     max_fence_items=70,
     max_rally_points=46,
@@ -216,6 +218,7 @@ PX4 = Firmware(
         }
     ),
     rally=_table({"----dd.": (Command.NAV_RALLY_POINT,)}),
+    fence_is_union=True,
     max_items=10_000,
     max_fence_items=64,
     max_rally_points=32,

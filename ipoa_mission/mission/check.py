@@ -1,0 +1,34 @@
+"""All that can be known to be wrong with a mission before it flies; nothing here repairs anything.
+
+Autopilots accept positions at (0, 0), altitudes that are no number and missions that they cannot fly: whoever sends
+one checks first.
+"""
+
+from ipoa_mission.mission.check_airspace import check_airspace
+from ipoa_mission.mission.check_fence import check_fence
+from ipoa_mission.mission.check_firmware import check_firmware
+from ipoa_mission.mission.check_positions import check_positions
+from ipoa_mission.mission.finding import Finding, Severity
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.legs import flown_legs
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.frame import LocalFrame
+
+__all__ = ["Finding", "Severity", "check_mission"]
+
+
+def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[Finding, ...]:
+    """What is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
+
+    Legs are looked at only where every position is sound. Errors come before warnings, items in their order.
+    """
+    findings = [*check_firmware(mission), *check_positions(mission)]
+    if not any(finding.severity is Severity.ERROR for finding in check_positions(mission)):
+        if scenario is None:
+            frame = LocalFrame(mission.home)
+            findings += check_fence(mission, frame, flown_legs(mission, frame))
+        else:
+            frame, parameters = scenario.frame, scenario.vehicle.autopilot_parameters()
+            legs = flown_legs(mission, frame, scenario.airspace.ground, parameters)
+            findings += [*check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
+    return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))

@@ -1,0 +1,177 @@
+"""The legs that a mission is flown in: the climb after take-off, the straight legs between waypoints, the way home.
+
+Points are local (east, north, up); heights above home and AMSL become `up` with the Earth's curvature, heights above
+terrain by the ground that is handed in. Loops are not unrolled: each jump adds the leg that it makes.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeAlias
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.mission.items import FLOWN_TO, Command, Frame, Item, Mission, plain_frame
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
+
+FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
+NEARBY = 0.5  # [m] a take-off this near to home is one from home
+
+
+class Phase(StrEnum):
+    """What a leg is for."""
+
+    TAKEOFF = "take-off"
+    CRUISE = "cruise"
+    RETURN = "return"
+    LANDING = "landing"
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m]."""
+
+    seq: int
+    phase: Phase
+    points: Points
+
+
+def flown_legs(
+    mission: Mission, frame: LocalFrame, ground: Ground | None = None, parameters: Parameters | None = None
+) -> tuple[Leg, ...]:
+    """The legs of a mission in the order of its items, from home on the ground to the ground.
+
+    `parameters` that differ from the autopilot's defaults say how high it returns. Without `ground` the ground is as
+    high as home. Items with wrong positions are the business of `check_positions`; here they are left out.
+    """
+    return tuple(_Flight(mission, frame, ground, parameters or {}).legs())
+
+
+class _Flight:
+    """Where the vehicle is, item after item."""
+
+    def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None, parameters: Parameters) -> None:
+        self.mission, self.frame = mission, frame
+        self.home = frame.local(mission.home)
+        self.ground: Ground = ground or (lambda points: np.full(len(points), self.home[2]))
+        self.parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **parameters}
+        self.at = self.home
+
+    def legs(self) -> Iterator[Leg]:
+        for seq, item in enumerate(self.mission.items, start=1):
+            match item.command:
+                case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
+                    yield from self._takeoff(seq, item)
+                case Command.NAV_LAND | Command.NAV_VTOL_LAND:
+                    yield from self._landing(seq, item)
+                case Command.NAV_RETURN_TO_LAUNCH:
+                    yield from self._return(seq)
+                case Command.DO_JUMP:
+                    yield from self._jump(item)
+                case command if command in FLOWN_TO and (target := self._target(item)) is not None:
+                    yield self._to(seq, target, _follows(item))
+
+    def _target(self, item: Item) -> Vector | None:
+        """Where an item lies, (3,) [m]; None if it names no place or no height."""
+        if not (item.has_position and math.isfinite(item.altitude)):
+            return None
+        amsl = self.mission.home.altitude
+        if _follows(item):
+            place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+            return np.array([*place[:2], self.ground(place[None, :])[0] + item.altitude])
+        amsl += self.mission.altitude_above_home(item)
+        return self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+
+    def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
+        points = np.array([self.at, target])
+        self.at = target
+        return Leg(seq, Phase.CRUISE, self._following(points) if follow_terrain else points)
+
+    def _following(self, ends: Points) -> Points:
+        """The leg between two points that keeps its height over the ground, which changes evenly from end to end."""
+        steps = max(2, math.ceil(float(np.hypot(*(ends[1] - ends[0])[:2])) / FOLLOWING_STEP) + 1)
+        along = np.linspace(0.0, 1.0, steps)
+        points = ends[0] + along[:, None] * (ends[1] - ends[0])
+        first, last = ends[:, 2] - self.ground(ends)
+        points[:, 2] = self.ground(points) + first + along * (last - first)
+        return np.asarray(points)
+
+    def _takeoff(self, seq: int, item: Item) -> Iterator[Leg]:
+        height = item.altitude if math.isnan(h := self.mission.altitude_above_home(item)) else h
+        if not math.isfinite(height):
+            return
+        yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + height)
+        target = self._target(item)
+        if self.mission.autopilot is Autopilot.ARDUPILOT or target is None:
+            return  # ArduCopter climbs where it stands, whatever position the take-off names
+        if np.hypot(*(target - self.at)[:2]) > NEARBY:
+            yield self._to(seq, target, _follows(item))
+
+    def _landing(self, seq: int, item: Item) -> Iterator[Leg]:
+        if item.has_position:
+            place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude))
+            yield self._to(seq, np.array([*place[:2], self.at[2]]), follow_terrain=False)
+        yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
+
+    def _return(self, seq: int) -> Iterator[Leg]:
+        start = self.at
+        for goal in (self.home, *self._rally_points()):
+            self.at = start
+            distance = float(np.hypot(*(goal - start)[:2]))
+            top = self.home[2] + _RETURN_HEIGHT[self.mission.autopilot](
+                self.parameters, float(start[2] - self.home[2]), distance
+            )
+            way = np.array([start, [start[0], start[1], top], [goal[0], goal[1], top]])
+            yield Leg(seq, Phase.RETURN, way)
+            self.at = way[-1]
+            yield self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
+
+    def _rally_points(self) -> list[Vector]:
+        amsl, local = self.mission.home.altitude, self.frame.local
+        return [local(Geodetic(p.latitude_deg, p.longitude_deg, amsl + p.altitude)) for p in self.mission.rally]
+
+    def _jump(self, item: Item) -> Iterator[Leg]:
+        if not 1 <= item.params[0] <= len(self.mission.items):
+            return
+        here = self.at
+        for seq, other in enumerate(self.mission.items, start=1):
+            if seq >= item.params[0] and other.command in FLOWN_TO and (target := self._target(other)) is not None:
+                yield self._to(seq, target, _follows(other))
+                break
+        self.at = here
+
+    def _vertical(self, seq: int, phase: Phase, up: float) -> Leg:
+        points = np.array([self.at, [self.at[0], self.at[1], up]])
+        self.at = points[-1]
+        return Leg(seq, phase, points)
+
+
+def _follows(item: Item) -> bool:
+    return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
+
+
+def _ardupilot_return_height(parameters: Parameters, height: float, distance: float) -> float:
+    """ArduCopter's RTL: RTL_ALT [cm] at least, RTL_CLIMB_MIN [cm] more, less near home by RTL_CONE_SLOPE."""
+    least = max(0.0, height + max(0.0, parameters.get("RTL_CLIMB_MIN", 0.0) / 100))
+    top = max(parameters["RTL_ALT"] / 100, least)
+    slope = parameters.get("RTL_CONE_SLOPE", 3.0)
+    return min(top, max(distance * slope, least)) if slope >= 0.5 else top
+
+
+def _px4_return_height(parameters: Parameters, height: float, distance: float) -> float:
+    """PX4's RTL: RTL_RETURN_ALT [m], less near home by RTL_CONE_ANG [deg], never below where it flies."""
+    top, angle = parameters["RTL_RETURN_ALT"], parameters.get("RTL_CONE_ANG", 45.0)
+    if angle > 0:
+        top = min(top, max(distance / math.tan(math.radians(angle)), 2 * parameters["NAV_ACC_RAD"]))
+    return max(top, height)
+
+
+_RETURN_HEIGHT: dict[Autopilot, Callable[[Parameters, float, float], float]] = {
+    Autopilot.ARDUPILOT: _ardupilot_return_height,
+    Autopilot.PX4: _px4_return_height,
+}

@@ -1,0 +1,237 @@
+"""The legs that are flown, and what a scenario's world has to say about them."""
+
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ipoa_mission.mission.check import check_mission
+from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.legs import Leg, Phase, flown_legs
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
+WORLD = """
+home = { latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }
+start = { east = 0.0, north = 0.0, up = 20.0 }
+goal = { east = 100.0, north = 0.0, up = 20.0 }
+safety_distance = 2.0
+bounds = { east = [-50.0, 150.0], north = [-50.0, 50.0], up = [-5.0, 70.0] }
+vehicle = { radius = 0.5, autopilot = "px4", parameters = { RTL_RETURN_ALT = 25.0 } }
+
+[[obstacles]]
+kind = "box"
+name = "hall"
+east = 50.0
+north = 20.0
+width = 20.0
+depth = 10.0
+height = 30.0
+"""
+
+
+def world(text: str = WORLD, **changes: str) -> Scenario:
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    return parse_scenario(text, Path("world.toml"))
+
+
+def place(scenario: Scenario, east: float, north: float) -> Geodetic:
+    return scenario.frame.geodetic(np.array([east, north, 0.0]))
+
+
+def flight(scenario: Scenario, *points: tuple[float, float, float], autopilot: Autopilot = PX4) -> Mission:
+    home = scenario.frame.home
+    ways = [waypoint(place(scenario, east, north), height) for east, north, height in points]
+    return Mission(home, (takeoff(home, 20.0), *ways, return_to_launch()), autopilot)
+
+
+def said(mission: Mission, scenario: Scenario) -> list[str]:
+    return [str(finding) for finding in check_mission(mission, scenario)]
+
+
+def corners(leg: Leg) -> list[list[float]]:
+    return np.round(leg.points, 2).tolist()
+
+
+def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
+    scenario = world()
+    legs = flown_legs(flight(scenario, (60.0, 0.0, 20.0)), scenario.frame, parameters={"RTL_RETURN_ALT": 50.0})
+    assert [(leg.seq, leg.phase) for leg in legs] == [
+        (1, Phase.TAKEOFF),
+        (2, Phase.CRUISE),
+        (3, Phase.RETURN),
+        (3, Phase.LANDING),
+    ]
+    assert corners(legs[0]) == [[0, 0, 0], [0, 0, 20]]
+    assert corners(legs[1]) == [[0, 0, 20], [60, 0, 20]]
+    assert corners(legs[2]) == [[60, 0, 20], [60, 0, 50], [0, 0, 50]]
+    assert corners(legs[3]) == [[0, 0, 50], [0, 0, 0]]
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "parameters", "east", "top"),
+    [
+        (ARDUPILOT, {}, 60.0, 20.0),  # RTL_ALT is 15 m: it stays where it is
+        (ARDUPILOT, {"RTL_ALT": 4000.0}, 60.0, 40.0),
+        (ARDUPILOT, {"RTL_ALT": 4000.0}, 10.0, 30.0),  # RTL_CONE_SLOPE is 3
+        (ARDUPILOT, {"RTL_ALT": 4000.0, "RTL_CONE_SLOPE": 0.0}, 10.0, 40.0),
+        (ARDUPILOT, {"RTL_CLIMB_MIN": 500.0}, 60.0, 25.0),
+        (PX4, {}, 100.0, 60.0),  # RTL_RETURN_ALT is 60 m
+        (PX4, {}, 45.0, 45.0),  # RTL_CONE_ANG is 45 degrees
+        (PX4, {"RTL_CONE_ANG": 0.0}, 45.0, 60.0),
+        (PX4, {"RTL_RETURN_ALT": 10.0}, 45.0, 20.0),
+    ],
+)
+def test_the_way_home_is_as_high_as_the_autopilots_parameters_say(
+    autopilot: Autopilot, parameters: dict[str, float], east: float, top: float
+) -> None:
+    scenario = world()
+    mission = flight(scenario, (east, 0.0, 20.0), autopilot=autopilot)
+    (way,) = [leg for leg in flown_legs(mission, scenario.frame, parameters=parameters) if leg.phase is Phase.RETURN]
+    assert way.points[:, 2].max() == pytest.approx(top, abs=0.01)
+
+
+def test_ardupilot_climbs_where_it_stands_and_px4_goes_to_the_take_offs_position() -> None:
+    scenario = world()
+    items = (takeoff(place(scenario, 10.0, 0.0), 20.0), waypoint(place(scenario, 60.0, 0.0), 20.0))
+    starts = {
+        autopilot: [
+            corners(leg)[0] for leg in flown_legs(Mission(scenario.frame.home, items, autopilot), scenario.frame)
+        ]
+        for autopilot in Autopilot
+    }
+    assert starts[ARDUPILOT] == [[0, 0, 0], [0, 0, 20]]
+    assert starts[PX4] == [[0, 0, 0], [0, 0, 20], [10, 0, 20]]
+
+
+def test_a_jump_adds_the_leg_it_makes_once() -> None:
+    scenario = world()
+    mission = flight(scenario, (60.0, 0.0, 20.0), (60.0, 40.0, 20.0))
+    looped = replace(mission, items=(*mission.items[:3], Item(177, 2, (2.0, 5.0, 0.0, 0.0)), mission.items[3]))
+    legs = flown_legs(looped, scenario.frame)
+    assert [leg.seq for leg in legs[:4]] == [1, 2, 3, 2]
+    assert corners(legs[3]) == [[60, 40, 20], [60, 0, 20]]
+    assert corners(legs[4])[0] == [60, 40, 20]
+
+
+def test_a_landing_is_flown_level_and_then_down_to_the_ground() -> None:
+    scenario = world()
+    mission = flight(scenario, (60.0, 0.0, 30.0))
+    mission = replace(mission, items=(*mission.items[:2], land(place(scenario, 80.0, 0.0))))
+    level, down = flown_legs(mission, scenario.frame, ground=lambda points: np.full(len(points), 7.0))[-2:]
+    assert corners(level) == [[60, 0, 30], [80, 0, 30]]
+    assert corners(down) == [[80, 0, 30], [80, 0, 7]]
+
+
+def test_a_leg_above_terrain_follows_the_ground() -> None:
+    scenario = world()
+    mission = flight(scenario, (0.0, 0.0, 20.0), (60.0, 0.0, 10.0), autopilot=ARDUPILOT)
+    mission = replace(mission, items=(*mission.items[:2], replace(mission.items[2], frame=10)))
+    leg = flown_legs(mission, scenario.frame, ground=lambda points: 0.1 * points[:, 0])[-1]
+    assert len(leg.points) == 13
+    assert np.allclose(leg.points[:, 2] - 0.1 * leg.points[:, 0], np.linspace(20.0, 10.0, 13), atol=0.01)
+
+
+def test_rally_points_are_places_to_return_to() -> None:
+    scenario = world()
+    mission = replace(flight(scenario, (60.0, 0.0, 20.0)), rally=(replace(place(scenario, 60.0, 30.0), altitude=10.0),))
+    ways = [corners(leg)[-1][:2] for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.RETURN]
+    assert ways == [[0, 0], [60, 30]]
+
+
+def test_a_clear_flight_is_found_without_fault() -> None:
+    scenario = world()
+    assert said(flight(scenario, (60.0, 0.0, 20.0)), scenario) == []
+
+
+def test_a_leg_through_a_building_is_an_error_that_names_it_and_the_place() -> None:
+    scenario = world()
+    way_there, way_back = said(flight(scenario, (100.0, 40.0, 20.0)), scenario)
+    assert way_there.startswith("error: item 2 (NAV_WAYPOINT): the leg to it comes too near: -")
+    assert " m to hall at east " in way_there
+    assert way_there.endswith(": expected 2.5 m (safety distance and radius)")
+    assert way_back.startswith("error: item 3 (NAV_RETURN_TO_LAUNCH): the way home comes too near: -")
+
+
+def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
+    scenario = world()
+    mission = flight(scenario, (61.0, 0.0, 20.0), (61.5, 45.0, 20.0), (61.5, 0.0, 20.0))
+    assert [line.split(":")[:2] for line in said(mission, scenario)] == [
+        ["error", " item 3 (NAV_WAYPOINT)"],
+        ["error", " item 4 (NAV_WAYPOINT)"],
+    ]
+    higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5", "up = [-5.0, 70.0]": "up = [-5.0, 31.0]"})
+    mission = flight(higher, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0))
+    home = [line for line in said(mission, higher) if "way home" in line]
+    assert len(home) == 2
+    assert home[0].startswith("warning: item 4 (NAV_RETURN_TO_LAUNCH): the way home comes too near: 1.5")
+    assert home[1].startswith(
+        "warning: item 4 (NAV_RETURN_TO_LAUNCH): the way home leaves the bounds: 0.50 m beyond the upper"
+    )
+
+
+def test_a_leg_into_a_hill_is_an_error() -> None:
+    hill = (
+        'terrain = { kind = "analytic", peaks = [{ height = 40.0, east = 60.0, north = -30.0, a = 30.0, b = 30.0 }] }'
+    )
+    scenario = world(WORLD.replace("[[obstacles]]", hill + "\n[[obstacles]]", 1))
+    (line, *_) = said(flight(scenario, (60.0, -30.0, 50.0), (100.0, -30.0, 9.0)), scenario)
+    assert line.startswith("error: item 3 (NAV_WAYPOINT): the leg to it comes too near to the ground: ")
+    (below, *_) = said(flight(scenario, (60.0, -30.0, 30.0)), scenario)
+    assert below.startswith("error: item 2 (NAV_WAYPOINT): the leg to it goes below the ground: -")
+    assert below.endswith(": expected 2.5 m")
+
+
+def test_heights_above_ground_are_limited_where_the_scenario_says_so() -> None:
+    scenario = world(WORLD.replace("[[obstacles]]", "planning = { max_height_above_ground = 25.0 }\n[[obstacles]]", 1))
+    lines = said(flight(scenario, (60.0, 0.0, 30.0)), scenario)
+    assert lines[0] == "error: item 2 (NAV_WAYPOINT): the leg to it rises to 30.00 m above ground: expected 25 m"
+    assert lines[1].startswith("warning: item 3 (NAV_RETURN_TO_LAUNCH): the way home rises to 30.00 m")
+
+
+def test_a_leg_out_of_bounds_is_an_error_with_the_place() -> None:
+    scenario = world()
+    (line, *_) = said(flight(scenario, (160.0, 0.0, 20.0)), scenario)
+    assert line == (
+        "error: item 2 (NAV_WAYPOINT): the leg to it leaves the bounds: "
+        "10.00 m beyond the east bound at east 160.00, north 0.00, up 20.00 m"
+    )
+
+
+def test_another_home_is_a_warning() -> None:
+    scenario = world()
+    mission = flight(scenario, (60.0, 0.0, 20.0))
+    (line,) = said(replace(mission, home=replace(mission.home, altitude=405.0)), scenario)
+    assert line == "warning: home: lies 5.0 m from the scenario's home: heights above home differ"
+
+
+SPOT = st.tuples(st.floats(-40, 140), st.floats(-40, 40), st.floats(5, 45))
+
+
+@settings(max_examples=60)
+@given(points=st.lists(SPOT, min_size=1, max_size=4))
+def test_an_error_is_found_exactly_where_sampling_the_legs_finds_one(points: list[tuple[float, float, float]]) -> None:
+    """Distance to the hall and to the ground from their definitions, every two centimetres."""
+    scenario = world()
+    mission = flight(scenario, *points)
+    errors = {
+        finding.seq
+        for finding in check_mission(mission, scenario)
+        if "the leg to it" in finding.message and finding.severity == "error"
+    }
+    path = [np.array([0.0, 0.0, 20.0]), *map(np.array, points)]
+    for seq, (a, b) in enumerate(pairwise(path), start=2):
+        along = np.linspace(0, 1, max(2, int(np.linalg.norm(b - a) / 0.02)))[:, None]
+        where = a + along * (b - a)
+        outside = np.abs(where - [50.0, 20.0, 15.0]) - [10.0, 5.0, 15.0]
+        distance = np.linalg.norm(np.maximum(outside, 0), axis=1) + np.minimum(outside.max(axis=1), 0)
+        nearest = min(distance.min(), where[:, 2].min())
+        if abs(nearest - 2.5) > 0.06:  # rounding of positions, and the sampling itself
+            assert (seq in errors) == (nearest < 2.5)
