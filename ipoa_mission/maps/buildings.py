@@ -128,7 +128,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
     height = height_of(feature.tags, place, rules.height_key, rules.storey_height)
     foot = foot_of(feature.tags, place, rules.storey_height)
     if height is not None and foot >= height:
-        counts["upside down: taken to stand on the ground (min_height is not below the height)"] += 1
+        counts["buildings whose min_height is not below their height, taken to stand on the ground"] += 1
         foot = 0.0
     made = []
     building = bool(feature.tags.keys() & {"building", "building:part"})
@@ -136,7 +136,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
         thin = part.geom_type != "Polygon"
         if height is None:
             default = rules.point_height if thin else rules.default_height
-            counts[f"without a height, given {default:g} m"] += 1
+            counts[f"{'points or lines' if thin else 'buildings'} without a height, given {default:g} m"] += 1
         top = height if height is not None else foot + default
         if thin:
             if building and not rules.everything:
@@ -148,7 +148,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
             continue
         polygons, wrong = polygons_of(part, feature.place)
         if wrong is not None:
-            counts[f"mended ({wrong})"] += 1
+            counts[f"outlines mended ({wrong})"] += 1
         made += [Standing(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
     return made
 

@@ -1,0 +1,97 @@
+"""Profiles set what a task wants, and the file's own words win; the battery is asked before the flight."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.energy.flight import NotEnoughBattery
+from ipoa_mission.energy.power import power
+from ipoa_mission.errors import BadInput
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.scenario.budget import flight_energy
+from ipoa_mission.scenario.profiles import PROFILES
+
+FLIGHT = """
+home = { latitude_deg = 47.0, longitude_deg = 8.0 }
+start = { east = 0, north = 0, up = 10 }
+goal = { east = 100, north = 0, up = 10 }
+"""
+
+
+def read(text: str) -> Scenario:
+    return parse_scenario(FLIGHT + text, Path("here.toml"))
+
+
+def test_the_schema_names_the_profiles_that_there_are() -> None:
+    choices = Scenario.model_json_schema()["properties"]["profile"]["anyOf"][0]["enum"]
+    assert choices == list(PROFILES)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_a_profile_sets_only_what_it_says(name: str) -> None:
+    plain, profiled = read("").model_dump(), read(f"profile = '{name}'").model_dump()
+    assert profiled.pop("profile") == name
+    for key, value in PROFILES[name].items():
+        expected = plain[key] | dict(value) if isinstance(value, dict) else value
+        assert profiled[key] == expected != plain[key]
+    rest = [key for key in profiled if key not in PROFILES[name]]
+    assert {key: profiled[key] for key in rest} == {key: plain[key] for key in rest}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_what_the_file_says_itself_wins(name: str) -> None:
+    scenario = read(f"profile = '{name}'\nsafety_distance = 0.5\ncost = {{ omega = [0.2, 0.3, 0.5] }}")
+    assert scenario.safety_distance == 0.5
+    assert scenario.cost.omega == (0.2, 0.3, 0.5)
+    d_safe = PROFILES[name]["cost"].get("d_safe", 5.0)
+    assert scenario.cost.d_safe == d_safe
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("profile = 'racing'", "profile: expected 'delivery', 'rescue' or 'endurance', not 'racing'"),
+        ("profile = 3", "profile: expected 'delivery', 'rescue' or 'endurance', not 3"),
+        ("profile = 'rescue'\ncost = 3", "cost: expected a table, not 3"),
+        ("profile = 'rescue'\ncost = { d_saf = 3 }", "cost.d_saf: unknown key; did you mean d_safe?"),
+        ("vehicle = { battery = { capacity_wh = 90 } }", "vehicle: expected an airframe with the battery"),
+        (
+            "vehicle = { airframe = { mass_kg = 2, rotor_diameter = 0.3, figure_of_merit = 0.95 } }",
+            "vehicle.airframe.figure_of_merit: expected a number of at most 0.869565, not 0.95",
+        ),
+    ],
+)
+def test_mistakes_are_named(line: str, words: str) -> None:
+    with pytest.raises(BadInput) as told:
+        read(line)
+    assert str(told.value) == f"here.toml: {words}"
+
+
+AIRFRAME = "mass_kg = 2.4, rotors = 6, rotor_diameter = 0.3"
+MINUTE = np.array([0.0, 60.0]), np.zeros((2, 3))
+
+
+def test_without_an_airframe_no_energy_is_said() -> None:
+    assert flight_energy(read(""), *MINUTE) is None
+
+
+def test_the_airframe_of_the_file_is_the_one_that_flies() -> None:
+    scenario = read(f"vehicle = {{ airframe = {{ {AIRFRAME} }} }}")
+    assert scenario.vehicle.airframe is not None
+    airframe = scenario.vehicle.airframe.build()
+    assert airframe.disc_area == pytest.approx(6 * np.pi * 0.15**2)
+    assert airframe.drag_area == pytest.approx(0.05 * 2.4 ** (2 / 3))
+    used = flight_energy(scenario, *MINUTE)
+    assert used is not None
+    assert used.energy_wh * 60 == pytest.approx(
+        float(power(airframe, np.zeros(1), np.zeros(1), np.array([1.225]))[0]), rel=1e-6
+    )
+
+
+def test_a_flight_beyond_the_battery_is_refused_and_wind_counts() -> None:
+    enough = f"vehicle = {{ airframe = {{ {AIRFRAME} }}, battery = {{ capacity_wh = 6.5, reserve = 0.2 }} }}"
+    assert flight_energy(read(enough), *MINUTE) is not None
+    windy = enough.replace("reserve", "head_wind = 22, reserve")
+    with pytest.raises(NotEnoughBattery, match=r"battery: expected a reserve of 20% after landing"):
+        flight_energy(read(windy), *MINUTE)
