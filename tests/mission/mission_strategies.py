@@ -49,13 +49,20 @@ def missions(draw: st.DrawFn, frames: tuple[int, ...] = (0, 3, 10), nan: bool = 
 
 
 def same(one: Mission, other: Mission) -> bool:
-    """Equality that takes NaN for equal to NaN, and a command for equal to its number."""
+    """Equality that takes NaN for NaN, -0 for 0, and a command for its number."""
     return _bare(one) == _bare(other)
 
 
 def _bare(mission: Mission) -> tuple[object, ...]:
     items = [
-        (int(i.command), int(i.frame), [str(float(p)) for p in i.params], i.latitude_deg, i.longitude_deg, i.altitude)
+        (
+            int(i.command),
+            int(i.frame),
+            [str(float(p) + 0.0) for p in i.params],
+            i.latitude_deg,
+            i.longitude_deg,
+            i.altitude,
+        )
         for i in mission.items
     ]
     on = [i.autocontinue for i in mission.items]
