@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.optimize.ipoa import levy_factor
-from ipoa_mission.optimize.search import Box, Search
+from ipoa_mission.optimize.search import Box, Search, keep_better
 from ipoa_mission.optimize.settings import Count, Members
 
 
@@ -50,16 +50,15 @@ class HHO:
             diving = ~perching & (q < 0.5)
             trial = box.clip(np.where(perching, perch, np.where(diving, dive, besiege)))
             g = yield trial
+            x, f, before, cost_before = trial, g, x, f
 
-            failed = np.flatnonzero(diving[:, 0] & (g >= f))
+            failed = np.flatnonzero(diving[:, 0] & (g >= cost_before))
             if failed.size:
                 again = box.clip(
                     dive[failed] + rng.random((failed.size, d)) * levy_factor(1.5, (failed.size, d), rng)  # Z
                 )
                 h = yield again
-                stays = (h >= f[failed])[:, None]
-                trial[failed] = np.where(stays, x[failed], again)
-                g[failed] = np.minimum(h, f[failed])
-            x, f = trial, g
+                x, f = trial.copy(), g.copy()
+                x[failed], f[failed] = keep_better(before[failed], cost_before[failed], again, h)
             if f.min() < rabbit_cost:
                 rabbit, rabbit_cost = x[f.argmin()], f.min()

@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from typing import get_type_hints
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
 from ipoa_mission.optimize.dbo import DBO
 from ipoa_mission.optimize.hho import HHO
 from ipoa_mission.optimize.ipoa import IPOA
@@ -22,6 +23,7 @@ OPTIMIZERS: dict[str, type[Optimizer]] = {
     "ssa": SSA,
     "mpoa": MPOA,
     "hho": HHO,
+    "adaptive-pelican": AdaptivePelican,
 }
 
 

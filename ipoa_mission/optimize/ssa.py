@@ -71,6 +71,7 @@ def flee(x: Candidates, f: Costs, alarmed: NDArray[np.intp], rng: np.random.Gene
     best, worst = x[f.argmin()], x[f.argmax()]
     m, d = here.shape
     inwards = best + rng.standard_normal((m, d)) * np.abs(here - best)
-    away = here + (2 * rng.random((m, 1)) - 1) * np.abs(here - worst) / (cost - f.max() - 1e-50)
+    gap = f.max() - f.min() if np.isfinite(f.min()) else 0.0
+    away = here + (2 * rng.random((m, 1)) - 1) * np.abs(here - worst) / (-gap - 1e-50)
     fled: Candidates = np.where(cost > f.min(), inwards, away)
     return fled

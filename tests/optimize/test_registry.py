@@ -28,7 +28,7 @@ def test_settings_reach_the_optimiser() -> None:
 @pytest.mark.parametrize(
     ("name", "settings", "message"),
     [
-        ("ipao", {}, r"^optimizer\.name: expected ipoa.* or [a-z]+, not 'ipao' \(did you mean 'ipoa'\?\)$"),
+        ("ipao", {}, r"^optimizer\.name: expected ipoa.* or [a-z-]+, not 'ipao' \(did you mean 'ipoa'\?\)$"),
         (
             "ipoa",
             {"populaton": 3},

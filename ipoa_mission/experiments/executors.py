@@ -1,0 +1,44 @@
+"""Where runs are executed: local processes, or a Dask cluster; both by the face of `concurrent.futures`."""
+
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from typing import Any
+
+from ipoa_mission.errors import BadInput, MissionError
+
+
+@contextmanager
+def open_executor(jobs: int, address: str | None) -> Iterator[Executor]:
+    """An executor: `jobs` processes of this machine, or, with the `address` of a scheduler, its workers.
+
+    Raises:
+        BadInput: fewer than one job, or an address that Dask does not take.
+        MissionError: Dask distributed is not installed, or nobody answers at `address`.
+    """
+    if jobs < 1:
+        raise BadInput(f"jobs: expected at least 1, not {jobs}")
+    if address is None:
+        with ProcessPoolExecutor(jobs) as pool:
+            yield pool
+        return
+    try:
+        import distributed
+    except ImportError as error:
+        raise MissionError(
+            "an executor on a cluster needs Dask distributed, which is not installed",
+            hint='pip install "ipoa-mission[cluster]"',
+        ) from error
+    if "://" not in address:
+        raise BadInput(f"executor: expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}")
+    try:
+        connect: Any = distributed.Client
+        client = connect(address, timeout=10, set_as_default=False)
+    except ValueError as error:
+        raise BadInput(f"executor: expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}") from error
+    except OSError as error:
+        raise MissionError(
+            f"no Dask scheduler answers at {address}", hint="start one with: dask scheduler, and workers beside it"
+        ) from error
+    with client, client.get_executor(pure=False, retries=10) as pool:
+        yield pool

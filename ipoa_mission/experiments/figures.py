@@ -1,0 +1,101 @@
+"""Figures 3, 5, 7 and 8 of the paper, drawn as SVG text: each a pure function of rows of runs, or of nothing.
+
+The same rows give the same bytes: no date, and identifiers hashed from a fixed salt.
+"""
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
+from ipoa_mission.experiments.paper import errors
+from ipoa_mission.experiments.published import ALGORITHMS
+from ipoa_mission.experiments.runs import CHECKPOINTS, Row
+from ipoa_mission.optimize.ipoa import iterate_chaotic_map
+
+#: One colour each, told apart by the colour-blind (Okabe and Ito).
+COLOURS = {
+    "ipoa": "#D55E00",
+    "dbo": "#0072B2",
+    "poa": "#009E73",
+    "ssa": "#E69F00",
+    "mpoa": "#CC79A7",
+    "hho": "#56B4E9",
+    "adaptive-pelican": "#000000",
+}
+
+
+def figure_3() -> str:
+    """The iterative chaotic map, eq. (18), a = 0.7: 300 iterates, and how they are distributed."""
+    z = iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
+    figure, (left, right) = _panels(1, 2, 9, 3.2)
+    left.plot(np.arange(1, 301), z, ".", ms=3, color=COLOURS["ipoa"])
+    left.set(xlabel="iteration", ylabel="z", title="300 iterates, a = 0.7")
+    right.hist(z, bins=30, color=COLOURS["dbo"])
+    right.set(xlabel="z", ylabel="count", title="their distribution")
+    return _svg(figure)
+
+
+def figure_5() -> str:
+    """Densities of the t distribution at both ends of eq. (29), of Cauchy and of Gauss."""
+    from scipy import stats
+
+    x = np.linspace(-5, 5, 501)
+    figure, (axes,) = _panels(1, 1, 6, 3.6)
+    axes.plot(x, stats.cauchy.pdf(x), label="Cauchy, t(1)", color=COLOURS["dbo"])
+    axes.plot(x, stats.t.pdf(x, 5), label="t(5)", color=COLOURS["ipoa"])
+    axes.plot(x, stats.t.pdf(x, 30), label="t(30)", color=COLOURS["mpoa"])
+    axes.plot(x, stats.norm.pdf(x), "--", label="Gauss", color="black")
+    axes.set(xlabel="x", ylabel="density")
+    axes.legend()
+    return _svg(figure)
+
+
+def figure_7(rows: Sequence[Row]) -> str:
+    """Convergence at D = 20: the best cost known, averaged over the runs, by the share of the evaluations spent."""
+    figure, panels = _panels(3, 4, 14, 9)
+    for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
+        for name in ALGORITHMS:
+            curves = [r.history for r in rows if (r.trial.case, r.trial.algorithm) == (function, name)]
+            mean = np.maximum(np.mean(curves, axis=0), 1e-8)
+            axes.semilogy(CHECKPOINTS, mean, color=COLOURS[name], label=name.upper(), lw=1.2)
+        axes.set(title=f"{function} (optimum {optimum:g})")
+    for axes in panels[8:]:
+        axes.set(xlabel="share of the evaluations")
+    for axes in panels[::4]:
+        axes.set(ylabel="mean error")
+    panels[0].legend(fontsize=7)
+    return _svg(figure)
+
+
+def figure_8(rows: Sequence[Row]) -> str:
+    """Box plots of the cost at D = 10."""
+    figure, panels = _panels(3, 4, 14, 9)
+    for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
+        samples = [errors(rows, function, name) + optimum for name in ALGORITHMS]
+        boxes = axes.boxplot(samples, patch_artist=True, flierprops={"markersize": 2}, medianprops={"color": "black"})
+        for box, name in zip(boxes["boxes"], ALGORITHMS, strict=True):
+            box.set_facecolor(COLOURS[name])
+        axes.set_xticks(range(1, len(ALGORITHMS) + 1), [name.upper() for name in ALGORITHMS], fontsize=7)
+        if max(s.max() for s in samples) > 20 * optimum:
+            axes.set_yscale("log")
+        axes.set(title=function)
+    return _svg(figure)
+
+
+def _panels(down: int, across: int, width: float, height: float) -> tuple[Any, Sequence[Any]]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, list(np.ravel(figure.subplots(down, across)))
+
+
+def _svg(figure: Any) -> str:
+    import matplotlib as mpl
+
+    text = io.StringIO()
+    with mpl.rc_context({"svg.hashsalt": "ipoa-mission", "svg.fonttype": "none"}):
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    return text.getvalue()

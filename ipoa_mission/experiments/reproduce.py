@@ -1,0 +1,109 @@
+"""The paper's tables and figures by name: measure what is missing, then tell what was measured."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.experiments import figures, paper
+from ipoa_mission.experiments.executors import open_executor
+from ipoa_mission.experiments.page import findings
+from ipoa_mission.experiments.runs import Row, measure
+from ipoa_mission.experiments.series import CEC_ABLATION, CEC_BEYOND, CEC_D10, CEC_D20, Series
+from ipoa_mission.experiments.tables import Table
+from ipoa_mission.files import write_atomically
+
+Rows = Mapping[str, Sequence[Row]]  # by the name of their series
+
+
+@dataclass(frozen=True)
+class Item:
+    """A table or figure: the series it needs, and how it is made of their rows (a table, or SVG text)."""
+
+    needs: Sequence[Series]
+    make: Callable[[Rows], Table | str]
+
+
+ITEMS: dict[str, Item] = {
+    "table-3": Item([CEC_D20], lambda rows: paper.table_3(rows[CEC_D20.name])),
+    "table-4": Item([CEC_D20], lambda rows: paper.table_4(rows[CEC_D20.name])),
+    "figure-3": Item([], lambda _: figures.figure_3()),
+    "figure-5": Item([], lambda _: figures.figure_5()),
+    "figure-7": Item([CEC_D20], lambda rows: figures.figure_7(rows[CEC_D20.name])),
+    "figure-8": Item([CEC_D10], lambda rows: figures.figure_8(rows[CEC_D10.name])),
+    "dimension": Item(
+        [CEC_D20, CEC_D10], lambda rows: paper.dimension_of_the_print(rows[CEC_D20.name], rows[CEC_D10.name])
+    ),
+    "contradictions": Item([], lambda _: paper.contradictions()),
+    "beyond": Item([CEC_D20, CEC_BEYOND], lambda rows: paper.table_beyond(rows[CEC_BEYOND.name], rows[CEC_D20.name])),
+    "ablation": Item([CEC_ABLATION], lambda rows: paper.table_ablation(rows[CEC_ABLATION.name])),
+}
+
+
+def reproduce(
+    what: str,
+    runs: int | None,
+    out: Path,
+    jobs: int,
+    executor: str | None,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> list[Path]:
+    """Measure and write one of `ITEMS`, or "all" of them and the page of findings; returns the files written.
+
+    Runs are kept in `out`, one CSV file a series, and not repeated. Tables are written there as Markdown and CSV,
+    figures as SVG; the page of findings is written beside `out`, under its name with `.md`. `runs` is how many of each
+    (None: as many as the paper). `jobs` processes run them, or the workers of the Dask scheduler at `executor`.
+    `progress(series, done, all)` is called after each run.
+
+    Raises:
+        BadInput: `what`, `runs`, `jobs` or `executor` is wrong.
+        MissionError: a library is missing, or the cluster does not answer.
+    """
+    if what != "all" and what not in ITEMS:
+        close = get_close_matches(what, [*ITEMS, "all"], n=1)
+        meant = f" (did you mean {close[0]!r}?)" if close else ""
+        raise BadInput(f"what: expected {', '.join(ITEMS)} or all, not {what!r}{meant}")
+    if runs is not None and runs < 1:
+        raise BadInput(f"runs: expected at least 1, not {runs}")
+    names = list(ITEMS) if what == "all" else [what]
+    rows = _measure({s.name: s for name in names for s in ITEMS[name].needs}, runs, out, jobs, executor, progress)
+    made = {name: ITEMS[name].make(rows) for name in names}
+    written = []
+    for name, item in made.items():
+        if isinstance(item, Table):
+            written += [_write(out / f"{name}.md", item.markdown()), _write(out / f"{name}.csv", item.csv())]
+        else:
+            written.append(_write(out / f"{name}.svg", item))
+    if what == "all":
+        written.append(_write(out.with_name(f"{out.name}.md"), findings(made, rows, out.name)))
+    return written
+
+
+def _measure(
+    series: Mapping[str, Series],
+    runs: int | None,
+    out: Path,
+    jobs: int,
+    address: str | None,
+    progress: Callable[[str, int, int], None] | None,
+) -> Rows:
+    """The rows of every series, measured if they are not in `out` yet."""
+    if not series:
+        return {}
+    rows = {}
+    with open_executor(jobs, address) as executor:
+        for name, one in series.items():
+
+            def tell(done: int, every: int, name: str = name) -> None:
+                if progress is not None:
+                    progress(name, done, every)
+
+            rows[name] = measure(one.trials(runs), out / f"{name}.csv", executor, tell)
+    return rows
+
+
+def _write(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(path, text)
+    return path

@@ -1,0 +1,47 @@
+"""A table of text, and how it is written as Markdown and as CSV."""
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Table:
+    """A caption, a heading, rows of cells, and what a reader must know to read them."""
+
+    caption: str
+    heading: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    notes: Sequence[str] = field(default=())
+
+    def markdown(self) -> str:
+        """The table in Markdown, its caption before it and its notes after it."""
+        lines = [f"**{self.caption}**", "", _line(self.heading), _line(["---"] * len(self.heading))]
+        lines += [_line(row) for row in self.rows]
+        for note in self.notes:
+            lines += ["", note]
+        return "\n".join(lines) + "\n"
+
+    def csv(self) -> str:
+        """The cells as CSV."""
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([self.heading, *self.rows])
+        return text.getvalue()
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def number(value: float) -> str:
+    """Five digits that matter: 8676.7, 22.82, 0.00041, 1.2e-09."""
+    if value == 0 or 1e-4 <= abs(value) < 1e7:
+        digits = 2 if abs(value) >= 1 or value == 0 else 5
+        return f"{value:,.{digits if abs(value) < 10000 else 0}f}"
+    return f"{value:.1e}"
+
+
+def per_cent(ours: float, theirs: float) -> str:
+    """How much ours is above (+) or below (-) theirs."""
+    return f"{(ours / theirs - 1) * 100:+.0f} %" if theirs else "-"

@@ -1,0 +1,160 @@
+"""The adaptive pelican, ours: POA's two phases, but with differences instead of products, and steps that learn.
+
+POA's steps multiply coordinates, so they favour the origin, and their size is fixed beforehand. Here every step is a
+difference of members, so that moving, turning or stretching the problem changes nothing but crossover; the scale of a
+step is drawn around what lately succeeded (SHADE, Tanabe and Fukunaga 2013); the population shrinks linearly while the
+evaluations are spent (L-SHADE, 2014). Uses its budget of `evaluations` and no more.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.optimize.search import Box, Candidates, Costs, Search
+from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction
+
+
+@dataclass(frozen=True)
+class AdaptivePelican:
+    """Pelicans fly towards one of the best, then the best of them wing over the water around themselves.
+
+    The flock begins with `per_dimension` D members, or with fewer where the budget leaves less than
+    `evaluations_per_member` for each, and ends with four.
+    """
+
+    evaluations: Annotated[int, Between(40)] = 90_060
+    per_dimension: Annotated[float, Between(1)] = 12.0
+    evaluations_per_member: Annotated[float, Between(10)] = 375.0
+    prey_share: Fraction = 0.11  # how many of the best may be the prey
+    winging_share: Fraction = 0.2  # how many of the best wing over the water
+    surface_share: Fraction = 0.3  # how many of the best say how the water lies
+    memories: Count = 6
+    archive: Amount = 2.6  # displaced members kept, for each member of the flock
+
+    def search(self, box: Box, rng: np.random.Generator) -> Search:
+        """Yield the first flock, then two batches a generation, until the evaluations are spent."""
+        first = int(min(self.per_dimension * box.dimension, self.evaluations / self.evaluations_per_member))
+        first = max(first, _LEAST)
+        x = box.sample(first, rng)
+        f = yield x
+        spent = first
+        scales, crossings, wings = (_Memory(self.memories, 0.5) for _ in range(3))
+        displaced = np.empty((0, box.dimension))
+
+        while spent < self.evaluations:
+            order = np.argsort(f, kind="stable")
+            x, f = x[order], f[order]
+            n, d = x.shape
+            each = np.arange(n)
+
+            # Moving towards prey: x + F (prey - x) + F (x_r - x_s), x_s perhaps a displaced member, then crossover
+            scale = _cauchy(scales.draw(n, rng), rng)
+            crossing = np.clip(crossings.draw(n, rng) + 0.1 * rng.standard_normal(n), 0, 1)
+            prey = x[rng.integers(max(2, round(self.prey_share * n)), size=n)]
+            everyone = np.concatenate([x, displaced])
+            r = _other_than(each[:, None], n, rng)
+            s = _other_than(np.sort(np.column_stack([each, r])), len(everyone), rng)
+            trial = _halfway_back(x + scale[:, None] * (prey - x + x[r] - everyone[s]), x, box)
+            crossed = rng.random((n, d)) < crossing[:, None]
+            crossed[each, rng.integers(d, size=n)] = True
+            trial = np.where(crossed, trial, x)[: self.evaluations - spent]
+            g = yield trial
+            m = len(trial)
+            spent += m
+            gain = _gain(f[:m], g)
+            scales.learn(scale[:m], gain)
+            crossings.learn(crossing[:m], gain)
+            displaced = np.concatenate([displaced, x[:m][gain > 0]])
+            x, f = _settle(x, f, trial, g)
+
+            # Winging on the water surface: each of the best adds a random blend of how the best differ
+            order = np.argsort(f, kind="stable")
+            x, f = x[order], f[order]
+            surface = x[: max(2, round(self.surface_share * n))]
+            weights = np.log(len(surface) + 0.5) - np.log(np.arange(1, len(surface) + 1))
+            weights /= weights.sum()
+            m = min(max(1, round(self.winging_share * n)), self.evaluations - spent)
+            if m and self.winging_share:
+                scale = np.abs(wings.draw(m, rng) + 0.1 * rng.standard_cauchy(m))
+                scale = np.minimum(scale, 2)
+                blend = rng.standard_normal((m, len(surface))) * np.sqrt(weights)
+                trial = x[:m] + scale[:, None] * (blend @ (surface - weights @ surface))
+                trial = _halfway_back(trial, x[:m], box)
+                g = yield trial
+                spent += m
+                gain = _gain(f[:m], g)
+                wings.learn(scale, gain)
+                displaced = np.concatenate([displaced, x[:m][gain > 0]])
+                x, f = _settle(x, f, trial, g)
+
+            # The flock shrinks
+            n = round(first + (_LEAST - first) * spent / self.evaluations)
+            if n < len(x):
+                best = np.argsort(f, kind="stable")[:n]
+                x, f = x[best], f[best]
+            kept = round(self.archive * n)
+            if len(displaced) > kept:
+                displaced = displaced[rng.permutation(len(displaced))[:kept]]
+
+
+_LEAST = 4  # members at the end: as few as a difference step needs
+
+
+class _Memory:
+    """What succeeded lately: a ring of weighted Lehmer means, drawn from at random."""
+
+    def __init__(self, slots: int, start: float) -> None:
+        self._means = np.full(slots, start)
+        self._next = 0
+
+    def draw(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
+        return self._means[rng.integers(len(self._means), size=n)]
+
+    def learn(self, values: NDArray[np.float64], gain: NDArray[np.float64]) -> None:
+        """Remember the `values` whose `gain` is positive, each weighted by it."""
+        good, weight = values[gain > 0], gain[gain > 0]
+        total = float(weight @ good)
+        if total > 0:
+            self._means[self._next] = weight @ good**2 / total
+            self._next = (self._next + 1) % len(self._means)
+
+
+def _gain(f: Costs, g: Costs) -> Costs:
+    """How much cheaper `g` is than `f`, else 0; what was infinite gains as much as the best of the others."""
+    gain = np.subtract(f, g, out=np.zeros(len(f)), where=g < f)
+    finite = np.isfinite(gain)
+    return np.where(finite, gain, max(gain[finite].max(initial=0), 1e-300))
+
+
+def _cauchy(centres: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Scales Cauchy-distributed around `centres`, drawn again until positive, at most 1."""
+    drawn = centres + 0.1 * rng.standard_cauchy(len(centres))
+    while (again := np.flatnonzero(drawn <= 0)).size:
+        drawn[again] = centres[again] + 0.1 * rng.standard_cauchy(again.size)
+    return np.minimum(drawn, 1)
+
+
+def _other_than(taken: NDArray[np.intp], n: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """One index below `n` for each row of `taken` (rows ascending), unlike all in that row."""
+    index = rng.integers(n - taken.shape[1], size=len(taken))
+    for column in taken.T:
+        index += index >= column
+    return index
+
+
+def _halfway_back(trial: Candidates, parent: Candidates, box: Box) -> Candidates:
+    """A coordinate that left the box is set halfway between its parent and the bound that it crossed."""
+    trial = np.where(trial < box.lower, (parent + box.lower) / 2, trial)
+    return np.where(trial > box.upper, (parent + box.upper) / 2, trial)
+
+
+def _settle(x: Candidates, f: Costs, trial: Candidates, g: Costs) -> tuple[Candidates, Costs]:
+    """The first members make way for trials that cost no more: on a plateau, moving on is better than staying."""
+    m = len(trial)
+    goes = g <= f[:m]
+    x, f = x.copy(), f.copy()
+    x[:m] = np.where(goes[:, None], trial, x[:m])
+    f[:m] = np.where(goes, g, f[:m])
+    return x, f

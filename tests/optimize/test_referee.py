@@ -1,0 +1,126 @@
+"""One referee for every optimiser in the registry: what any of them must keep to, whatever its metaphor."""
+
+import numpy as np
+import pytest
+
+from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
+from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimizer, minimise
+
+D = 6
+LOWER, UPPER = np.linspace(-30, -10, D), np.linspace(20, 60, D)
+BOX = Box(LOWER, UPPER)
+ROTATION, _ = np.linalg.qr(np.random.default_rng(5).standard_normal((D, D)))
+OPTIMUM = LOWER + (UPPER - LOWER) * np.linspace(0.3, 0.7, D)
+
+
+def ellipsoid(x: Candidates) -> Costs:
+    """Shifted, rotated, condition 100: multiplying coordinates does not lead to its optimum."""
+    return np.asarray(((x - OPTIMUM) @ ROTATION) ** 2 @ np.logspace(0, 2, D))
+
+
+def small(name: str) -> Optimizer:
+    """About six thousand evaluations."""
+    return build_optimizer(name, {"evaluations": 6000} if name == "adaptive-pelican" else {"iterations": 100})
+
+
+#: The median error over eleven runs that each reaches on the ellipsoid, within a factor of five: its known ability.
+ABILITY = {
+    "ipoa": 20.0,
+    "dbo": 250.0,
+    "poa": 4.5,
+    "ssa": 1.0,
+    "mpoa": 0.08,
+    "hho": 90.0,
+    "adaptive-pelican": 1e-18,
+}
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_every_candidate_is_inside_the_box(name: str) -> None:
+    def watched(x: Candidates) -> Costs:
+        assert x.ndim == 2
+        assert x.shape[1] == D
+        assert np.all(x >= LOWER)
+        assert np.all(x <= UPPER)
+        return ellipsoid(x)
+
+    minimise(watched, BOX, small(name), np.random.default_rng(1))
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_a_budget_is_never_exceeded_and_the_count_is_that_of_the_cost(name: str) -> None:
+    seen = 0
+
+    def counted(x: Candidates) -> Costs:
+        nonlocal seen
+        seen += len(x)
+        return ellipsoid(x)
+
+    found = minimise(counted, BOX, small(name), np.random.default_rng(1), budget=1234)
+    assert seen == found.evaluations[-1] <= 1234
+    assert seen > 1234 - 120  # no batch is larger than that
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_the_same_seed_gives_the_same_run_and_another_seed_another(name: str) -> None:
+    first, again, other = (
+        minimise(ellipsoid, BOX, small(name), np.random.default_rng(seed), budget=2000) for seed in (3, 3, 4)
+    )
+    assert np.array_equal(first.x, again.x)
+    assert np.array_equal(first.history, again.history)
+    assert not np.array_equal(first.x, other.x)
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_the_best_cost_known_never_rises_and_is_that_of_the_best_candidate(name: str) -> None:
+    found = minimise(ellipsoid, BOX, small(name), np.random.default_rng(2))
+    assert np.all(np.diff(found.history) <= 0)
+    assert np.all(np.diff(found.evaluations) > 0)
+    assert found.cost == found.history[-1] == pytest.approx(ellipsoid(found.x[None])[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_a_cost_that_is_sent_is_not_changed(name: str) -> None:
+    """Costs and candidates belong to whoever made them: a caller may keep both."""
+    search = small(name).search(BOX, np.random.default_rng(1))
+    x = next(search)
+    kept: list[tuple[Candidates, Candidates, Costs, Costs]] = []
+    for _ in range(40):
+        f = ellipsoid(x)
+        kept.append((x, x.copy(), f, f.copy()))
+        x = search.send(f)
+        assert all(np.array_equal(f, g) for _, _, f, g in kept)
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_a_shifted_and_rotated_optimum_is_found_as_well_as_is_known(name: str) -> None:
+    errors = [minimise(ellipsoid, BOX, small(name), np.random.default_rng(run)).cost for run in range(11)]
+    assert ABILITY[name] / 5 < np.median(errors) < ABILITY[name] * 5 or np.median(errors) < 1e-12
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_a_cost_that_is_the_same_everywhere_stops_nobody(name: str) -> None:
+    found = minimise(lambda x: np.ones(len(x)), BOX, small(name), np.random.default_rng(1))
+    assert found.cost == 1
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_penalties_that_are_huge_or_infinite_do_no_harm(name: str) -> None:
+    def walled(x: Candidates) -> Costs:
+        return np.where(x[:, 0] > OPTIMUM[0] + 1, np.inf, ellipsoid(x))
+
+    found = minimise(walled, BOX, small(name), np.random.default_rng(1))
+    assert np.isfinite(found.cost)
+    assert found.cost < np.median(ellipsoid(BOX.sample(200, np.random.default_rng(9))))
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_one_dimension_and_one_iteration_are_enough(name: str) -> None:
+    box = Box(np.array([-1.0]), np.array([2.0]))
+    least: dict[str, object] = {"evaluations": 40} if name == "adaptive-pelican" else {"iterations": 1}
+    found = minimise(lambda x: x[:, 0] ** 2, box, build_optimizer(name, least), np.random.default_rng(1))
+    assert -1 <= found.x[0] <= 2
+
+
+def test_every_optimiser_has_a_known_ability() -> None:
+    assert set(ABILITY) == set(OPTIMIZERS)
