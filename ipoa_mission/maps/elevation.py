@@ -17,7 +17,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.raster import Raster, open_raster
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 
 KNOTS = 33  # coordinates are converted on so many lines each way, and are smooth in between
@@ -66,6 +66,22 @@ def local_grid(
     grid, levelled = _level(Grid(lower[0], lower[1], spacing, ground), rules, frame, (lower, upper), path)
     used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {lift:.2g} m at most"
     return grid, tuple(f"{path.name}: {remark}" for remark in (*remarks, *said, used, *levelled))
+
+
+def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
+    """The model's height at a place [m above mean sea level].
+
+    Raises:
+        BadInput: the model does not cover the place, or is none.
+    """
+    frame, here = LocalFrame(Geodetic(latitude_deg, longitude_deg)), np.zeros(1)
+    with open_raster(path, None) as raster:
+        pixels = _pixels(raster, frame, here, here, 0.0)
+        raster.expect_cover(pixels)
+        first, heights, _ = raster.read([pixels], fill=False)
+        heights, _ = _above_sea(heights, raster, first, ElevationRules())
+    spot = [pixels[1].ravel() - first[0], pixels[0].ravel() - first[1]]
+    return float(map_coordinates(heights, spot, order=1, mode="nearest")[0])
 
 
 def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> tuple[Vector, Vector]:

@@ -1,0 +1,251 @@
+"""A first scenario from a few answers, or from a map: the text of a commented TOML file that is ready to plan."""
+
+import json
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.buildings import BuildingRules, find_buildings
+from ipoa_mission.maps.feature import read_features
+from ipoa_mission.scenario.profiles import PROFILES
+from ipoa_mission.scenario.read import parse_scenario
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+ROOM = 12.0  # a suggested take-off or goal has so much room around it [m]
+APART = 200.0  # and lies no farther than this from the middle of the map, along either axis [m]
+STEP = 4.0  # distance between the places that are tried [m]
+
+
+@dataclass(frozen=True)
+class Question:
+    """Something that `new_scenario` wants to know: what to ask, in which form, and what holds without an answer.
+
+    `default` is None where there is none. `check` raises BadInput for an answer that will not do; its message begins
+    with `key`, the name under which `new_scenario` takes the answer.
+    """
+
+    key: str
+    words: str
+    form: str
+    default: str | None
+    check: Callable[[str, str], object]
+
+
+def _place(key: str, answer: str) -> tuple[float, float]:
+    numbers = re.findall(r"[-+]?\d+(?:\.\d+)?", answer)
+    if re.fullmatch(r"\s*[-+]?\d+(\.\d+)?\s*[,; ]\s*[-+]?\d+(\.\d+)?\s*", answer):
+        latitude, longitude = map(float, numbers)
+        if abs(latitude) <= 90 and abs(longitude) <= 180:
+            return latitude, longitude
+    raise BadInput(f"{key}: expected latitude, longitude in degrees, such as 47.3977, 8.5456, not {answer!r}")
+
+
+def _number(key: str, answer: str) -> float:
+    if not re.fullmatch(r"\s*[-+]?\d+(\.\d+)?\s*", answer):
+        raise BadInput(f"{key}: expected a number, not {answer!r}")
+    return float(answer)
+
+
+def _positive(key: str, answer: str) -> float:
+    if not _number(key, answer) > 0:
+        raise BadInput(f"{key}: expected a number greater than 0, not {answer}")
+    return float(answer)
+
+
+def _one_of(*choices: str) -> Callable[[str, str], str]:
+    def check(key: str, answer: str) -> str:
+        if answer.strip() not in choices:
+            raise BadInput(f"{key}: expected {', '.join(choices)}, not {answer!r}")
+        return answer.strip()
+
+    return check
+
+
+#: In the order in which they are best asked.
+QUESTIONS = (
+    Question("home", "Where does the vehicle take off?", "latitude, longitude", None, _place),
+    Question("altitude", "How high is the ground there above mean sea level?", "metres", "0", _number),
+    Question("goal", "Where is it to fly?", "latitude, longitude", None, _place),
+    Question("height", "How high above the ground do start and goal lie?", "metres", "20", _positive),
+    Question("autopilot", "Which autopilot flies it?", "px4 or ardupilot", "px4", _one_of(*Autopilot)),
+    Question("cruise_speed", "How fast?", "metres per second", "8", _positive),
+    Question("safety_distance", "How near may its hull come to anything?", "metres", "2", _positive),
+    Question("ending", "How does it end?", "rtl (fly home) or land (at the goal)", "rtl", _one_of("rtl", "land")),
+    Question(
+        "profile",
+        "For what task?",
+        f"{', '.join(PROFILES)}, or none (the paper's weights)",
+        "none",
+        _one_of(*PROFILES, "none"),
+    ),
+)
+
+
+def new_scenario(
+    answers: Mapping[str, str], target: Path, buildings: Path | None = None, elevation: Path | None = None
+) -> str:
+    """The text of a scenario file, to be written to `target`; `answers` by the keys of `QUESTIONS`.
+
+    `buildings` (GeoJSON or KML) and `elevation` (GeoTIFF, .hgt) are named in it, relative to `target`; the elevation
+    model also answers for home's altitude if nobody else does.
+
+    Raises:
+        BadInput: an answer will not do, is missing, or answers no question.
+    """
+    known = {question.key: question for question in QUESTIONS}
+    for key in answers.keys() - known.keys():
+        raise BadInput(f"{key}: expected one of {', '.join(known)}")
+    given = {key: answers.get(key, question.default) for key, question in known.items()}
+    for key, answer in given.items():
+        if answer is None:
+            raise BadInput(f"{key}: expected, but not there")
+        known[key].check(key, answer)
+    said = {key: answer.strip() for key, answer in given.items() if answer is not None}
+    home, goal = _place("home", said["home"]), _place("goal", said["goal"])
+    if elevation is not None and "altitude" not in answers:
+        said["altitude"] = _altitude(elevation, home)
+    text = _TEMPLATE.format(
+        title=f"Flight from {home[0]:g}, {home[1]:g} to {goal[0]:g}, {goal[1]:g}.",
+        profile=f'profile = "{said["profile"]}"' if said["profile"] != "none" else '# profile = "rescue"',
+        home=home,
+        goal=goal,
+        terrain=_ELEVATION.format(_quoted(elevation, target)) if elevation is not None else _FLAT,
+        maps=_BUILDINGS.format(_quoted(buildings, target)) if buildings is not None else _NO_MAPS,
+        **{key: said[key] for key in ("altitude", "height", "autopilot", "cruise_speed", "safety_distance", "ending")},
+    )
+    parse_scenario(text, target)
+    return text
+
+
+def suggest_answers(buildings: Path | None = None, elevation: Path | None = None) -> dict[str, str]:
+    """Answers that a map gives: home and goal in free places among the buildings, the altitude of the ground there.
+
+    Raises:
+        BadInput: the map has no buildings, or no free place among them.
+    """
+    answers: dict[str, str] = {}
+    if buildings is not None:
+        home, goal = _free_places(buildings)
+        answers = {key: f"{place[0]:.7f}, {place[1]:.7f}" for key, place in (("home", home), ("goal", goal))}
+        if elevation is not None:
+            answers["altitude"] = _altitude(elevation, home)
+    return answers
+
+
+def _altitude(elevation: Path, home: tuple[float, float]) -> str:
+    from ipoa_mission.maps.elevation import ground_altitude  # SciPy's splines are slow to import
+
+    return f"{ground_altitude(elevation, *home):.1f}"
+
+
+def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Two places among the buildings (latitude, longitude), south-west and north-east of their middle."""
+    features = read_features(path)
+    if not features:
+        raise BadInput(f"{path}: expected buildings, but it has no features")
+    west, south, east, north = shapely.total_bounds([feature.shape for feature in features])
+    frame = LocalFrame(Geodetic((south + north) / 2, (west + east) / 2))
+    standing, _ = find_buildings(features, BuildingRules(), frame)
+    if not standing:
+        standing, _ = find_buildings(features, BuildingRules(everything=True), frame)
+    shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in standing]
+    reach = np.minimum(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0) / 2 + 2 * ROOM, APART)
+    sides = [np.arange(-each, each + STEP, STEP) for each in reach]
+    places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
+    near = shapely.STRtree(shapes).query(shapely.points(places), "dwithin", ROOM)[0]
+    free = np.delete(places, np.unique(near), axis=0)
+    if len(free) < 2:
+        raise BadInput(f"{path}: expected {ROOM:g} m of room for a take-off somewhere among the buildings")
+    ends = [free[np.argmin(np.linalg.norm(free - corner, axis=1))] for corner in (-0.8 * reach, 0.8 * reach)]
+    latitude, longitude, _ = frame.to_geodetic(np.column_stack([ends, np.zeros(2)]))
+    return (float(latitude[0]), float(longitude[0])), (float(latitude[1]), float(longitude[1]))
+
+
+def _quoted(path: Path, target: Path) -> str:
+    """A path as the scenario at `target` names it: a TOML string, relative, with slashes."""
+    return json.dumps(Path(os.path.relpath(path, target.parent)).as_posix(), ensure_ascii=False)
+
+
+_TEMPLATE = """\
+# {title}
+# Plan it by `ipoa-mission plan THIS_FILE`; what is commented out shows what else there is.
+{profile}            # weights for a task: delivery, rescue or endurance
+safety_distance = {safety_distance}              # between the vehicle's hull and anything else [m]
+
+[home]
+latitude_deg = {home[0]}
+longitude_deg = {home[1]}
+altitude_amsl = {altitude}              # of the ground, above mean sea level [m]
+
+[start]                          # where the planned path begins: above home
+east = 0.0
+north = 0.0
+height_above_ground = {height}
+
+[goal]
+latitude_deg = {goal[0]}
+longitude_deg = {goal[1]}
+height_above_ground = {height}
+
+# [bounds]                       # the box in which to stay [m from home]; left out, it is drawn wide enough
+# east = [-100.0, 500.0]
+# north = [-100.0, 500.0]
+# up = [0.0, 120.0]
+
+[vehicle]
+autopilot = "{autopilot}"
+radius = 0.5                     # of a ball that holds the whole vehicle [m]
+cruise_speed = {cruise_speed}
+
+# [vehicle.airframe]             # with these, the energy of the flight is estimated ...
+# mass_kg = 2.0
+# rotors = 4
+# rotor_diameter = 0.33
+# [vehicle.battery]              # ... and a flight that eats the reserve is refused
+# capacity_wh = 90.0
+# reserve = 0.2
+
+[route]
+ending = "{ending}"                   # rtl: fly home and land there; land: land at the goal
+
+{terrain}
+{maps}"""
+_FLAT = """\
+[terrain]                        # an elevation model: kind = "elevation", file = "dem.tif"
+kind = "flat"
+"""
+_ELEVATION = """\
+[terrain]
+kind = "elevation"
+file = {}
+"""
+_BUILDINGS = """\
+[[maps]]
+kind = "buildings"
+file = {}
+default_height = 8.0             # of buildings that have neither a height nor storeys [m]
+
+# [[maps]]                       # also: zones to keep out of, and the area to stay in (GeoJSON or KML)
+# kind = "no_fly"
+# file = "zones.kml"
+"""
+_NO_MAPS = """\
+# [[maps]]                       # buildings as OpenStreetMap exports them (GeoJSON)
+# kind = "buildings"
+# file = "buildings.geojson"
+
+# [[obstacles]]                  # or drawn by hand: sphere, cylinder, box, prism
+# kind = "box"
+# east = 50.0
+# north = 20.0
+# width = 20.0
+# depth = 30.0
+# height = 25.0
+"""
