@@ -14,6 +14,7 @@ from ipoa_mission.world.airspace import Airspace, Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 SAMPLES = 800
+STILL = 1.0  # nearer than this to where the flight ends it is coming down [m]
 MOVING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_TAKEOFF})
 
 
@@ -37,18 +38,24 @@ class Course:
 
 
 def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Course:
-    """Look at a path, predicted or flown, at `samples` places: close together where it is slow and where it is fast."""
+    """Look at a path, predicted or flown, at `samples` places: close together where it is slow and where it is fast.
+
+    A landing ends on the ground, of which the time models know nothing.
+    """
     gone = _ground_distance(track.points)
     share = track.times / max(float(track.times[-1]), 1e-9) + gone / max(float(gone[-1]), 1e-9)
     wanted = np.linspace(share[0], share[-1], samples)
     times = np.interp(wanted, share, track.times)
     points = np.column_stack([np.interp(times, track.times, axis) for axis in track.points.T])
+    ground = airspace.ground(points)
+    landing = np.hypot(*(points[:, :2] - points[-1, :2]).T) < STILL
+    points[landing, 2] = np.maximum(points[landing, 2], ground[landing])
     return Course(
         times=times,
         along=_ground_distance(points),
         points=points,
         speeds=np.interp(times, track.times, track.speeds),
-        ground=airspace.ground(points),
+        ground=ground,
         apart=airspace.obstacle_distance(points),
     )
 
@@ -120,6 +127,30 @@ def least_clearance(found: tuple[Stop, ...]) -> Clearance | None:
         return None
     nearest, seq = min(legs, key=lambda leg: leg[0].distance)
     return Clearance(nearest.distance, nearest.place, nearest.what, seq)
+
+
+def dangers(course: Course, airspace: Airspace, required: float) -> list[str]:
+    """What the path as predicted comes too close to, in words: corners that are cut, and the way home, are in it.
+
+    The ground counts only where the path goes into it, since every flight begins and ends there.
+    """
+    found = []
+    nearest = airspace.obstacle_clearance(course.points)
+    if nearest.distance < required:
+        how = "runs into" if nearest.distance < 0 else f"comes within {nearest.distance:.2f} m of"
+        found.append(
+            f"the path as predicted {how} {nearest.what} {_when(course, nearest.leg)}; {required:g} m are required"
+        )
+    height = course.points[:, 2] - course.ground
+    lowest = int(np.argmin(height))
+    if height[lowest] < 0 and lowest > 0 and np.hypot(*(course.points[lowest] - course.points[0])[:2]) > STILL:
+        found.append(f"the path as predicted runs into the ground {_when(course, lowest)}")
+    return found
+
+
+def _when(course: Course, index: int) -> str:
+    east, north, up = course.points[index]
+    return f"after {course.times[index]:.0f} s, at east {east:.0f}, north {north:.0f}, up {up:.0f} m"
 
 
 def _ground_distance(points: Points) -> Vector:

@@ -8,7 +8,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
-LEAST_ROOM = 30.0  # [m]
+LEAST_ROOM = 15.0  # [m]
 ROOM = 0.18  # of the flight's longer side
 FLATTEST = 0.62  # shorter side over longer side
 

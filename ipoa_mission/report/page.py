@@ -13,7 +13,7 @@ import numpy as np
 
 from ipoa_mission.files import write_atomically
 from ipoa_mission.mission.items import Command, Mission
-from ipoa_mission.report.course import Stop, follow, least_clearance, stops
+from ipoa_mission.report.course import Stop, dangers, follow, least_clearance, stops
 from ipoa_mission.report.extent import extent_of
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
@@ -52,7 +52,7 @@ def report_html(scenario: Scenario, mission: Mission, estimate: Estimate, remark
         "subtitle": escape(_subtitle(scenario, mission)),
         "verdict": verdict(least, required),
         "figures": figures(estimate, least, required, float(course.along[-1]), _waypoints(found), None),
-        "warnings": warnings([*remarks, *estimate.remarks]),
+        "warnings": warnings([*dangers(course, airspace, required), *remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, found, course, flown),
         "legend": legend(scenario, extent, flown is not None),
         "profile": height_profile(course, airspace, required, found, flown),

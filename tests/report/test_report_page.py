@@ -10,12 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.report.chart import Axis, axis_over
 from ipoa_mission.report.course import follow, least_clearance, stops
 from ipoa_mission.report.page import report_html, write_report
 from ipoa_mission.report.panels.profile import _near
 from ipoa_mission.report.words import metres, number, seconds, share
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.timing.estimate import estimate
 
 VOID = {"meta", "br", "i", "path", "rect"}  # elements without an end, and ours that are closed at once
 
@@ -70,18 +72,18 @@ def test_the_same_mission_gives_the_same_page(bowed: Callable[[str], tuple], tmp
 
 
 def test_names_from_files_cannot_become_markup(bowed: Callable[[str], tuple]) -> None:
-    scenario, mission, estimate = bowed("sitl.toml")
+    scenario, mission, timed = bowed("sitl.toml")
     evil = '</script><script>alert(1)</script><b title="x" on=\''
     text = scenario.model_dump(mode="json")
     text["obstacles"][0]["name"] = evil
-    page = report_html(Scenario.model_validate(text), mission, replace(estimate, remarks=(evil,)), [evil])
+    page = report_html(Scenario.model_validate(text), mission, replace(timed, remarks=(evil,)), [evil])
     assert "<script>alert" not in page
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
 
 
 def test_waypoints_stand_on_the_map_where_they_are(bowed: Callable[[str], tuple]) -> None:
-    scenario, mission, estimate = bowed("campus.toml")
-    read = Reader(report_html(scenario, mission, estimate))
+    scenario, mission, timed = bowed("campus.toml")
+    read = Reader(report_html(scenario, mission, timed))
     box = read.having("class", "map")[0]
     west, south, width, height = (float(box[f"data-{key}"]) for key in ("west", "south", "width", "height"))
     shown = []
@@ -98,43 +100,55 @@ def test_waypoints_stand_on_the_map_where_they_are(bowed: Callable[[str], tuple]
 
 
 def test_the_table_has_every_item_with_its_own_time(bowed: Callable[[str], tuple]) -> None:
-    scenario, mission, estimate = bowed("campus.toml")
-    page = report_html(scenario, mission, estimate)
+    scenario, mission, timed = bowed("campus.toml")
+    page = report_html(scenario, mission, timed)
     rows = re.findall(r'<tr data-stop="(\d+)".*?<i>(\d+)</i>.*?<b>([\d.]+)</b>', page)
     assert [(int(seq), float(done)) for _, seq, done in rows] == [
-        (item.seq, round(item.done_s, 1)) for item in estimate.items
+        (item.seq, round(item.done_s, 1)) for item in timed.items
     ]
 
 
 def test_the_script_is_given_the_world_as_it_is(bowed: Callable[[str], tuple]) -> None:
-    scenario, mission, estimate = bowed("sitl.toml")
-    data = json.loads(re.search(r'id="data">(.*?)</script>', report_html(scenario, mission, estimate))[1])
+    scenario, mission, timed = bowed("sitl.toml")
+    data = json.loads(re.search(r'id="data">(.*?)</script>', report_html(scenario, mission, timed))[1])
     mast, hangar, balloon = data["world"]["bodies"]
     assert (mast["round"], mast["base"], mast["top"]) == (True, 0.0, 60.0)
     assert len(hangar["rings"][0]) == 4
     assert (balloon["centre"], balloon["radius"]) == ([95.0, 45.0, 22.0], 12.0)
     course = data["course"]
     assert len({len(series) for series in course.values()}) == 1
-    for stop, item in zip(data["stops"], estimate.items, strict=True):
+    for stop, item in zip(data["stops"], timed.items, strict=True):
         assert course["times"][stop["index"]] == pytest.approx(item.done_s, abs=0.3)
 
 
 def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Callable[[str], tuple]) -> None:
-    scenario, mission, estimate = bowed("downtown.toml")
-    found = stops(mission, estimate, scenario)
+    scenario, mission, timed = bowed("downtown.toml")
+    found = stops(mission, timed, scenario)
     least = least_clearance(found)
     assert least is not None
     assert least.distance < 0  # an arc through a city does not miss its towers
     places = np.array([stop.place for stop in found if stop.place is not None])[:-1]
     assert least.distance == pytest.approx(scenario.airspace.polyline_clearance(places).distance)
-    page = report_html(scenario, mission, estimate)
+    page = report_html(scenario, mission, timed)
     assert '<p class="verdict bad">' in page
     assert f"runs into {least.what}" in page
 
 
+def test_a_way_home_through_a_hill_is_a_warning(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, timed = bowed("campus.toml")
+    hill = scenario.model_dump(mode="json") | {
+        "obstacles": [],
+        "terrain": {"kind": "analytic", "peaks": [{"height": 70, "east": 115, "north": 80, "a": 20, "b": 20}]},
+    }
+    home = replace(mission, items=(*mission.items[:-1], return_to_launch()))
+    over_it = report_html(Scenario.model_validate(hill), home, estimate(home))
+    assert "runs into the ground after" in over_it
+    assert "Before you fly" not in report_html(scenario, mission, timed)
+
+
 def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Callable[[str], tuple]) -> None:
-    scenario, _, estimate = bowed("campus.toml")
-    course = follow(estimate.track, scenario.airspace)
+    scenario, _, timed = bowed("campus.toml")
+    course = follow(timed.track, scenario.airspace)
     below = [(body.name, run) for body, run, look in _near(course, scenario.airspace, 2.6) if look == "below"]
     assert len(below) == 5
     for name, (first, last) in below:
@@ -144,8 +158,8 @@ def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Callable[[str]
 
 
 def test_a_followed_track_keeps_its_length_time_and_speed(bowed: Callable[[str], tuple]) -> None:
-    scenario, _, estimate = bowed("campus.toml")
-    track = estimate.track
+    scenario, _, timed = bowed("campus.toml")
+    track = timed.track
     course = follow(track, scenario.airspace)
     assert course.times[[0, -1]] == pytest.approx(track.times[[0, -1]])
     assert course.along[-1] == pytest.approx(np.hypot(*np.diff(track.points[:, :2], axis=0).T).sum(), rel=1e-3)

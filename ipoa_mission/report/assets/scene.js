@@ -186,6 +186,7 @@ function makeScene(canvas, world, lines, spots) {
     canvas.dataset.heading = view.heading.toFixed(1);
     canvas.dataset.elevation = view.elevation.toFixed(1);
     canvas.dataset.zoom = view.zoom.toFixed(2);
+    canvas.dataset.spots = JSON.stringify(spots.map((spot) => camera(width, height).to(spot).slice(0, 2).map(Math.round)));
     show();
   }
   let pending = false;

@@ -1,0 +1,191 @@
+"""The page in a real browser: it renders without a complaint, its views answer, and it fits a telephone.
+
+Needs Chromium and playwright; without them these tests are skipped. IPOA_MISSION_CHROMIUM may name the browser.
+"""
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission.report.page import write_report
+
+sync_api = pytest.importorskip("playwright.sync_api")
+BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
+CHROMIUM = next((found for name in BROWSERS if name and (found := shutil.which(name))), None)
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with sync_api.sync_playwright() as play:
+        chromium = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def open_page(browser: Any, bowed: Callable[[str], tuple], tmp_path: Path) -> Iterator[Callable[..., Any]]:
+    """Open the report on a scenario; at the end nothing may have been complained about or asked for."""
+    complaints: list[str] = []
+
+    def visit(name: str = "campus.toml", width: int = 1280, scheme: str = "light") -> Any:
+        file = tmp_path / "report.html"
+        write_report(file, *bowed(name))
+        page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        page.on("console", lambda message: complaints.append(message.text))
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("request", lambda request: request.url.startswith("file:") or complaints.append(request.url))
+        page.goto(file.as_uri())
+        page.wait_for_function("document.querySelector('.space canvas').dataset.heading !== undefined")
+        return page
+
+    yield visit
+    for page in [page for context in browser.contexts for page in context.pages]:
+        page.close()
+    assert complaints == []
+
+
+def painted(page: Any) -> str:
+    """The 3D view as it is on the screen."""
+    page.wait_for_timeout(250)  # until the fine picture has replaced the coarse one
+    return str(page.evaluate("document.querySelector('.space canvas').toDataURL()"))
+
+
+def shown(page: Any, selector: str) -> str:
+    return str(page.locator(selector).inner_text())
+
+
+@pytest.mark.parametrize("name", ["campus.toml", "downtown.toml", "sitl.toml"])
+def test_every_view_is_drawn(open_page: Callable[..., Any], name: str) -> None:
+    page = open_page(name)
+    for selector in (".map svg", ".space canvas", "#profile svg", "#apart svg", "#speed svg", "#legs"):
+        box = page.locator(selector).bounding_box()
+        assert box["width"] > 300
+        assert box["height"] > 60
+    colours = page.evaluate(
+        """() => { const c = document.querySelector('.space canvas');
+        const d = new Uint32Array(c.getContext('2d').getImageData(0, 0, c.width, c.height).data.buffer);
+        return new Set(d).size; }"""
+    )
+    assert colours > 200  # lit walls, roofs, ground, path and their soft edges
+
+
+@pytest.mark.parametrize(
+    "selector", ["#map button.stop", "#profile button.stop", "tr[data-stop]", "#speed button.mark"]
+)
+def test_choosing_an_item_anywhere_marks_it_everywhere(open_page: Callable[..., Any], selector: str) -> None:
+    page = open_page()
+    before = painted(page)
+    page.locator(f'{selector}[data-stop="5"]').click()
+    chosen = page.locator(".chosen").evaluate_all("all => all.map((one) => one.closest('[id]').id)")
+    assert sorted(set(chosen)) == ["legs", "map", "profile", "speed"]
+    assert "item 6" in shown(page, ".readout")
+    assert painted(page) != before
+    page.keyboard.press("Escape")
+    assert page.locator(".chosen").count() == 0
+
+
+def test_clicking_a_waypoint_in_space_chooses_it(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    canvas = page.locator(".space canvas")
+    canvas.scroll_into_view_if_needed()
+    for n in (0, 4, 7):
+        east, south = json.loads(canvas.get_attribute("data-spots"))[n]
+        page.mouse.click(*_on(canvas, east, south))
+        assert page.locator("tr.chosen").count() == 1
+        assert page.locator("#map .chosen").count() == 1
+        assert "item" in shown(page, ".readout")
+
+
+def _on(canvas: Any, x: float, y: float) -> tuple[float, float]:
+    box = canvas.bounding_box()
+    return box["x"] + x, box["y"] + y
+
+
+def test_pointing_at_the_profile_moves_the_mark_on_the_map(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    plot = page.locator("#profile .plot")
+    plot.scroll_into_view_if_needed()
+    box = plot.bounding_box()
+    places = []
+    for share in (0.2, 0.8):
+        page.mouse.move(box["x"] + share * box["width"], box["y"] + 0.5 * box["height"])
+        places.append(page.evaluate("parseFloat(document.querySelector('.here').style.left)"))
+        cursors = page.locator(".cursor").evaluate_all("all => all.map((one) => parseFloat(one.style.left))")
+        assert cursors[0] == pytest.approx(100 * share, abs=1.0)
+    assert places[1] > places[0] + 20  # the flight goes east
+    assert "above home" in shown(page, ".readout")
+
+
+def test_the_view_in_space_turns_by_mouse_keys_and_buttons(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    canvas = page.locator(".space canvas")
+    canvas.scroll_into_view_if_needed()
+    view = lambda key: float(canvas.get_attribute(f"data-{key}"))  # noqa: E731
+    first, heading = painted(page), view("heading")
+    page.mouse.move(*_on(canvas, 200, 200))
+    page.mouse.down()
+    page.mouse.move(*_on(canvas, 300, 230), steps=4)
+    page.mouse.up()
+    second = painted(page)
+    assert second != first
+    assert view("heading") == pytest.approx(heading + 45, abs=0.5)
+    canvas.focus()
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("+")
+    painted(page)
+    assert view("heading") == pytest.approx(heading + 39, abs=0.5)
+    assert view("zoom") == pytest.approx(1.25)
+    page.locator('.tools [data-key="Home"]').click()
+    assert painted(page) == first  # the same view gives the same picture
+
+
+@pytest.mark.parametrize("width", [390, 768, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_is_wider_than_the_screen(open_page: Callable[..., Any], width: int, scheme: str) -> None:
+    page = open_page(width=width, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    small = page.evaluate(
+        """() => [...document.querySelectorAll('body *')]
+        .filter((e) => e.childElementCount === 0 && e.textContent.trim() && e.getClientRects().length)
+        .filter((e) => parseFloat(getComputedStyle(e).fontSize) < 10.9).map((e) => e.textContent)"""
+    )
+    assert small == []
+    for text, paper in (("--ink", "--card"), ("--quiet", "--card"), ("--good", "--paper"), ("--bad", "--paper")):
+        assert contrast(page, text, paper) > 4.5  # WCAG 2.2, 1.4.3
+    for line in ("--planned", "--flown"):
+        assert contrast(page, line, "--card") > 3.0  # 1.4.11
+
+
+def contrast(page: Any, one: str, other: str) -> float:
+    """Contrast ratio of two of the page's colours, by WCAG's definition."""
+    found = page.evaluate(
+        """(names) => names.map((name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim())""",
+        [one, other],
+    )
+    return _contrast(*(_luminance(colour) for colour in found))
+
+
+def _luminance(colour: str) -> float:
+    digits = colour.lstrip("#")
+    digits = "".join(2 * d for d in digits) if len(digits) == 3 else digits
+    channels = [int(digits[k : k + 2], 16) / 255 for k in (0, 2, 4)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return sum(weight * c for weight, c in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+
+
+def _contrast(one: float, other: float) -> float:
+    low, high = sorted((one, other))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_it_prints_on_a_few_pages(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    paper = page.pdf(format="A4")
+    assert paper.startswith(b"%PDF")
+    assert 1 <= paper.count(b"/Type /Page\n") <= 4
