@@ -6,7 +6,7 @@ terrain by the ground that is handed in. Loops are not unrolled: each jump adds 
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TypeAlias
 
@@ -34,11 +34,17 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m]."""
+    """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
+
+    `alternative`: flown at times only, after a jump or to a rally point. `over_terrain`: it keeps its height over the
+    ground.
+    """
 
     seq: int
     phase: Phase
     points: Points
+    alternative: bool = False
+    over_terrain: bool = False
 
 
 def flown_legs(
@@ -90,7 +96,9 @@ class _Flight:
     def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
         points = np.array([self.at, target])
         self.at = target
-        return Leg(seq, Phase.CRUISE, self._following(points) if follow_terrain else points)
+        if follow_terrain:
+            return Leg(seq, Phase.CRUISE, self._following(points), over_terrain=True)
+        return Leg(seq, Phase.CRUISE, points)
 
     def _following(self, ends: Points) -> Points:
         """The leg between two points that keeps its height over the ground, which changes evenly from end to end."""
@@ -127,9 +135,9 @@ class _Flight:
                 self.parameters, float(start[2] - self.home[2]), distance
             )
             way = np.array([start, [start[0], start[1], top], [goal[0], goal[1], top]])
-            yield Leg(seq, Phase.RETURN, way)
             self.at = way[-1]
-            yield self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
+            down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
+            yield from (replace(leg, alternative=goal is not self.home) for leg in (Leg(seq, Phase.RETURN, way), down))
 
     def _rally_points(self) -> list[Vector]:
         amsl, local = self.mission.home.altitude, self.frame.local
@@ -141,7 +149,7 @@ class _Flight:
         here = self.at
         for seq, other in enumerate(self.mission.items, start=1):
             if seq >= item.params[0] and other.command in FLOWN_TO and (target := self._target(other)) is not None:
-                yield self._to(seq, target, _follows(other))
+                yield replace(self._to(seq, target, _follows(other)), alternative=True)
                 break
         self.at = here
 

@@ -1,0 +1,31 @@
+"""Missions for other people's programs: KML, GeoJSON, CSV and GPX, chosen by the suffix."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
+from ipoa_mission.mission.exports.comma_separated import to_csv
+from ipoa_mission.mission.exports.geojson import to_geojson
+from ipoa_mission.mission.exports.gpx import to_gpx
+from ipoa_mission.mission.exports.kml import to_kml
+from ipoa_mission.mission.items import Mission
+
+#: Suffix -> the mission, under a name, as the text of such a file.
+EXPORTS: dict[str, Callable[[Mission, str], str]] = {
+    ".kml": to_kml,
+    ".geojson": to_geojson,
+    ".csv": to_csv,
+    ".gpx": to_gpx,
+}
+
+
+def write_export(mission: Mission, path: Path) -> None:
+    """Write the mission in the format of the suffix, named as the file; the same mission gives the same bytes.
+
+    Raises:
+        BadInput: no such format, or the file cannot be written.
+    """
+    if path.suffix not in EXPORTS:
+        raise BadInput(f'{path}: expected a name that ends in {", ".join(EXPORTS)}, not in "{path.suffix}"')
+    write_atomically(path, EXPORTS[path.suffix](mission, path.stem))
