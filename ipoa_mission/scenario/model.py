@@ -67,8 +67,11 @@ class PlanningSection(Section):
     min_height_above_ground: NotNegative | None = None
     """Left out: the safety distance and the vehicle's radius [m]."""
     max_height_above_ground: Positive | None = None
+    """Left out, there is no such limit [m]."""
     max_climb_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
+    """Left out, the path may climb as steeply as it likes."""
     max_descent_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
+    """Left out, the path may descend as steeply as it likes."""
 
 
 class OptimizerSection(Section):
@@ -77,6 +80,7 @@ class OptimizerSection(Section):
     model_config = ConfigDict(extra="allow")
 
     name: str = "ipoa"
+    """Which one; its other keys are that algorithm's own settings."""
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -90,7 +94,9 @@ class RouteSection(Section):
     mode: Literal["even", "corridor"] = "corridor"
     """`even`: a waypoint every `spacing` metres; `corridor`: the fewest whose legs stay within `tolerance`."""
     spacing: Positive = 10.0
+    """Greatest distance between waypoints of `even` [m]."""
     tolerance: Positive = 1.0
+    """Greatest distance of `corridor`'s legs from the curve [m]."""
     ending: Literal["rtl", "land"] = "rtl"
     """`rtl`: return to home and land there; `land`: land at the goal."""
 
@@ -99,24 +105,35 @@ class Scenario(Section):
     """A flight to be planned: what a scenario file holds."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")] = "mission"
-    """Also the name of the files that are written."""
+    """Also the name of the files that are written; left out, that of the scenario file."""
     profile: Literal["delivery", "rescue", "endurance"] | None = None
     """Weights and distances for a task; what the file says itself wins. Left out, those of the paper."""
     safety_distance: NotNegative = 1.0
     """Least clearance that must be left between the vehicle's hull and anything else [m]."""
     home: HomeSection
+    """Where the vehicle takes off, and the origin of the local frame."""
     start: Place
+    """Where the planned path begins, above home or a little way from it."""
     goal: Place
+    """Where the planned path ends."""
     via: tuple[Place, ...] = ()
     """Places to pass on the way, in this order."""
     bounds: BoundsSection = BoundsSection()
+    """The box in which the flight must stay."""
     terrain: TerrainSection = FlatTerrain()
+    """The ground."""
     obstacles: tuple[ObstacleSection, ...] = ()
+    """What stands in the way, drawn by hand."""
     vehicle: VehicleSection = VehicleSection()
+    """What flies the mission."""
     cost: CostSection = CostSection()
+    """How a path is judged."""
     planning: PlanningSection = PlanningSection()
+    """How the path is sought."""
     optimizer: OptimizerSection = OptimizerSection()
+    """The search algorithm."""
     route: RouteSection = RouteSection()
+    """How the curve becomes waypoints, and how the mission ends."""
     maps: tuple[MapSection, ...] = ()
     """Files with buildings, no-fly zones or the flight area."""
     fence: tuple[FenceSection, ...] = ()

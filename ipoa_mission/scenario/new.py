@@ -109,6 +109,8 @@ def new_scenario(
         known[key].check(key, answer)
     said = {key: answer.strip() for key, answer in given.items() if answer is not None}
     home, goal = _place("home", said["home"]), _place("goal", said["goal"])
+    if "safety_distance" not in answers:
+        said["safety_distance"] = str(PROFILES.get(said["profile"], {}).get("safety_distance", said["safety_distance"]))
     if elevation is not None and "altitude" not in answers:
         said["altitude"] = _altitude(elevation, home)
     text = _TEMPLATE.format(
@@ -120,6 +122,7 @@ def new_scenario(
         maps=_BUILDINGS.format(_quoted(buildings, target)) if buildings is not None else _NO_MAPS,
         **{key: said[key] for key in ("altitude", "height", "autopilot", "cruise_speed", "safety_distance", "ending")},
     )
+    text = _aligned(text)
     parse_scenario(text, target)
     return text
 
@@ -173,16 +176,21 @@ def _quoted(path: Path, target: Path) -> str:
     return json.dumps(Path(os.path.relpath(path, target.parent)).as_posix(), ensure_ascii=False)
 
 
+def _aligned(text: str) -> str:
+    """The same text with the comments behind its lines in one column."""
+    return re.sub(r"^(\S.*?) {2,}(# .*)$", lambda match: f"{match[1]:<32} {match[2]}", text, flags=re.MULTILINE)
+
+
 _TEMPLATE = """\
 # {title}
 # Plan it by `ipoa-mission plan THIS_FILE`; what is commented out shows what else there is.
-{profile}            # weights for a task: delivery, rescue or endurance
-safety_distance = {safety_distance}              # between the vehicle's hull and anything else [m]
+{profile}  # weights for a task: delivery, rescue or endurance
+safety_distance = {safety_distance}  # between the vehicle's hull and anything else [m]
 
 [home]
 latitude_deg = {home[0]}
 longitude_deg = {home[1]}
-altitude_amsl = {altitude}              # of the ground, above mean sea level [m]
+altitude_amsl = {altitude}  # of the ground, above mean sea level [m]
 
 [start]                          # where the planned path begins: above home
 east = 0.0
@@ -213,7 +221,7 @@ cruise_speed = {cruise_speed}
 # reserve = 0.2
 
 [route]
-ending = "{ending}"                   # rtl: fly home and land there; land: land at the goal
+ending = "{ending}"  # rtl: fly home and land there; land: land at the goal
 
 {terrain}
 {maps}"""

@@ -26,7 +26,9 @@ class HomeSection(Section):
     """Where the vehicle takes off, and the origin of the local frame."""
 
     latitude_deg: Latitude
+    """Degrees on WGS 84, positive to the north."""
     longitude_deg: Longitude
+    """Degrees on WGS 84, positive to the east."""
     altitude_amsl: float = 0.0
     """Height of the ground at home above mean sea level [m]."""
 
@@ -39,9 +41,13 @@ class Horizontal(Section):
     """A position on the map: `east` and `north` [m from home], or `latitude_deg` and `longitude_deg`."""
 
     east: float | None = None
+    """East of home [m]; with `north`, in place of latitude and longitude."""
     north: float | None = None
+    """North of home [m]."""
     latitude_deg: Latitude | None = None
+    """Degrees on WGS 84; with `longitude_deg`, in place of east and north."""
     longitude_deg: Longitude | None = None
+    """Degrees on WGS 84."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -66,8 +72,11 @@ class Place(Horizontal):
     """A point in the air, with exactly one of `up` (from home), `altitude_amsl` or `height_above_ground` [m]."""
 
     up: float | None = None
+    """Height above home's plane [m]."""
     altitude_amsl: float | None = None
+    """Height above mean sea level [m]."""
     height_above_ground: float | None = None
+    """Height above the ground at that place [m]."""
 
     @model_validator(mode="after")
     def _one_height(self) -> Self:
@@ -107,8 +116,11 @@ class PeakSection(Section):
     """A Gaussian mountain of the paper's eq. (2)."""
 
     height: float
+    """Height of its top above `base` [m]."""
     east: float
+    """East of its top [m from home]."""
     north: float
+    """North of its top [m from home]."""
     a: Positive
     """Slope along east: the distance at which the peak has fallen to 1/e [m]."""
     b: Positive
@@ -120,15 +132,23 @@ class AnalyticTerrain(Section):
 
     kind: Literal["analytic"]
     a: float = 0.0
+    """Shift of the sine along north, inside it [m]."""
     b: float = 0.0
+    """Weight of the sine along east."""
     c: float = 0.0
+    """Weight of the cosine rings round home."""
     d: float = 0.0
+    """Their wave number [1/m]."""
     e: float = 0.0
+    """Weight of the cosine along north."""
     f: float = 0.0
+    """Weight and wave number of the sine rings round home."""
     g: float = 0.0
+    """Weight of a second cosine along north."""
     base: float = 0.0
     """h_0 of eq. (2): the height from which the peaks rise [m]."""
     peaks: tuple[PeakSection, ...] = ()
+    """The mountains."""
 
     def build(self) -> Terrain:
         """The terrain itself."""
@@ -145,6 +165,7 @@ class GridTerrain(Section):
     north: float
     """North of the first row [m]."""
     spacing: Positive
+    """Distance between neighbouring heights, along east and north [m]."""
     heights: Annotated[tuple[tuple[float, ...], ...], Field(min_length=2)] | None = None
     """Heights [m above home], the southernmost row first."""
     file: Path | None = None
@@ -193,7 +214,9 @@ class SphereSection(Horizontal):
 
     kind: Literal["sphere"]
     name: str | None = None
+    """What messages call it; left out, its kind and number."""
     radius: Positive
+    """Radius [m]."""
     up: float | None = None
     """Height of the centre [m above home]; left out, the ball rests on the ground."""
 
@@ -209,8 +232,11 @@ class CylinderSection(Horizontal):
 
     kind: Literal["cylinder"]
     name: str | None = None
+    """What messages call it; left out, its kind and number."""
     radius: Positive
+    """Radius [m]."""
     height: Positive
+    """Height above its base, or above the highest ground under it [m]."""
     base: float | None = None
     """Height of the lower end [m above home]; left out, it stands on the ground."""
 
@@ -226,12 +252,15 @@ class BoxSection(Horizontal):
 
     kind: Literal["box"]
     name: str | None = None
+    """What messages call it; left out, its kind and number."""
     width: Positive
     """Extent along east, before it is turned [m]."""
     depth: Positive
     """Extent along north, before it is turned [m]."""
     height: Positive
+    """Height above its base, or above the highest ground under it [m]."""
     heading_deg: float = 0.0
+    """How far it is turned, clockwise from north."""
     base: float | None = None
     """Height of the lower side [m above home]; left out, it stands on the ground."""
 
@@ -248,6 +277,7 @@ class PrismSection(Section):
 
     kind: Literal["prism"]
     name: str | None = None
+    """What messages call it; left out, its kind and number."""
     footprint: Ring | None = None
     """Corners as [east, north]."""
     footprint_geodetic: Ring | None = None
@@ -255,6 +285,7 @@ class PrismSection(Section):
     holes: tuple[Ring, ...] = ()
     """Courtyards, in the same coordinates as the footprint."""
     height: Positive
+    """Height above its base, or above the highest ground under it [m]."""
     base: float | None = None
     """Height of the lower side [m above home]; left out, it stands on the ground."""
 
@@ -288,7 +319,9 @@ class FenceSection(Section):
     polygon_geodetic: Ring | None = None
     """Corners as [latitude_deg, longitude_deg]."""
     center: Horizontal | None = None
+    """Centre of a circle, in place of a polygon."""
     radius: Positive | None = None
+    """Radius of the circle [m]."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -303,11 +336,13 @@ class BoundsSection(Section):
     """The box in which the flight must stay, each as [least, most]; what is left out is chosen wide enough."""
 
     east: tuple[float, float] | None = None
+    """West and east side [m from home]; left out where a map has a flight area, the sides of that."""
     north: tuple[float, float] | None = None
+    """South and north side [m from home]; left out where a map has a flight area, the sides of that."""
     up: tuple[float, float] | None = None
     """Heights [m above home]."""
     margin: NotNegative = 50.0
-    """How far beyond start, goal and obstacles a side that is left out lies [m]."""
+    """How far beyond home, start, goal, ground, obstacles and near buildings a side that is left out lies [m]."""
 
     @field_validator("east", "north", "up")
     @classmethod

@@ -61,6 +61,7 @@ class VehicleSection(Section):
     """What flies the mission."""
 
     autopilot: Autopilot = Autopilot.PX4
+    """The firmware that the mission is written and its time predicted for."""
     radius: NotNegative = 0.5
     """Radius of a ball that holds the whole vehicle [m]."""
     cruise_speed: Positive = 5.0

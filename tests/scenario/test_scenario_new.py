@@ -89,6 +89,21 @@ def test_answers_that_will_not_do_are_refused(answers: dict[str, str], words: st
     assert str(told.value) == words
 
 
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_profiles_safety_distance_holds_unless_another_was_answered(profile: str) -> None:
+    def distance(answers: dict[str, str]) -> float:
+        text = new_scenario(ENDS | {"profile": profile} | answers, TARGET)
+        return parse_scenario(text, TARGET).safety_distance
+
+    assert distance({}) == PROFILES[profile].get("safety_distance", 2.0)
+    assert distance({"safety_distance": "6"}) == 6.0
+
+
+def test_comments_stand_in_one_column() -> None:
+    lines = [line for line in new_scenario(ENDS, TARGET).splitlines() if "  # " in line]
+    assert {line.index(" # ") for line in lines} == {32}
+
+
 def test_a_question_without_default_must_be_answered() -> None:
     with pytest.raises(BadInput, match="goal: expected, but not there"):
         new_scenario({"home": "47, 8"}, TARGET)

@@ -1,0 +1,49 @@
+"""docs/scenario.md explains every key that there is, and no other."""
+
+import importlib.util
+import re
+import tomllib
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from ipoa_mission.scenario import Scenario, parse_scenario
+
+REPOSITORY = Path(__file__).parents[2]
+TEXT = (REPOSITORY / "docs" / "scenario.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def tool() -> ModuleType:
+    """The command that writes the tables."""
+    spec = importlib.util.spec_from_file_location("reference", REPOSITORY / "tools" / "make_scenario_reference.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_tables_are_those_of_the_schema(tool: ModuleType) -> None:
+    assert tool.refreshed(TEXT) == TEXT, "run python tools/make_scenario_reference.py"
+
+
+def test_every_table_of_the_schema_is_explained_once() -> None:
+    tables = {"Scenario"} | {n for n, d in Scenario.model_json_schema()["$defs"].items() if "properties" in d}
+    assert sorted(re.findall(r"<!-- keys of (\w+) -->", TEXT)) == sorted(tables)
+
+
+def test_every_key_has_a_meaning_and_a_value() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| (.*) \| (.*) \| (.*) \|$", TEXT, re.MULTILINE)
+    assert len(rows) > 100
+    for key, value, left_out, meaning in rows:
+        assert value.strip(), key
+        assert left_out.strip(), key
+        assert len(meaning.strip()) > 5, key
+
+
+def test_the_smallest_scenario_of_the_document_can_be_read() -> None:
+    (example,) = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
+    assert len(tomllib.loads(example)) == 3
+    assert parse_scenario(example, Path("x.toml")).goal_point == pytest.approx([120, 90, 20])
