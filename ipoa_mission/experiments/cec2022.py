@@ -3,11 +3,10 @@
 `opfunu` 1.0.4 is wrong on eleven of the twelve functions; results made with it cannot be compared with any of these.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.experiments.problem import Problem
 from ipoa_mission.optimize.search import Box, Candidates, Costs
 
 #: F_i* of Table 1: the cost at the optimum of f1 to f12.
@@ -16,8 +15,8 @@ FUNCTIONS = tuple(f"f{i}" for i in range(1, 13))
 DIMENSIONS = (10, 20)
 
 
-def cec2022(function: str, dimension: int) -> tuple[Callable[[Candidates], Costs], Box]:
-    """The cost of `function` ("f1" to "f12") less its optimum, for batches (n, D) of candidates, and its box.
+def cec2022(function: str, dimension: int) -> Problem:
+    """The error of `function` ("f1" to "f12"), that is its cost less the cost at its optimum, in its box.
 
     Raises:
         BadInput: there is no such function, or none of that dimension.
@@ -40,4 +39,4 @@ def cec2022(function: str, dimension: int) -> tuple[Callable[[Candidates], Costs
     def error_of(candidates: Candidates) -> Costs:
         return np.asarray(raw(candidates), dtype=np.float64) - OPTIMA[number]
 
-    return error_of, Box(np.full(dimension, -100.0), np.full(dimension, 100.0))
+    return Problem(error_of, Box(np.full(dimension, -100.0), np.full(dimension, 100.0)))

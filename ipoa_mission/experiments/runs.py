@@ -19,13 +19,19 @@ from pathlib import Path
 import numpy as np
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments.problems import PROBLEMS
+from ipoa_mission.experiments.cec2022 import cec2022
+from ipoa_mission.experiments.maps import map_problem
+from ipoa_mission.experiments.problem import Measures, Problem
 from ipoa_mission.experiments.rivals import RIVALS
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimise
 
 #: Where along a run its best cost is kept: shares of the evaluations it spent.
 CHECKPOINTS = np.linspace(0, 1, 26)
+
+
+#: Each makes a problem of a trial's case and dimension.
+PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map": map_problem}
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,7 @@ class Row:
     evaluations: int
     seconds: float
     history: tuple[float, ...]
-    measures: dict[str, float]
+    measures: Measures
     date: str
     versions: str
 

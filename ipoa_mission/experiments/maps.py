@@ -1,0 +1,171 @@
+"""The random maps of the paper's Tables 5 to 7, seeded, for it does not publish its own; and paths planned on them.
+
+A map is a scenario like any other: `missions/paper/` has them as files, made by `paper_map`. Paths are sought as the
+paper seeks them: control points in absolute coordinates, its cost summed over nodes, one search and no polish.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.experiments.problem import Measures, Problem
+from ipoa_mission.geometry import polyline_length, turning_angles
+from ipoa_mission.optimize.search import Optimum
+from ipoa_mission.planning.problem import encode, pose
+from ipoa_mission.planning.proof import prove_curve
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.scenario import Scenario, parse_scenario
+
+#: Obstacles and number of each map: the five of Table 6, the two of Table 7.
+MAPS = {
+    "map-8-1": (8, 1),
+    "map-8-2": (8, 2),
+    "map-8-3": (8, 3),
+    "map-8-4": (8, 4),
+    "map-8-5": (8, 5),
+    "map-6-1": (6, 1),
+    "map-10-1": (10, 1),
+}
+#: The weights of Table 5's three experiments; the other tables have the first.
+WEIGHTS = {1: (0.7, 0.15, 0.15), 2: (0.15, 0.7, 0.15), 3: (0.15, 0.15, 0.7)}
+#: Inner control points; the paper does not say how many it has.
+INNER = 8
+#: A search has converged when its best cost is within this share of what it ends with.
+CONVERGED = 0.01
+
+
+def paper_map(name: str) -> str:
+    """The scenario file of a map, TOML: 100 x 100 x 350 m, six peaks, obstacles drawn from the map's seed."""
+    obstacles, number = MAPS[name]
+    rng = np.random.default_rng([2024, obstacles, number])
+    lines = [
+        f"# Random map {number} with {obstacles} obstacles, made by tools/make_paper_maps.py: the size, landform",
+        "# and number of obstacles of the paper, which does not publish its own.",
+        f'name = "{name}"',
+        "safety_distance = 0.5",
+        "",
+        "[home]",
+        "latitude_deg = 38.8700",
+        "longitude_deg = 121.5300",
+        "altitude_amsl = 60.0",
+        "",
+        "[start]",
+        "east = 5.0",
+        "north = 5.0",
+        "height_above_ground = 15.0",
+        "",
+        "[goal]",
+        "east = 95.0",
+        "north = 95.0",
+        "height_above_ground = 15.0",
+        "",
+        "[bounds]",
+        "east = [0.0, 100.0]",
+        "north = [0.0, 100.0]",
+        "up = [-5.0, 350.0]",
+        "",
+        "[vehicle]",
+        'autopilot = "px4"',
+        "radius = 1.0",
+        "cruise_speed = 5.0",
+        "",
+        "[cost]",
+        'form = "nodes"',
+        "",
+        "[planning]",
+        'planner = "paper"',
+        f"control_points = {INNER}",
+        "",
+        "[terrain]",
+        'kind = "analytic"',
+        "a = 0.1",
+        "b = 0.3",
+        "c = -0.9",
+        "d = 0.5",
+        "e = 0.5",
+        "f = 0.5",
+        "g = 0.3",
+        "base = -5.0",
+        "peaks = [",
+    ]
+    for _ in range(6):
+        east, north = _aside(rng, 25.0)
+        height, a, b = rng.uniform(30, 110), *rng.uniform(8, 15, 2)
+        lines.append(
+            f"  {{ height = {height:.1f}, east = {east:.1f}, north = {north:.1f}, a = {a:.1f}, b = {b:.1f} }},"
+        )
+    lines.append("]")
+    for k in range(obstacles):
+        east, north = _aside(rng, 15.0)
+        place = [f"east = {east:.1f}", f"north = {north:.1f}"]
+        if k % 2:
+            shape = [f"radius = {rng.uniform(3, 6):.1f}", f"height = {rng.uniform(40, 120):.1f}"]
+            lines += ["", "[[obstacles]]", 'kind = "cylinder"', f'name = "mast {k + 1}"', *place, *shape]
+        else:
+            shape = [f"up = {rng.uniform(15, 60):.1f}", f"radius = {rng.uniform(4, 9):.1f}"]
+            lines += ["", "[[obstacles]]", 'kind = "sphere"', f'name = "balloon {k + 1}"', *place, *shape]
+    return "\n".join(lines) + "\n"
+
+
+def _aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
+    """A place on the map at least `least` metres from start and goal."""
+    while True:
+        east, north = rng.uniform(8, 92, 2)
+        if min(np.hypot(east - 5, north - 5), np.hypot(east - 95, north - 95)) >= least:
+            return float(east), float(north)
+
+
+def map_problem(case: str, dimension: int) -> Problem:
+    """The planning problem on a map: `case` is its name, or name and experiment of Table 5, "map-8-1/2".
+
+    Raises:
+        BadInput: there is no such map, no such experiment, or the dimension is not three an inner control point.
+    """
+    name, _, experiment = case.partition("/")
+    weights = WEIGHTS.get(int(experiment or 1))
+    if name not in MAPS or weights is None:
+        raise BadInput(f"case: expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}")
+    if dimension != 3 * INNER:
+        raise BadInput(f"dimension: expected {3 * INNER}, not {dimension}")
+    scenario = parse_scenario(paper_map(name), Path(f"{name}.toml"))
+    weighted = scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
+    return path_problem(weighted)
+
+
+def path_problem(scenario: Scenario) -> Problem:
+    """The search for a path as the paper has it, in absolute coordinates."""
+    guide = np.vstack([scenario.start_point, scenario.goal_point])
+    encoding = encode("absolute", guide, scenario.planning.control_points, 0.0, scenario)
+
+    def measure(found: Optimum) -> Measures:
+        return measures_of(encoding.curve(found.x), scenario) | {"iterations": iterations_to_converge(found)}
+
+    return Problem(pose(scenario).costs(encoding), encoding.box, measure)
+
+
+def measures_of(curve: Spline, scenario: Scenario) -> Measures:
+    """The paper's measures of a path (Table A2), and whether it may be flown at all.
+
+    `distance` is the curve's length. `turn` is the mean turning angle between adjacent legs of the control points:
+    these are the nodes that the algorithms vary; over the hundred nodes of the smooth curve it would be a degree or
+    two, which no reading of the tables allows. `dis_obs` is the mean distance of those hundred nodes' hull to the
+    nearest obstacle.
+    """
+    nodes = curve.points(np.linspace(0.0, 1.0, scenario.planning.samples))
+    hull = scenario.airspace.obstacle_distance(nodes) - scenario.vehicle.radius
+    proof = prove_curve(curve, scenario)
+    return {
+        "distance": round(polyline_length(curve.sample(1000)), 4),
+        "turn": round(float(np.degrees(turning_angles(curve.control)).mean()), 4),
+        "turn_smooth": round(float(np.degrees(turning_angles(nodes)).mean()), 4),
+        "dis_obs": round(float(hull.mean()), 4),
+        "feasible": float(proof.holds),
+        "control": [round(float(c), 3) for c in curve.control.ravel()],
+    }
+
+
+def iterations_to_converge(found: Optimum, iterations: int = 1000) -> float:
+    """The iteration, of a thousand, at which the best cost was within 1 % of what the search ended with."""
+    first = int(np.argmax(found.history <= found.cost + CONVERGED * abs(found.cost)))
+    return float(round(found.evaluations[first] / found.evaluations[-1] * iterations, 1))

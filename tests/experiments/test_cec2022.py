@@ -1,0 +1,62 @@
+"""The CEC2022 functions: known values, from outside."""
+
+import builtins
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.experiments.cec2022 import DIMENSIONS, FUNCTIONS, cec2022
+
+
+@pytest.mark.parametrize("dimension", DIMENSIONS)
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_a_batch_costs_what_its_candidates_cost_one_by_one(function: str, dimension: int) -> None:
+    pytest.importorskip("minionpy")
+    problem = cec2022(function, dimension)
+    x = problem.box.sample(7, np.random.default_rng(1))
+    together = problem.cost(x)
+    assert together.shape == (7,)
+    assert np.array_equal(together, np.concatenate([problem.cost(row[None]) for row in x]))
+    assert np.all(together > 0)
+
+
+@pytest.mark.parametrize("function", ["f1", "f3", "f5"])
+def test_the_error_at_the_optimum_is_zero(function: str) -> None:
+    """Found by restarted CMA-ES, which knows nothing of where it is; and nothing near is below it."""
+    algorithms = pytest.importorskip("minionpy").algorithms
+    problem = cec2022(function, 10)
+    bounds = list(zip(problem.box.lower.tolist(), problem.box.upper.tolist(), strict=True))
+    found = algorithms.RCMAES(
+        lambda x: problem.cost(np.asarray(x)).tolist(), bounds, maxevals=30_000, seed=1, options={}
+    ).optimize()
+    assert found.fun == pytest.approx(0, abs=1e-4)
+    near = problem.cost(np.asarray(found.x) + np.random.default_rng(1).normal(0, 0.5, (500, 10)))
+    assert near.min() > -1e-9
+
+
+@pytest.mark.parametrize(
+    ("function", "dimension", "message"),
+    [
+        ("f13", 10, "^function: expected f1 to f12, not 'f13'$"),
+        ("f1", 30, "^dimension: expected 10 or 20, not 30$"),
+    ],
+)
+def test_what_does_not_exist_is_said(function: str, dimension: int, message: str) -> None:
+    with pytest.raises(BadInput, match=message):
+        cec2022(function, dimension)
+
+
+def test_without_minionpy_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def without(name: str, *rest: Any) -> Any:
+        if name.startswith("minionpy"):
+            raise ImportError(name)
+        return real(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(MissionError, match="minionpy") as caught:
+        cec2022("f1", 10)
+    assert caught.value.hint == 'pip install "ipoa-mission[experiments]"'
