@@ -117,7 +117,7 @@ def _polygon(values: Any, place: str, to_degrees: "_Degrees") -> Any:
     rings = []
     for i, ring in enumerate(values):
         corners = _corners(ring, f"{place}[{i}]", to_degrees)
-        if len(np.unique(corners, axis=0)) < 3:
+        if len({tuple(corner) for corner in corners.tolist()}) < 3:
             raise BadInput(f"{place}[{i}]: expected a ring of 3 different corners or more")
         rings.append(corners)
     return shapely.Polygon(rings[0], rings[1:])

@@ -51,7 +51,6 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
         clean = shapely.make_valid(clean, method="structure", keep_collapsed=False)
         clean = shapely.remove_repeated_points(clean)
     parts = [part for part in shapely.get_parts(clean) if part.geom_type == "Polygon" and part.area > LEAST_AREA]
-    parts = [part for part in parts if shapely.is_valid(part)]
     if not parts:
         raise BadInput(f"{place}.geometry: expected a polygon with an area, not {_words(wrong)}")
     return parts, None if wrong is None else _words(wrong)
