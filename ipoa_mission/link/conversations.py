@@ -131,8 +131,13 @@ class Manners:
     rebukes: bool = False
 
 
-def fetch(count: int, kind: int, take: Take, manners: Manners = Manners()) -> Dialogue[int]:
-    """Fetch `count` items in order and hand each to `take`. Returns the first result that is not ACCEPTED, or ACCEPTED.
+POLITE = Manners()
+
+
+def fetch(count: int, kind: int, take: Take, manners: Manners = POLITE, first: int = 0) -> Dialogue[int]:
+    """Fetch items `first` to `count` - 1 in order and hand each to `take`.
+
+    Returns ACCEPTED, or the first other result of `take`, which ends it.
 
     Saying the closing Ack is left to the caller, who may want to judge the whole list first.
 
@@ -141,7 +146,7 @@ def fetch(count: int, kind: int, take: Take, manners: Manners = Manners()) -> Di
         NoAnswer: silence.
     """
     doubt: int | None = None
-    for seq in range(count):
+    for seq in range(first, count):
         step: Step = Ask(Request(seq, kind, manners.legacy), item=True)
         while True:
             try:
@@ -169,32 +174,56 @@ def fetch(count: int, kind: int, take: Take, manners: Manners = Manners()) -> Di
 def download(kind: int, progress: Progress = silent) -> Dialogue[tuple[Item, ...]]:
     """Read the list that the vehicle holds, as it stands on the wire.
 
+    A vehicle closes a list that nothing is heard about for some seconds (PX4: five): it is then opened again, and the
+    reading goes on where it stopped.
+
     Raises:
         MissionRefused, NoAnswer.
     """
-    step: Step = Ask(RequestList(kind))
-    overheard = Overheard()
-    while True:
-        heard = yield step
-        step = None
-        match heard:
-            case Count(count, k) if k == kind:
-                break
-            case Ack(result, k) if k == kind and result not in (Result.ACCEPTED, *DOUBTFUL):
-                yield from _listen_for_words(overheard)
-                raise MissionRefused(result, kind, words=str(overheard))
-            case _:
-                overheard.note(heard)
     items: list[Item] = []
+    count = yield from _open_list(kind)
+    idle = 0
 
     def take(seq: int, heard: ItemAt) -> int:
         items.append(heard.item)
         progress(len(items), count)
         return Result.ACCEPTED
 
-    yield from fetch(count, kind, take)
-    yield Remark(Ack(Result.ACCEPTED, kind))
-    return tuple(items)
+    while True:
+        before = len(items)
+        try:
+            yield from fetch(count, kind, take, first=before)
+        except NoAnswer as silence:
+            idle = idle + 1 if len(items) == before else 0
+            if idle > 2:
+                raise
+            again = yield from _open_list(kind, silence)
+            if again != count:  # another list has come in between
+                items.clear()
+            count = again
+        else:
+            yield Remark(Ack(Result.ACCEPTED, kind))
+            return tuple(items)
+
+
+def _open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
+    """Ask how long the list is; `silence` is what there was to say if nobody answers."""
+    step: Step = Ask(RequestList(kind))
+    overheard = Overheard()
+    while True:
+        try:
+            heard = yield step
+        except NoAnswer as still:
+            raise silence or still from None
+        step = None
+        match heard:
+            case Count(count, k) if k == kind:
+                return count
+            case Ack(result, k) if k == kind and result not in (Result.ACCEPTED, *DOUBTFUL):
+                yield from _listen_for_words(overheard)
+                raise MissionRefused(result, kind, words=str(overheard))
+            case _:
+                overheard.note(heard)
 
 
 def clear(kind: int) -> Dialogue[None]:

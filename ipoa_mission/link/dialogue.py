@@ -70,13 +70,15 @@ class Patience:
 
     A question is repeated after `answer_s` (an item of a list: `item_s`), or, with `adapt`, after the measured round
     trip and four times its spread. A silent link is given up after `retries` of `answer_s`; one on which the other side
-    is heard at all, after `alive_retries` repeats: losing a third of the packets is no reason to give up.
+    is heard at all, after `alive_retries` repeats: losing a third of the packets is no reason to give up. For an item
+    of a list `item_retries` will do: the other side may have closed the list, which is then opened again.
     """
 
     answer_s: float = 1.5
     item_s: float = 0.25
     retries: int = 5
     alive_retries: int = 20
+    item_retries: int = 8
     adapt: bool = True
     echo_s: float = 0.1  # the same question heard twice within this time is a duplicate of the network
 
@@ -94,12 +96,15 @@ class Tempo:
 
     FASTEST_S = 0.05
     SLOWEST_S = 6.0
+    #: A lost packet is no sign of a slow link, but so many questions in a row that had to be repeated are.
+    DOUBTS = 5
 
     def __init__(self, patience: Patience) -> None:
         self._patience = patience
         self._mean: float | None = None
         self._spread = 0.0
         self._backoff = 1.0
+        self._doubts = 0
 
     def wait_s(self, item: bool) -> float:
         """How long to wait for an answer before asking again."""
@@ -108,20 +113,25 @@ class Tempo:
             return usual
         if self._mean is not None:
             usual = max(self._mean + 4 * self._spread, self.FASTEST_S)
-        return min(usual * self._backoff, max(self.SLOWEST_S, usual))
+        return min(usual * self._backoff, self.SLOWEST_S)
 
     def sample(self, seconds: float) -> None:
         """An answer came this long after a question that was asked once."""
         self._backoff = 1.0
+        self._doubts = 0
         if self._mean is None:
             self._mean, self._spread = seconds, seconds / 2
         else:
             self._spread += (abs(seconds - self._mean) - self._spread) / 4
             self._mean += (seconds - self._mean) / 8
 
+    def doubt(self) -> None:
+        """An answer came to a question that was asked more than once: to which saying, nobody knows."""
+        self._doubts += 1
+
     def repeated(self) -> None:
-        """A question went unanswered: perhaps the link is slower than we think."""
-        self._backoff = min(self._backoff * 1.5, 8.0)
+        """A question went unanswered: the link is lossy (wait a little longer), or slow (wait much longer)."""
+        self._backoff = min(self._backoff * 1.5, 2.0 if self._doubts < self.DOUBTS else 16.0)
 
 
 class Exchange(Generic[T]):
@@ -176,8 +186,11 @@ class Exchange(Generic[T]):
         step = self._resume(message)
         if step is None and not self.finished:
             return
-        if not isinstance(self._awaited, Pause) and self._repeats == 0:
-            self._tempo.sample(now - self._since)
+        if isinstance(self._awaited, Ask):
+            if self._repeats == 0:
+                self._tempo.sample(now - self._said)
+            else:
+                self._tempo.doubt()
         self._acted_on = (message, now)
         self._follow(step, now)
 
@@ -188,7 +201,7 @@ class Exchange(Generic[T]):
         match self._awaited:
             case Pause():
                 self._follow(self._resume(None), now)
-            case Ask(message) if not self._is_hopeless(now):
+            case Ask(message, item) if not self._is_hopeless(item, now):
                 self._repeats += 1
                 self._tempo.repeated()
                 self._say(message, now)
@@ -206,11 +219,12 @@ class Exchange(Generic[T]):
         else:
             self._follow(step, now)
 
-    def _is_hopeless(self, now: float) -> bool:
+    def _is_hopeless(self, item: bool, now: float) -> bool:
         patience = self._patience
         if self._repeats < patience.retries:
             return False
-        return self._repeats >= patience.alive_retries or now - self._heard >= patience.silence_s
+        most = patience.item_retries if item else patience.alive_retries
+        return self._repeats >= most or now - self._heard >= patience.silence_s
 
     def _resume(self, message: Message | None) -> Step:
         try:

@@ -1,0 +1,66 @@
+"""MAVFTP, as bytes: the 251-byte payload of FILE_TRANSFER_PROTOCOL, for both ends."""
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+
+from ipoa_mission.link.messages import FileTransfer
+
+HEADER = struct.Struct("<HBBBBBBI")
+LONGEST_DATA = 251 - HEADER.size
+
+
+class Opcode(IntEnum):
+    """What is asked for, or how it was answered."""
+
+    NONE = 0
+    TERMINATE_SESSION = 1
+    RESET_SESSIONS = 2
+    OPEN_FILE_RO = 4
+    READ_FILE = 5
+    CREATE_FILE = 6
+    WRITE_FILE = 7
+    OPEN_FILE_WO = 11
+    ACK = 128
+    NAK = 129
+
+
+class FileError(IntEnum):
+    """The first data byte of a NAK."""
+
+    FAIL = 1
+    INVALID_SESSION = 4
+    UNKNOWN_COMMAND = 7
+    END_OF_FILE = 6
+    FILE_NOT_FOUND = 10
+
+
+@dataclass(frozen=True)
+class FileMessage:
+    """One message of the protocol; `sequence` of an answer is one more than that of its question."""
+
+    sequence: int
+    opcode: int
+    session: int = 0
+    request: int = 0  # of an answer: the opcode that it answers
+    offset: int = 0
+    data: bytes = b""
+    size: int | None = None  # of a READ_FILE request: how many bytes are wanted
+
+    def pack(self) -> FileTransfer:
+        """As it is sent."""
+        size = len(self.data) if self.size is None else self.size
+        head = HEADER.pack(self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, 0, 0, self.offset)
+        return FileTransfer((head + self.data).ljust(251, b"\0"))
+
+
+def unpack(message: FileTransfer) -> FileMessage:
+    """As it was received; `size` may be more than there is data."""
+    sequence, session, opcode, size, request, _, _, offset = HEADER.unpack_from(message.payload)
+    data = message.payload[HEADER.size : HEADER.size + size]
+    return FileMessage(sequence, opcode, session, request, offset, data, size)
+
+
+def nak(question: FileMessage, error: FileError) -> FileMessage:
+    """The refusal of a question."""
+    return FileMessage(question.sequence + 1, Opcode.NAK, question.session, question.opcode, 0, bytes((error,)))

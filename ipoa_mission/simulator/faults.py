@@ -1,0 +1,72 @@
+"""Bad radios, reproducibly: a pipe that loses, doubles, delays and reorders what goes through it."""
+
+import heapq
+import math
+import random
+from dataclasses import dataclass
+
+from ipoa_mission.errors import BadInput
+
+
+@dataclass(frozen=True)
+class Faults:
+    """What a link does to each frame, in each direction; and the item that the vehicle refuses (`nak_at`), if any.
+
+    `loss`, `duplicate` and `reorder` are probabilities; `delay_s` is one way; a reordered frame is held back by up to
+    `reorder_s`.
+    """
+
+    loss: float = 0.0
+    duplicate: float = 0.0
+    delay_s: float = 0.0
+    reorder: float = 0.0
+    reorder_s: float = 0.2
+    nak_at: int | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("loss", "duplicate", "reorder"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise BadInput(f"{name}: expected a probability from 0 to 1, not {getattr(self, name)}")
+        for name in ("delay_s", "reorder_s"):
+            if not 0.0 <= getattr(self, name) < 60.0:
+                raise BadInput(f"{name}: expected 0 to 60 seconds, not {getattr(self, name)}")
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the link is perfect."""
+        return not (self.loss or self.duplicate or self.delay_s or self.reorder)
+
+
+class BadPipe:
+    """One direction of a bad link (a `Pipe`); the same seed makes the same faults."""
+
+    MOST_HELD = 100_000
+
+    def __init__(self, faults: Faults, seed: int) -> None:
+        self._faults = faults
+        self._random = random.Random(seed)
+        self._held: list[tuple[float, int, bytes]] = []
+        self._count = 0
+
+    def push(self, data: bytes, now: float) -> None:
+        """A frame enters, once, twice or not at all."""
+        faults, chance = self._faults, self._random.random
+        copies = 2 if chance() < faults.duplicate else 1
+        for _ in range(copies):
+            lost = chance() < faults.loss
+            late = chance() * faults.reorder_s if chance() < faults.reorder else 0.0
+            if not lost and len(self._held) < self.MOST_HELD:
+                self._count += 1
+                heapq.heappush(self._held, (now + faults.delay_s + late, self._count, data))
+
+    def pop(self, now: float) -> list[bytes]:
+        """The frames that have come through by now."""
+        through = []
+        while self._held and self._held[0][0] <= now:
+            through.append(heapq.heappop(self._held)[2])
+        return through
+
+    @property
+    def deadline(self) -> float:
+        """When the next frame comes through."""
+        return self._held[0][0] if self._held else math.inf

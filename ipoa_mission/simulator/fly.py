@@ -1,0 +1,55 @@
+"""A mission flown on the built-in autopilot over real MAVLink bytes, on a virtual clock: as fast as it goes."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.conversations import Progress, silent
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
+from ipoa_mission.link.vehicle import Vehicle, meet
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.server import PERFECT
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Parameters
+
+
+def fly(
+    mission: Mission,
+    parameters: Parameters | None = None,
+    seed: int = 0,
+    faults: Faults = PERFECT,
+    log: Path | None = None,
+    uploading: Progress = silent,
+    flying: Callable[[int], None] = lambda done: None,
+) -> FlightRecord:
+    """Upload a mission to the built-in autopilot that it was made for, fly it, and return what happened.
+
+    `log` gets every frame. The same arguments give the same bytes.
+
+    Raises:
+        MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
+    """
+    with board(mission, parameters, seed, faults, log) as vehicle:
+        vehicle.upload(mission, uploading)
+        vehicle.arm()
+        vehicle.start()
+        return vehicle.watch(flying)
+
+
+def board(
+    mission: Mission,
+    parameters: Parameters | None = None,
+    seed: int = 0,
+    faults: Faults = PERFECT,
+    log: Path | None = None,
+) -> Vehicle:
+    """A connected simulated vehicle that stands at the mission's home."""
+    station = Station(Autopilot(mission.autopilot, mission.home, parameters, nak_at=faults.nak_at))
+    pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
+    line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)
+    return meet(line)

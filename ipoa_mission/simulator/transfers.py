@@ -1,0 +1,311 @@
+"""The mission service of the built-in autopilot: the client's own `offer` and `fetch`, with a firmware's habits.
+
+Where nothing else is said, a habit was measured (see `personality`); the rest is how the firmware's code reads.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.codec import Target
+from ipoa_mission.link.conversations import MissionRefused, fetch, offer
+from ipoa_mission.link.dialogue import Dialogue, Exchange, NoAnswer, Tell
+from ipoa_mission.link.messages import (
+    Ack,
+    ClearAll,
+    Count,
+    ItemAt,
+    Message,
+    MissionType,
+    Request,
+    RequestList,
+    Result,
+    Text,
+    WritePartialList,
+)
+from ipoa_mission.mission.fence_items import fence_from_wire
+from ipoa_mission.mission.firmware import home_item
+from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.judgement import JUDGES
+from ipoa_mission.simulator.personality import Answer, Personality
+from ipoa_mission.simulator.store import Store
+from ipoa_mission.world.frame import Geodetic
+
+WARNING = 4
+KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
+MOST_READERS = 16
+
+
+@dataclass
+class Incoming:
+    """An upload under way."""
+
+    client: Target
+    kind: int
+    count: int
+    received: int
+    exchange: Exchange[int]
+
+
+class Transfers:
+    """All that is said about the three lists; `say` sends a message to a target, `changed` hears of new lists."""
+
+    def __init__(
+        self,
+        personality: Personality,
+        home: Callable[[], Geodetic],
+        say: Callable[[Message, Target], None],
+        changed: Callable[[int], None],
+        nak_at: int | None = None,
+    ) -> None:
+        self.booted = False
+        self.stores = {kind: Store(personality.autopilot, kind in personality.truncating) for kind in KINDS}
+        self._habits = personality
+        self._home = home
+        self._say = say
+        self._changed = changed
+        self._nak_at = nak_at
+        self._incoming: dict[int, Incoming] = {}
+        self._readers: dict[tuple[Target, int], Exchange[bool]] = {}
+        self._last_done: tuple[Target, int, int] | None = None
+
+    # --- what is heard ----------------------------------------------------------------------------------------------
+
+    def receive(self, message: Message, client: Target, now: float) -> bool:
+        """Act upon a message of the mission service; whether it was one."""
+        match message:
+            case Count(count, kind):
+                self._begin(count, kind, client, now)
+            case ItemAt():
+                self._take(message, client, now)
+            case RequestList(kind):
+                self._list(kind, client, now)
+            case Request(seq, kind):
+                self._read(seq, kind, message, client, now)
+            case Ack():
+                self._acknowledge(message, client)
+            case ClearAll(kind):
+                self._clear(kind, client)
+            case WritePartialList(first, last, kind):
+                self._begin_partial(first, last, kind, client, now)
+            case _:
+                return False
+        return True
+
+    def tick(self, now: float) -> None:
+        """Ask again, or give up, where it is time."""
+        for incoming in [*self._incoming.values()]:
+            self._drive(incoming, now, lambda one: one.exchange.tick(now))
+        for reader, exchange in [*self._readers.items()]:
+            try:
+                exchange.tick(now)
+            except MissionError:
+                del self._readers[reader]
+                continue
+            self._flush_reader(reader, exchange)
+
+    @property
+    def deadline(self) -> float:
+        """When `tick` is next needed."""
+        uploads = [one.exchange.deadline for one in self._incoming.values()]
+        return min((*uploads, *(reader.deadline for reader in self._readers.values())), default=math.inf)
+
+    def listed(self, kind: int) -> tuple[Item, ...]:
+        """A list as it is read back: ArduPilot's mission begins with its own home."""
+        items = self.stores[MissionType(kind)].items
+        if kind == MissionType.MISSION and self._habits.home_is_item_0 and items:
+            return (home_item(self._home()), *items[1:])
+        return items
+
+    # --- uploads ----------------------------------------------------------------------------------------------------
+
+    def _begin(self, count: int, kind: int, client: Target, now: float) -> None:
+        if kind not in KINDS:
+            self._say(Ack(Result.UNSUPPORTED, kind), client)
+            return
+        if not self.booted:
+            self._say(Ack(Result.NO_SPACE, kind), client)
+            return
+        busy = self._incoming.get(self._slot(kind))
+        if busy:
+            answer = self._habits.count_from_stranger
+            if busy.client == client:
+                answer = Answer.OBEY if busy.received == 0 and busy.kind == kind else self._habits.count_again
+            if answer is not Answer.OBEY:
+                self._reply(answer, kind, client, "mission transfer busy")
+                return
+        elif not self._habits.separate_lists and self._readers:
+            self._say(Ack(Result.ERROR, kind), client)
+            return
+        limit = self._habits.limits[kind]
+        if count > limit:
+            self._say(Ack(Result.NO_SPACE, kind), client)
+            self._say(Text(WARNING, f"Only {limit} items are supported"), client)
+            return
+        self._incoming.pop(self._slot(kind), None)
+        self.stores[MissionType(kind)].begin(count)
+        if count == 0:
+            self._say(Ack(Result.ACCEPTED, kind), client)
+            self.stores[MissionType(kind)].clear()
+            self._changed(kind)
+            return
+        self._open(kind, client, 0, count, now)
+
+    def _begin_partial(self, first: int, last: int, kind: int, client: Target, now: float) -> None:
+        if not self._habits.partial_lists or kind not in KINDS:
+            return
+        if self._slot(kind) in self._incoming:
+            self._say(Ack(Result.DENIED, kind), client)
+        elif not 0 <= first <= last < len(self.stores[MissionType(kind)].items):
+            self._say(Ack(Result.ERROR, kind), client)
+            self._say(Text(WARNING, "Flight plan update rejected"), client)
+        else:
+            self._open(kind, client, first, last + 1, now)
+
+    def _open(self, kind: int, client: Target, first: int, count: int, now: float) -> None:
+        dialogue = fetch(count, kind, self._taker(kind, count), self._habits.manners, first)
+        incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, self._habits.patience))
+        self._incoming[self._slot(kind)] = incoming
+        self._flush(incoming)
+
+    def _taker(self, kind: int, count: int) -> Callable[[int, ItemAt], int]:
+        judge = JUDGES[self._habits.autopilot]
+
+        def take(seq: int, heard: ItemAt) -> int:
+            result = Result.ERROR if seq == self._nak_at else judge(heard.item, kind, count)
+            if result == Result.ACCEPTED:
+                self.stores[MissionType(kind)].keep(seq, heard.item)
+                self._incoming[self._slot(kind)].received += 1
+            return result
+
+        return take
+
+    def _take(self, message: ItemAt, client: Target, now: float) -> None:
+        incoming = self._incoming.get(self._slot(message.kind))
+        if incoming is None or incoming.client != client:
+            if self._habits.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
+                self._say(Ack(Result.ACCEPTED, message.kind), client)
+            else:
+                self._reply(self._habits.stray_item, message.kind, client)
+        elif incoming.kind != message.kind:
+            self._reply(self._habits.wrong_list, message.kind, client)
+        else:
+            self._drive(incoming, now, lambda one: one.exchange.receive(message, now))
+
+    def _drive(self, incoming: Incoming, now: float, step: Callable[[Incoming], None]) -> None:
+        try:
+            step(incoming)
+        except (NoAnswer, MissionRefused):
+            self._drop(incoming)
+            if self._habits.timeout_result is not None:
+                self._say(Ack(self._habits.timeout_result, incoming.kind), incoming.client)
+            self._say(Text(WARNING, self._habits.timeout_text), incoming.client)
+            return
+        self._flush(incoming)
+        if incoming.exchange.finished:
+            self._drop(incoming)
+            self._conclude(incoming, incoming.exchange.result)
+
+    def _conclude(self, incoming: Incoming, result: int) -> None:
+        store = self.stores[MissionType(incoming.kind)]
+        if result == Result.ACCEPTED and incoming.kind == MissionType.FENCE and not self._is_fence(store):
+            result = Result.ERROR
+        if result == Result.ACCEPTED:
+            store.commit()
+            self._last_done = (incoming.client, incoming.kind, incoming.count - 1)
+        self._say(Ack(result, incoming.kind), incoming.client)
+        if result == Result.ACCEPTED:
+            self._changed(incoming.kind)
+
+    @staticmethod
+    def _is_fence(store: Store) -> bool:
+        try:
+            fence_from_wire(store.staged)
+        except MissionError:
+            return False
+        return True
+
+    def _drop(self, incoming: Incoming) -> None:
+        if self._incoming.get(self._slot(incoming.kind)) is incoming:
+            del self._incoming[self._slot(incoming.kind)]
+
+    def _flush(self, incoming: Incoming) -> None:
+        for message in incoming.exchange.outgoing():
+            self._say(message, incoming.client)
+
+    # --- downloads --------------------------------------------------------------------------------------------------
+
+    def _list(self, kind: int, client: Target, now: float) -> None:
+        if kind not in KINDS:
+            self._say(Ack(Result.UNSUPPORTED, kind), client)
+        elif self._slot(kind) in self._incoming:
+            self._reply(self._habits.read_during_upload, kind, client, "mission transfer busy")
+        else:
+            exchange = Exchange(self._reading(kind), now, self._habits.patience)
+            self._readers.pop((client, kind), None)
+            self._readers[client, kind] = exchange
+            while len(self._readers) > MOST_READERS:
+                del self._readers[next(iter(self._readers))]
+            self._flush_reader((client, kind), exchange)
+
+    def _reading(self, kind: int) -> Dialogue[bool]:
+        return offer(self.listed(kind), kind, Tell)
+
+    def _read(self, seq: int, kind: int, message: Request, client: Target, now: float) -> None:
+        if kind not in KINDS:
+            return
+        if self._slot(kind) in self._incoming:
+            self._reply(self._habits.read_during_upload, kind, client, "mission transfer busy")
+        elif reader := self._readers.get((client, kind)):
+            reader.receive(message, now)
+            self._flush_reader((client, kind), reader)
+        elif self._habits.answers_requests_at_any_time:
+            items = self.listed(kind)
+            known = seq < len(items)
+            self._say(ItemAt(seq, items[seq], kind) if known else Ack(Result.INVALID_SEQUENCE, kind), client)
+
+    def _acknowledge(self, message: Ack, client: Target) -> None:
+        incoming = self._incoming.get(self._slot(message.kind))
+        if incoming and incoming.client == client and message.result == Result.OPERATION_CANCELLED:
+            if self._habits.obeys_cancel:
+                self._drop(incoming)
+            return
+        self._readers.pop((client, message.kind), None)
+
+    def _flush_reader(self, reader: tuple[Target, int], exchange: Exchange[bool]) -> None:
+        for message in exchange.outgoing():
+            self._say(message, reader[0])
+        if exchange.finished:
+            self._readers.pop(reader, None)
+
+    # --- the rest ---------------------------------------------------------------------------------------------------
+
+    def _clear(self, kind: int, client: Target) -> None:
+        kinds = KINDS if kind == MissionType.ALL else tuple(one for one in KINDS if one == kind)
+        if not kinds:
+            self._say(Ack(Result.UNSUPPORTED, kind), client)
+            return
+        busy = {self._slot(one) for one in kinds} & set(self._incoming)
+        if busy and self._habits.clear_during_upload is not Answer.OBEY:
+            self._reply(self._habits.clear_during_upload, kind, client, "mission transfer busy")
+            return
+        for slot in busy:
+            del self._incoming[slot]
+        for one in kinds:
+            self.stores[one].clear()
+            self._changed(one)
+        self._say(Ack(Result.ACCEPTED, kind), client)
+
+    def _slot(self, kind: int) -> int:
+        """Which transfers exclude each other: all of them, or those of one list."""
+        return kind if self._habits.separate_lists else 0
+
+    def _reply(self, answer: Answer, kind: int, client: Target, words: str = "") -> None:
+        match answer:
+            case Answer.TEXT:
+                self._say(Text(WARNING, words), client)
+            case Answer.DENIED:
+                self._say(Ack(Result.DENIED, kind), client)
+            case Answer.ERROR:
+                self._say(Ack(Result.ERROR, kind), client)
