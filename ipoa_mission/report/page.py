@@ -12,13 +12,16 @@ from string import Template
 import numpy as np
 
 from ipoa_mission.files import write_atomically
+from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.course import Stop, dangers, follow, least_clearance, stops
 from ipoa_mission.report.extent import extent_of
+from ipoa_mission.report.panels.flown import done_in_flight, flown_panel
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
 from ipoa_mission.report.panels.legs import legs
-from ipoa_mission.report.panels.profile import distance_profile, height_profile, speed_profile
+from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.scene import page_data
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate
@@ -28,41 +31,56 @@ AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
 
 
 def write_report(
-    path: Path, scenario: Scenario, mission: Mission, estimate: Estimate, remarks: Sequence[str] = ()
+    path: Path,
+    scenario: Scenario,
+    mission: Mission,
+    estimate: Estimate,
+    flight: FlightRecord | None = None,
+    remarks: Sequence[str] = (),
 ) -> None:
-    """Write the report on a mission to `path`; `remarks` are shown with the estimate's own.
+    """Write the report on a mission, and on its flight if there was one, to `path`.
+
+    `remarks` (what a check found, say) are shown first, with the estimate's own.
 
     Raises:
         BadInput: the folder may not be written.
     """
-    write_atomically(path, report_html(scenario, mission, estimate, remarks))
+    write_atomically(path, report_html(scenario, mission, estimate, flight, remarks))
 
 
-def report_html(scenario: Scenario, mission: Mission, estimate: Estimate, remarks: Sequence[str] = ()) -> str:
+def report_html(
+    scenario: Scenario,
+    mission: Mission,
+    estimate: Estimate,
+    flight: FlightRecord | None = None,
+    remarks: Sequence[str] = (),
+) -> str:
     """The whole page."""
     airspace, required = scenario.airspace, scenario.safety_distance + scenario.vehicle.radius
     found = stops(mission, estimate, scenario)
     course = follow(estimate.track, airspace)
+    track = None if flight is None else flown_track(mission, flight)
+    flown = None if track is None else follow(track, airspace)
     places = np.array([stop.place for stop in found if stop.place is not None])
-    extent = extent_of(places, course.points)
+    extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     least = least_clearance(found)
-    flown = None
+    comparison = None if flight is None else compare_flight(mission, estimate, flight)
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
         "verdict": verdict(least, required),
-        "figures": figures(estimate, least, required, float(course.along[-1]), _waypoints(found), None),
+        "figures": figures(estimate, least, required, float(course.along[-1]), _waypoints(found), comparison),
         "warnings": warnings([*dangers(course, airspace, required), *remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, found, course, flown),
         "legend": legend(scenario, extent, flown is not None),
         "profile": height_profile(course, airspace, required, found, flown),
         "apart": distance_profile(course, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
-        "profile_legend": PROFILE_LEGEND,
+        "profile_legend": profile_legend(flown is not None),
         "speed": speed_profile(course, found, flown),
-        "speed_note": "A tick where an item is done.",
-        "flight": "",
-        "legs": legs(found, required, None),
+        "speed_note": "As predicted; a tick where an item is done.",
+        "flight": "" if comparison is None else flown_panel(comparison),
+        "legs": legs(found, required, None if flight is None else done_in_flight(found, flight.item_reached_s)),
         "legs_note": LEGS_NOTE,
         "search": "",
         "footer": "",
@@ -77,10 +95,6 @@ def report_html(scenario: Scenario, mission: Mission, estimate: Estimate, remark
 LEGS_NOTE = (
     "Heights are above home, times from arming; clearance is the least distance of the straight leg "
     "to the ground or an obstacle."
-)
-PROFILE_LEGEND = (
-    '<p class="legend"><span class="key planned">path</span><span class="key band">must stay free</span>'
-    '<span class="key below">obstacles below</span><span class="key beside">within 15 m beside</span></p>'
 )
 
 

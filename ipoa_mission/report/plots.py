@@ -71,7 +71,7 @@ def draw_views(
         if paths:
             handles, labels = figure.axes[0].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside lower center", ncols=min(len(paths), 6), frameon=False)
-        _settle(figure)
+        settle(figure)
     return figure
 
 
@@ -94,7 +94,7 @@ def draw_convergence(
             axes.set_yscale("log")
         if len(curves) > 1:
             axes.legend(frameon=False)
-        _settle(figure)
+        settle(figure)
     return figure
 
 
@@ -117,7 +117,7 @@ def write_picture(figure: Figure, path: Path) -> None:
     write_atomically(path, buffer.getvalue())
 
 
-def _settle(figure: Figure) -> None:
+def settle(figure: Figure) -> None:
     """Lay out now and round: the layout's solver differs in the last bits from run to run, and SVG hashes them."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")

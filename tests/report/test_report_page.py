@@ -76,7 +76,7 @@ def test_names_from_files_cannot_become_markup(bowed: Callable[[str], tuple]) ->
     evil = '</script><script>alert(1)</script><b title="x" on=\''
     text = scenario.model_dump(mode="json")
     text["obstacles"][0]["name"] = evil
-    page = report_html(Scenario.model_validate(text), mission, replace(timed, remarks=(evil,)), [evil])
+    page = report_html(Scenario.model_validate(text), mission, replace(timed, remarks=(evil,)), remarks=[evil])
     assert "<script>alert" not in page
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
 

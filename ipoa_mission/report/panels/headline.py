@@ -1,8 +1,10 @@
 """What an engineer wants to know first: is it clear, how long will it fly, and what must be known before it does."""
 
+import math
 from collections.abc import Sequence
 from html import escape
 
+from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.words import metres, seconds, share
 from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.world.airspace import Clearance
@@ -21,14 +23,18 @@ def verdict(least: Clearance | None, required: float) -> str:
 
 
 def figures(
-    estimate: Estimate, least: Clearance | None, required: float, length: float, waypoints: int, flown_s: float | None
+    estimate: Estimate,
+    least: Clearance | None,
+    required: float,
+    length: float,
+    waypoints: int,
+    comparison: Comparison | None,
 ) -> str:
     """The headline numbers."""
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}"
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
-    if flown_s is not None:
-        off = f"the estimate is off by {share(estimate.total_s, flown_s)}"
-        cards.append(_card("flown", seconds(flown_s), off, "flown"))
+    if comparison is not None:
+        cards.append(_flown(comparison))
     against = f"{share(estimate.qgroundcontrol_s, estimate.total_s)} against the estimate"
     cards.append(_card("QGroundControl says", seconds(estimate.qgroundcontrol_s), against))
     if least is not None:
@@ -45,6 +51,17 @@ def warnings(remarks: Sequence[str]) -> str:
         return ""
     rows = "".join(f"<li>{escape(remark)}</li>" for remark in remarks)
     return f'<section class="warnings"><h2>Before you fly</h2><ul>{rows}</ul></section>'
+
+
+def _flown(comparison: Comparison) -> str:
+    """The flight's own time; where its log breaks off, that of its route."""
+    if math.isfinite(comparison.flown_total_s):
+        off = share(comparison.estimated_total_s, comparison.flown_total_s)
+        return _card("flown", seconds(comparison.flown_total_s), f"the estimate is off by {off}", "flown")
+    if math.isfinite(comparison.flown_route_s):
+        off = share(comparison.estimated_route_s, comparison.flown_route_s)
+        return _card("flown, route only", seconds(comparison.flown_route_s), f"estimate off by {off}", "flown")
+    return _card("flown", "not known", "the log tells of no item", "flown")
 
 
 def _card(label: str, value: str, note: str, look: str = "") -> str:

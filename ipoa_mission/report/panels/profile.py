@@ -43,6 +43,13 @@ def height_profile(
     return chart.html("profile", layers, over, "tall", along="along")
 
 
+def profile_legend(flown: bool) -> str:
+    """What is what in the height profile."""
+    keys = '<span class="key planned">path as predicted</span>' + '<span class="key flown">flown</span>' * flown
+    bodies = '<span class="key below">obstacles below</span><span class="key beside">within 15 m beside</span>'
+    return f'<p class="legend">{keys}<span class="key band">must stay free</span>{bodies}</p>'
+
+
 def distance_profile(course: Course, required: float) -> str:
     """Distance to the nearest obstacle along the way; far ones are cut off. Nothing where there are no obstacles."""
     if not np.isfinite(course.apart).any():

@@ -1,0 +1,100 @@
+"""A flown mission held against its estimate, leg by leg.
+
+Both count from being armed in the mission mode on the ground. An autopilot does not report every item: a leg is what
+lies between two items that both the estimate and the flight know.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.timing.prediction import Track
+from ipoa_mission.world.frame import LocalFrame
+
+#: Items that fly somewhere; the route is what lies between the first and the last of them.
+ROUTE = frozenset({Command.NAV_TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
+
+
+@dataclass(frozen=True)
+class LegTime:
+    """One item: when it was done by the estimate and in flight, and how long each took since the leg before [s]."""
+
+    seq: int
+    command: int
+    estimated_done_s: float
+    flown_done_s: float
+    estimated_s: float
+    flown_s: float
+
+    @property
+    def error_s(self) -> float:
+        """How much longer the estimate takes for this leg than the flight did."""
+        return self.estimated_s - self.flown_s
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All legs and what they come to; `route` is from the first item with a place to the last one, landing apart.
+
+    `flown_total_s` is NaN where the log ends before the flight does.
+    """
+
+    legs: tuple[LegTime, ...]
+    estimated_total_s: float
+    flown_total_s: float
+    estimated_route_s: float
+    flown_route_s: float
+
+    @property
+    def route_error(self) -> float:
+        """Error of the estimate of the route, as a share of the flown time; NaN where the flight knows of no route."""
+        return self.estimated_route_s / self.flown_route_s - 1 if self.flown_route_s > 0 else math.nan
+
+    @property
+    def total_error(self) -> float:
+        """Error of the estimate of the whole flight, as a share of the flown time."""
+        return self.estimated_total_s / self.flown_total_s - 1 if self.flown_total_s > 0 else math.nan
+
+
+def compare_flight(mission: Mission, estimate: Estimate, flight: FlightRecord) -> Comparison:
+    """Hold a flight of `mission` against its estimate.
+
+    An item that is flown several times (a loop) is known to the flight by its first time only, and compared so.
+    """
+    legs, before = [], (0.0, 0.0)
+    met: set[int] = set()
+    for item in estimate.items:
+        flown = flight.item_reached_s.get(item.seq - 1)
+        if flown is None or item.seq in met:
+            continue
+        met.add(item.seq)
+        done = (item.done_s, flown)
+        legs.append(LegTime(item.seq, item.command, *done, done[0] - before[0], done[1] - before[1]))
+        before = done
+    route = [leg for leg in legs if leg.command in ROUTE]
+    return Comparison(
+        legs=tuple(legs),
+        estimated_total_s=estimate.total_s,
+        flown_total_s=flight.total_s if flight.completed else math.nan,
+        estimated_route_s=route[-1].estimated_done_s - route[0].estimated_done_s if route else math.nan,
+        flown_route_s=route[-1].flown_done_s - route[0].flown_done_s if route else math.nan,
+    )
+
+
+def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:
+    """The flown path in home's local frame; None where the log holds no positions."""
+    if len(flight.path) < 2:
+        return None
+    latitude, longitude, height = (
+        np.array([getattr(sample, name) for sample in flight.path])
+        for name in ("latitude_deg", "longitude_deg", "height")
+    )
+    return Track(
+        times=np.array([sample.time_s for sample in flight.path]),
+        points=LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + height),
+        speeds=np.array([sample.speed for sample in flight.path]),
+    )

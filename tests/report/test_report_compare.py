@@ -1,0 +1,133 @@
+"""A flight against its estimate: legs, totals, and the flown path; held against flights of real autopilots."""
+
+import csv
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.link.logbook import FlightRecord, Sample
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.report.compare import compare_flight, flown_track
+from ipoa_mission.report.comparison_plot import draw_comparison
+from ipoa_mission.report.page import report_html
+from ipoa_mission.report.plots import write_picture
+from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import LocalFrame
+
+RECORDED = Path(__file__).parents[3] / "shared" / "flights"
+
+
+def flown_as(timed: Estimate, mission: Mission, factor: float, offset: float) -> FlightRecord:
+    """The flight that the estimate predicts, but slower by a factor, and later by an offset."""
+    track = timed.track
+    latitude, longitude, altitude = LocalFrame(mission.home).to_geodetic(track.points)
+    times = offset + factor * track.times
+    columns = (times, latitude, longitude, altitude, altitude - mission.home.altitude, track.speeds / factor)
+    path = tuple(Sample(*(float(v) for v in row)) for row in zip(*columns, strict=True))
+    reached = {item.seq - 1: offset + factor * item.done_s for item in timed.items}
+    return FlightRecord(reached, offset + factor * timed.total_s, path, (), True)
+
+
+def test_a_flight_slower_by_a_tenth_shows_a_tenth_on_every_leg(bowed: Callable[[str], tuple]) -> None:
+    _, mission, timed = bowed("campus.toml")
+    comparison = compare_flight(mission, timed, flown_as(timed, mission, 1.1, 0.0))
+    assert comparison.total_error == pytest.approx(1 / 1.1 - 1)
+    assert comparison.route_error == pytest.approx(1 / 1.1 - 1)
+    assert len(comparison.legs) == len(timed.items)
+    for leg in comparison.legs:
+        assert leg.flown_s == pytest.approx(1.1 * leg.estimated_s)
+
+
+def test_a_late_start_spoils_the_total_and_not_the_route(bowed: Callable[[str], tuple]) -> None:
+    _, mission, timed = bowed("campus.toml")
+    comparison = compare_flight(mission, timed, flown_as(timed, mission, 1.0, 7.0))
+    assert comparison.route_error == pytest.approx(0)
+    assert comparison.flown_total_s == pytest.approx(timed.total_s + 7)
+    assert comparison.legs[0].error_s == pytest.approx(-7)
+    assert [leg.error_s for leg in comparison.legs[1:]] == pytest.approx([0] * (len(comparison.legs) - 1))
+
+
+def test_items_that_the_autopilot_does_not_report_are_joined_to_the_next(bowed: Callable[[str], tuple]) -> None:
+    _, mission, timed = bowed("campus.toml")
+    whole = flown_as(timed, mission, 1.0, 0.0)
+    gaps = {index: time for index, time in whole.item_reached_s.items() if index not in (1, 4, 5)}
+    comparison = compare_flight(mission, timed, FlightRecord(gaps, whole.total_s, (), (), False))
+    assert [leg.seq for leg in comparison.legs] == [index + 1 for index in gaps]
+    assert sum(leg.estimated_s for leg in comparison.legs) == pytest.approx(timed.total_s)
+    assert math.isnan(comparison.flown_total_s)
+
+
+def test_a_flight_that_reached_nothing_is_no_crash(bowed: Callable[[str], tuple], tmp_path: Path) -> None:
+    scenario, mission, timed = bowed("sitl.toml")
+    nothing = FlightRecord({}, 0.0, (), (), False)
+    comparison = compare_flight(mission, timed, nothing)
+    assert comparison.legs == ()
+    assert math.isnan(comparison.route_error)
+    assert flown_track(mission, nothing) is None
+    assert "tells of no item" in report_html(scenario, mission, timed, nothing)
+    write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
+
+
+def test_the_flown_path_comes_back_to_the_millimetre(bowed: Callable[[str], tuple]) -> None:
+    _, mission, timed = bowed("campus.toml")
+    track = flown_track(mission, flown_as(timed, mission, 1.0, 0.0))
+    assert track is not None
+    assert np.abs(track.points - timed.track.points).max() < 1e-3
+
+
+def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, timed = bowed("campus.toml")
+    page = report_html(scenario, mission, timed, flown_as(timed, mission, 1.25, 0.0))
+    assert "the estimate is off by −20.0 %" in page
+    assert f"<td>{1.25 * timed.items[5].done_s:.1f}</td>" in page
+    assert 'class="flown"' in page
+    assert "NaN" not in page
+
+
+def test_the_picture_shows_both_times_of_each_leg(bowed: Callable[[str], tuple], tmp_path: Path) -> None:
+    _, mission, timed = bowed("campus.toml")
+    flight = flown_as(timed, mission, 1.1, 0.5)
+    comparison, track = compare_flight(mission, timed, flight), flown_track(mission, flight)
+    assert track is not None
+    figure = draw_comparison(comparison, timed.track.points, track.points)
+    bars = [bar.get_height() for bar in figure.axes[1].patches]
+    assert bars[: len(comparison.legs)] == pytest.approx([leg.estimated_s for leg in comparison.legs])
+    assert bars[len(comparison.legs) :] == pytest.approx([leg.flown_s for leg in comparison.legs])
+    for name in "ab":
+        write_picture(draw_comparison(comparison, timed.track.points, track.points), tmp_path / f"{name}.svg")
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+@pytest.mark.skipif(not RECORDED.is_dir(), reason="needs the recorded flights")
+@pytest.mark.parametrize("name", ["campus-ardupilot", "campus-px4", "hold-ardupilot", "long-px4"])
+def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
+    facts = json.loads((RECORDED / name / "flight.json").read_text())
+    mission = read_mission(RECORDED / name / "mission.waypoints", Autopilot(facts["autopilot"]))
+    timed = estimate(mission, {key: float(value) for key, value in facts["params"].items()})
+    with (RECORDED / name / "trace.csv").open() as file:
+        rows = [[float(v) for v in row] for row in list(csv.reader(file))[1:]]
+    path = tuple(Sample(r[0], r[1], r[2], math.nan, r[3], math.hypot(*r[4:7])) for r in rows)
+    reached = {int(seq) - 1: time for seq, time in facts["item_done_s"].items()}
+    flight = FlightRecord(reached, facts["end_s"], path, (), True)
+    comparison = compare_flight(mission, timed, flight)
+    known = [item.seq for item in timed.items if str(item.seq) in facts["item_done_s"]]
+    assert [leg.seq for leg in comparison.legs] == known
+    assert sum(leg.flown_s for leg in comparison.legs) == pytest.approx(facts["item_done_s"][str(known[-1])])
+    track = flown_track(mission, flight)
+    assert track is not None
+    # the autopilot passed every waypoint that it says it reached
+    for item in timed.items:
+        place = mission.items[item.seq - 1]
+        if str(item.seq) in facts["item_done_s"] and place.has_position:
+            there = np.interp(facts["item_done_s"][str(item.seq)], track.times, np.arange(len(track.times)))
+            around = track.points[max(0, int(there) - 20) : int(there) + 20]
+            spot = LocalFrame(mission.home).to_local(
+                *(np.array([v]) for v in (place.latitude_deg, place.longitude_deg, mission.home.altitude))
+            )[0]
+            assert np.linalg.norm(around[:, :2] - spot[:2], axis=1).min() < 10.0  # at 12 m/s PX4 turns early
