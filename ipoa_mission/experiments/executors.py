@@ -9,8 +9,10 @@ from ipoa_mission.errors import BadInput, MissionError
 
 
 @contextmanager
-def open_executor(jobs: int, address: str | None) -> Iterator[Executor]:
+def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> Iterator[Executor]:
     """An executor: `jobs` processes of this machine, or, with the `address` of a scheduler, its workers.
+
+    A cluster that does not answer within `patience_s` is none.
 
     Raises:
         BadInput: fewer than one job, or an address that Dask does not take.
@@ -33,7 +35,7 @@ def open_executor(jobs: int, address: str | None) -> Iterator[Executor]:
         raise BadInput(f"executor: expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}")
     try:
         connect: Any = distributed.Client
-        client = connect(address, timeout=10, set_as_default=False)
+        client = connect(address, timeout=patience_s, set_as_default=False)
     except ValueError as error:
         raise BadInput(f"executor: expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}") from error
     except OSError as error:

@@ -30,12 +30,12 @@ COLOURS = {
 def figure_3() -> str:
     """The iterative chaotic map, eq. (18), a = 0.7: 300 iterates, and how they are distributed."""
     z = iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
-    figure, (left, right) = _panels(1, 2, 9, 3.2)
+    figure, (left, right) = panels_of(1, 2, 9, 3.2)
     left.plot(np.arange(1, 301), z, ".", ms=3, color=COLOURS["ipoa"])
     left.set(xlabel="iteration", ylabel="z", title="300 iterates, a = 0.7")
     right.hist(z, bins=30, color=COLOURS["dbo"])
     right.set(xlabel="z", ylabel="count", title="their distribution")
-    return _svg(figure)
+    return draw_svg(figure)
 
 
 def figure_5() -> str:
@@ -43,19 +43,19 @@ def figure_5() -> str:
     from scipy import stats
 
     x = np.linspace(-5, 5, 501)
-    figure, (axes,) = _panels(1, 1, 6, 3.6)
+    figure, (axes,) = panels_of(1, 1, 6, 3.6)
     axes.plot(x, stats.cauchy.pdf(x), label="Cauchy, t(1)", color=COLOURS["dbo"])
     axes.plot(x, stats.t.pdf(x, 5), label="t(5)", color=COLOURS["ipoa"])
     axes.plot(x, stats.t.pdf(x, 30), label="t(30)", color=COLOURS["mpoa"])
     axes.plot(x, stats.norm.pdf(x), "--", label="Gauss", color="black")
     axes.set(xlabel="x", ylabel="density")
     axes.legend()
-    return _svg(figure)
+    return draw_svg(figure)
 
 
 def figure_7(rows: Sequence[Row]) -> str:
     """Convergence at D = 20: the best cost known, averaged over the runs, by the share of the evaluations spent."""
-    figure, panels = _panels(3, 4, 14, 9)
+    figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
         for name in ALGORITHMS:
             curves = [r.history for r in rows if (r.trial.case, r.trial.algorithm) == (function, name)]
@@ -67,12 +67,12 @@ def figure_7(rows: Sequence[Row]) -> str:
     for axes in panels[::4]:
         axes.set(ylabel="mean error")
     panels[0].legend(fontsize=7)
-    return _svg(figure)
+    return draw_svg(figure)
 
 
 def figure_8(rows: Sequence[Row]) -> str:
     """Box plots of the cost at D = 10."""
-    figure, panels = _panels(3, 4, 14, 9)
+    figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
         samples = [errors(rows, function, name) + optimum for name in ALGORITHMS]
         boxes = axes.boxplot(samples, patch_artist=True, flierprops={"markersize": 2}, medianprops={"color": "black"})
@@ -82,17 +82,19 @@ def figure_8(rows: Sequence[Row]) -> str:
         if max(s.max() for s in samples) > 20 * optimum:
             axes.set_yscale("log")
         axes.set(title=function)
-    return _svg(figure)
+    return draw_svg(figure)
 
 
-def _panels(down: int, across: int, width: float, height: float) -> tuple[Any, Sequence[Any]]:
+def panels_of(down: int, across: int, width: float, height: float) -> tuple[Any, Sequence[Any]]:
+    """A figure of so many inches and its axes, row by row; made without pyplot, so that nothing is global."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
     return figure, list(np.ravel(figure.subplots(down, across)))
 
 
-def _svg(figure: Any) -> str:
+def draw_svg(figure: Any) -> str:
+    """The figure as SVG text."""
     import matplotlib as mpl
 
     text = io.StringIO()

@@ -13,7 +13,7 @@ from ipoa_mission.experiments.problem import Measures, Problem
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Optimum
 from ipoa_mission.planning.problem import encode, pose
-from ipoa_mission.planning.proof import prove_curve
+from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario, parse_scenario
 
@@ -97,13 +97,13 @@ def paper_map(name: str) -> str:
         )
     lines.append("]")
     for k in range(obstacles):
-        east, north = _aside(rng, 15.0)
+        east, north = _aside(rng, 15.0) if k % 4 > 1 else _in_the_way(rng)
         place = [f"east = {east:.1f}", f"north = {north:.1f}"]
         if k % 2:
             shape = [f"radius = {rng.uniform(3, 6):.1f}", f"height = {rng.uniform(40, 120):.1f}"]
             lines += ["", "[[obstacles]]", 'kind = "cylinder"', f'name = "mast {k + 1}"', *place, *shape]
         else:
-            shape = [f"up = {rng.uniform(15, 60):.1f}", f"radius = {rng.uniform(4, 9):.1f}"]
+            shape = [f"up = {rng.uniform(15, 50):.1f}", f"radius = {rng.uniform(4, 9):.1f}"]
             lines += ["", "[[obstacles]]", 'kind = "sphere"', f'name = "balloon {k + 1}"', *place, *shape]
     return "\n".join(lines) + "\n"
 
@@ -116,21 +116,35 @@ def _aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
             return float(east), float(north)
 
 
+def _in_the_way(rng: np.random.Generator) -> tuple[float, float]:
+    """A place within ten metres of the straight way: half of the obstacles stand there, lest a map be an empty one."""
+    along, aside = rng.uniform(25, 75), rng.uniform(-7, 7)
+    return float(along + aside), float(along - aside)
+
+
 def map_problem(case: str, dimension: int) -> Problem:
     """The planning problem on a map: `case` is its name, or name and experiment of Table 5, "map-8-1/2".
 
     Raises:
         BadInput: there is no such map, no such experiment, or the dimension is not three an inner control point.
     """
-    name, _, experiment = case.partition("/")
-    weights = WEIGHTS.get(int(experiment or 1))
-    if name not in MAPS or weights is None:
-        raise BadInput(f"case: expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}")
     if dimension != 3 * INNER:
         raise BadInput(f"dimension: expected {3 * INNER}, not {dimension}")
+    return path_problem(map_scenario(case))
+
+
+def map_scenario(case: str) -> Scenario:
+    """The scenario of a map, with the weights of the experiment if `case` names one.
+
+    Raises:
+        BadInput: there is no such map, or no such experiment.
+    """
+    name, _, experiment = case.partition("/")
+    weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
+    if name not in MAPS or weights is None:
+        raise BadInput(f"case: expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}")
     scenario = parse_scenario(paper_map(name), Path(f"{name}.toml"))
-    weighted = scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
-    return path_problem(weighted)
+    return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
 
 
 def path_problem(scenario: Scenario) -> Problem:
@@ -145,22 +159,29 @@ def path_problem(scenario: Scenario) -> Problem:
 
 
 def measures_of(curve: Spline, scenario: Scenario) -> Measures:
-    """The paper's measures of a path (Table A2), and whether it may be flown at all.
+    """The paper's measures of a path (Table A2), and whether it could be flown at all.
 
     `distance` is the curve's length. `turn` is the mean turning angle between adjacent legs of the control points:
     these are the nodes that the algorithms vary; over the hundred nodes of the smooth curve it would be a degree or
     two, which no reading of the tables allows. `dis_obs` is the mean distance of those hundred nodes' hull to the
-    nearest obstacle.
+    nearest obstacle. `clearance` is the least distance of the hull to anything, proved along the whole curve: the
+    search looks at nodes only, and keeps the safety distance only there. `feasible`: it touches nothing and leaves no
+    bound.
     """
     nodes = curve.points(np.linspace(0.0, 1.0, scenario.planning.samples))
     hull = scenario.airspace.obstacle_distance(nodes) - scenario.vehicle.radius
-    proof = prove_curve(curve, scenario)
+    least = {"obstacles": np.inf, "ground": np.inf, "bounds": np.inf}
+    for check in prove_curve(curve, scenario).checks:
+        if check.limit in least:
+            least[check.limit] = min(least[check.limit], check.found.distance)
+    clearance = min(least["obstacles"] - scenario.vehicle.radius, least["ground"])
     return {
         "distance": round(polyline_length(curve.sample(1000)), 4),
         "turn": round(float(np.degrees(turning_angles(curve.control)).mean()), 4),
         "turn_smooth": round(float(np.degrees(turning_angles(nodes)).mean()), 4),
         "dis_obs": round(float(hull.mean()), 4),
-        "feasible": float(proof.holds),
+        "clearance": round(float(clearance), 4),
+        "feasible": float(clearance >= 0 and least["bounds"] >= -TOUCHING),
         "control": [round(float(c), 3) for c in curve.control.ravel()],
     }
 

@@ -6,11 +6,21 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments import figures, paper
+from ipoa_mission.experiments import figures, map_figures, paper, paper_maps
 from ipoa_mission.experiments.executors import open_executor
+from ipoa_mission.experiments.maps import map_scenario
 from ipoa_mission.experiments.page import findings
 from ipoa_mission.experiments.runs import Row, measure
-from ipoa_mission.experiments.series import CEC_ABLATION, CEC_BEYOND, CEC_D10, CEC_D20, Series
+from ipoa_mission.experiments.series import (
+    CEC_ABLATION,
+    CEC_BEYOND,
+    CEC_D10,
+    CEC_D20,
+    MAPS_ABLATION,
+    MAPS_BEYOND,
+    MAPS_PAPER,
+    Series,
+)
 from ipoa_mission.experiments.tables import Table
 from ipoa_mission.files import write_atomically
 
@@ -25,6 +35,10 @@ class Item:
     make: Callable[[Rows], Table | str]
 
 
+def _paths(rows: Rows, cases: Sequence[str]) -> str:
+    return map_figures.paths_on_maps(rows[MAPS_PAPER.name], {case: map_scenario(case) for case in cases})
+
+
 ITEMS: dict[str, Item] = {
     "table-3": Item([CEC_D20], lambda rows: paper.table_3(rows[CEC_D20.name])),
     "table-4": Item([CEC_D20], lambda rows: paper.table_4(rows[CEC_D20.name])),
@@ -37,6 +51,16 @@ ITEMS: dict[str, Item] = {
     ),
     "contradictions": Item([], lambda _: paper.contradictions()),
     "beyond": Item([CEC_D20, CEC_BEYOND], lambda rows: paper.table_beyond(rows[CEC_BEYOND.name], rows[CEC_D20.name])),
+    "table-5": Item([MAPS_PAPER], lambda rows: paper_maps.table_5(rows[MAPS_PAPER.name])),
+    "table-6": Item([MAPS_PAPER], lambda rows: paper_maps.table_6(rows[MAPS_PAPER.name])),
+    "table-7": Item([MAPS_PAPER], lambda rows: paper_maps.table_7(rows[MAPS_PAPER.name])),
+    "figure-9": Item([MAPS_PAPER], lambda rows: _paths(rows, [f"map-8-{k}" for k in range(1, 6)])),
+    "figure-10": Item([MAPS_PAPER], lambda rows: _paths(rows, ["map-6-1", "map-10-1"])),
+    "maps-beyond": Item(
+        [MAPS_PAPER, MAPS_BEYOND],
+        lambda rows: paper_maps.table_maps_beyond(rows[MAPS_BEYOND.name], rows[MAPS_PAPER.name]),
+    ),
+    "maps-ablation": Item([MAPS_ABLATION], lambda rows: paper_maps.table_maps_ablation(rows[MAPS_ABLATION.name])),
     "ablation": Item([CEC_ABLATION], lambda rows: paper.table_ablation(rows[CEC_ABLATION.name])),
 }
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ipoa_mission.experiments.cec2022 import FUNCTIONS
+from ipoa_mission.experiments.maps import INNER, MAPS, WEIGHTS
 from ipoa_mission.experiments.published import ALGORITHMS
 from ipoa_mission.experiments.runs import Trial, settings_text
 
@@ -65,7 +66,22 @@ def _cec(dimension: int, algorithms: Sequence[tuple[str, dict[str, object]]], bu
     ]
 
 
+def _maps(cases: Sequence[str], algorithms: Sequence[tuple[str, dict[str, object]]], budget: int = 0) -> list[Trial]:
+    return [
+        Trial("map", case, 3 * INNER, name, settings_text(**settings), budget, 0)
+        for case in cases
+        for name, settings in algorithms
+    ]
+
+
 CEC_D20 = Series("cec2022-d20", 30, _cec(20, [(name, {}) for name in ALGORITHMS]))
 CEC_D10 = Series("cec2022-d10", 30, _cec(10, [(name, {}) for name in ALGORITHMS]))
 CEC_BEYOND = Series("cec2022-d20-beyond", 30, _cec(20, [(name, {}) for name in BEYOND], BUDGET))
 CEC_ABLATION = Series("cec2022-d20-ablation", 30, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
+
+#: The map of Table 5, once for each experiment.
+WEIGHTED = tuple(f"map-8-1/{experiment}" for experiment in WEIGHTS)
+
+MAPS_PAPER = Series("maps", 10, _maps([*WEIGHTED, *MAPS], [(name, {}) for name in ALGORITHMS]))
+MAPS_BEYOND = Series("maps-beyond", 10, _maps(list(MAPS), [(name, {}) for name in BEYOND], BUDGET))
+MAPS_ABLATION = Series("maps-ablation", 10, _maps(list(MAPS), [("ipoa", settings) for settings in ABLATION.values()]))

@@ -28,10 +28,10 @@ class AdaptivePelican:
     per_dimension: Annotated[float, Between(1)] = 12.0
     evaluations_per_member: Annotated[float, Between(10)] = 375.0
     prey_share: Fraction = 0.11  # how many of the best may be the prey
-    winging_share: Fraction = 0.2  # how many of the best wing over the water
+    winging_share: Fraction = 0.1  # how many of the best wing over the water
     surface_share: Fraction = 0.3  # how many of the best say how the water lies
     memories: Count = 6
-    archive: Amount = 2.6  # displaced members kept, for each member of the flock
+    archive: Amount = 1.0  # displaced members kept, for each member of the flock
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield the first flock, then two batches a generation, until the evaluations are spent."""

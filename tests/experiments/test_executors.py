@@ -1,0 +1,82 @@
+"""Runs on other processes and on a Dask cluster: the same rows, and a worker that dies loses nothing."""
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.experiments.executors import open_executor
+from ipoa_mission.experiments.runs import Row, Trial, measure, settings_text
+
+pytest.importorskip("minionpy")
+
+SMALL = settings_text(population=10, iterations=30)
+TRIALS = [Trial("cec2022", function, 10, "ipoa", SMALL, 0, run) for run in range(6) for function in ("f1", "f4")]
+
+
+def results(rows: list[Row]) -> list[tuple[object, ...]]:
+    return [(r.trial, r.cost, r.evaluations, r.history) for r in rows]
+
+
+@pytest.fixture(scope="module")
+def local(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[object, ...]]:
+    with open_executor(2, None) as processes:
+        return results(measure(TRIALS, tmp_path_factory.mktemp("local") / "rows.csv", processes))
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, processes=True
+    ) as running:
+        yield running
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_cluster_gives_the_rows_that_this_machine_gives(cluster: Any, local: object, tmp_path: Path) -> None:
+    with open_executor(1, cluster.scheduler_address) as workers:
+        assert results(measure(TRIALS, tmp_path / "rows.csv", workers)) == local
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_worker_that_is_killed_in_the_middle_loses_nothing(cluster: Any, local: object, tmp_path: Path) -> None:
+    killed: list[int] = []
+
+    def kill_one(done: int, _all: int) -> None:
+        if done == 2 and not killed:
+            killed.append(next(iter(cluster.workers.values())).process.pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    with open_executor(1, cluster.scheduler_address) as workers:
+        assert results(measure(TRIALS, tmp_path / "rows.csv", workers, kill_one)) == local
+    assert killed
+
+
+def test_where_nobody_listens_it_says_so(unused_port: int) -> None:
+    pytest.importorskip("distributed")
+    with (
+        pytest.raises(MissionError, match=f"^no Dask scheduler answers at tcp://127.0.0.1:{unused_port}$"),
+        open_executor(1, f"tcp://127.0.0.1:{unused_port}", patience_s=0.5),
+    ):
+        pass
+
+
+@pytest.fixture
+def unused_port() -> int:
+    import socket
+
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.mark.parametrize(("jobs", "address"), [(0, None), (1, "localhost"), (1, "nonsense://x")])
+def test_what_cannot_be_is_bad_input(jobs: int, address: str | None) -> None:
+    pytest.importorskip("distributed")
+    with pytest.raises(BadInput), open_executor(jobs, address):
+        pass

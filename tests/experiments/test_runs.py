@@ -1,0 +1,139 @@
+"""Measuring: nothing is run twice, nothing half-written counts, and it does not matter who runs it."""
+
+import math
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.experiments.runs import CHECKPOINTS, Row, Trial, measure, read_rows, run_trial, settings_text
+
+pytest.importorskip("minionpy")
+
+SMALL = settings_text(population=10, iterations=20)
+TRIALS = [Trial("cec2022", function, 10, "poa", SMALL, 0, run) for run in range(2) for function in ("f1", "f2")]
+
+
+class Here(Executor):
+    """Runs everything at once in this process, and counts."""
+
+    def __init__(self, breaks_after: float = math.inf) -> None:
+        self.count = 0
+        self.breaks_after = breaks_after
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        if self.count >= self.breaks_after:
+            future.set_exception(KeyboardInterrupt())
+        else:
+            self.count += 1
+            future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def results(rows: list[Row]) -> list[tuple[object, ...]]:
+    """All of the rows but the seconds they took."""
+    return [(r.trial, r.cost, r.evaluations, r.history, r.measures) for r in rows]
+
+
+def test_a_row_holds_what_the_run_gave() -> None:
+    row = run_trial(TRIALS[0])
+    assert row.evaluations == 10 + 2 * 10 * 20
+    assert len(row.history) == len(CHECKPOINTS)
+    assert row.history[-1] == row.cost
+    assert list(row.history) == sorted(row.history, reverse=True)
+
+
+def test_a_trial_is_a_function_of_itself() -> None:
+    assert results([run_trial(TRIALS[0])]) == results([run_trial(TRIALS[0])])
+
+
+def test_what_is_written_is_what_was_measured(tmp_path: Path) -> None:
+    rows = measure(TRIALS, tmp_path / "rows.csv", Here())
+    assert [row.trial for row in rows] == TRIALS
+    read = sorted(read_rows(tmp_path / "rows.csv"), key=lambda row: TRIALS.index(row.trial))
+    assert [(r.trial, r.cost, r.evaluations) for r in read] == [(r.trial, r.cost, r.evaluations) for r in rows]
+    for a, b in zip(read, rows, strict=True):
+        assert a.history == pytest.approx(b.history, rel=1e-4)
+
+
+def test_a_run_that_is_there_is_not_repeated(tmp_path: Path) -> None:
+    measure(TRIALS[:3], tmp_path / "rows.csv", Here())
+    executor = Here()
+    assert [row.trial for row in measure(TRIALS, tmp_path / "rows.csv", executor)] == TRIALS
+    assert executor.count == 1
+    before = (tmp_path / "rows.csv").read_bytes()
+    measure(TRIALS, tmp_path / "rows.csv", Here(breaks_after=0))
+    assert (tmp_path / "rows.csv").read_bytes() == before
+
+
+def test_an_interrupted_series_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        measure(TRIALS, tmp_path / "rows.csv", Here(breaks_after=2))
+    kept = len(read_rows(tmp_path / "rows.csv"))
+    assert kept <= 2
+    executor = Here()
+    assert len(measure(TRIALS, tmp_path / "rows.csv", executor)) == 4
+    assert executor.count == 4 - kept
+
+
+@pytest.mark.parametrize("cut", [1, 40, 200])
+def test_a_line_that_was_cut_off_is_no_row_and_does_not_spoil_the_next(tmp_path: Path, cut: int) -> None:
+    path = tmp_path / "rows.csv"
+    whole = measure(TRIALS, path, Here())
+    path.write_bytes(path.read_bytes()[:-cut])
+    assert len(read_rows(path)) == 3
+    again = measure(TRIALS, path, Here())
+    assert [(r.trial, r.cost) for r in again] == [(r.trial, r.cost) for r in whole]
+    assert {r.trial for r in read_rows(path)} == set(TRIALS)
+
+
+def test_progress_is_told_from_what_was_there_to_the_end(tmp_path: Path) -> None:
+    told: list[tuple[int, int]] = []
+    measure(TRIALS[:1], tmp_path / "rows.csv", Here())
+    measure(TRIALS, tmp_path / "rows.csv", Here(), lambda done, every: told.append((done, every)))
+    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
+
+
+def test_threads_give_the_same_rows(tmp_path: Path) -> None:
+    with ThreadPoolExecutor(2) as threads:
+        assert results(measure(TRIALS, tmp_path / "a.csv", threads)) == results(
+            measure(TRIALS, tmp_path / "b.csv", Here())
+        )
+
+
+@pytest.mark.parametrize("name", ["rcmaes", "lshade", "de"])
+def test_a_rival_is_counted_and_held_to_its_budget(name: str) -> None:
+    row = run_trial(Trial("cec2022", "f1", 10, name, "{}", 3000, 0))
+    assert 2500 <= row.evaluations <= 3000
+    assert row.cost == row.history[-1]
+    assert results([row]) == results([run_trial(row.trial)])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a,b\n", r"rows\.csv:1: expected the columns problem,case"),
+        ("problem,case\n1,2\n", r"rows\.csv:1: expected the columns"),
+    ],
+)
+def test_a_file_that_is_none_of_ours_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "rows.csv").write_text(text)
+    with pytest.raises(BadInput, match=message):
+        read_rows(tmp_path / "rows.csv")
+
+
+def test_a_row_that_makes_no_sense_is_named_by_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    measure(TRIALS[:2], path, Here())
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text(lines[0] + lines[1] + lines[2].replace("f2", "f2,oops"))
+    with pytest.raises(BadInput, match=r"rows\.csv:3: expected \d+ cells of a run"):
+        read_rows(path)
+
+
+def test_a_problem_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(BadInput, match=r"^problem: expected cec2022 or map, not 'cec2021'$"):
+        run_trial(Trial("cec2021", "f1", 10, "poa", "{}", 0, 0))
