@@ -10,6 +10,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.report import palette
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.plots import STYLE, settle
+from ipoa_mission.report.words import signed
 
 MOST_LABELS = 30
 
@@ -64,4 +65,5 @@ def _words(comparison: Comparison) -> str:
     estimated, flown = comparison.estimated_route_s, comparison.flown_route_s
     if not flown > 0:
         return "leg by leg"
-    return f"route: estimated {estimated:.1f} s, flown {flown:.1f} s ({100 * comparison.route_error:+.1f} %)"
+    error = signed(100 * comparison.route_error, 1, "%")
+    return f"route: estimated {estimated:.1f} s, flown {flown:.1f} s ({error})"

@@ -6,16 +6,16 @@ import math
 def seconds(value: float) -> str:
     """A time for reading: `43.1 s`, `103 s`, `12 min 05 s`."""
     if value < 99.95:
-        return f"{value:.1f} s"
+        return f"{value:.1f}\N{NO-BREAK SPACE}s"
     if value < 599.5:
-        return f"{value:.0f} s"
+        return f"{value:.0f}\N{NO-BREAK SPACE}s"
     minutes, rest = divmod(round(value), 60)
-    return f"{minutes} min {rest:02d} s"
+    return f"{minutes}\N{NO-BREAK SPACE}min {rest:02d}\N{NO-BREAK SPACE}s"
 
 
 def metres(value: float, digits: int = 2) -> str:
     """A length for reading: `2.61 m`; `free` when there is nothing near."""
-    return f"{number(value, digits)} m" if math.isfinite(value) else "free"
+    return f"{number(value, digits)}\N{NO-BREAK SPACE}m" if math.isfinite(value) else "free"
 
 
 def number(value: float, digits: int) -> str:
@@ -25,4 +25,13 @@ def number(value: float, digits: int) -> str:
 
 def share(value: float, of: float) -> str:
     """A difference in per cent with its sign: `+1.2 %`."""
-    return f"{100 * (value - of) / of:+.1f} %".replace("-", "−") if of else ""
+    return signed(100 * (value / of - 1), 1, "%") if of else ""
+
+
+def signed(value: float, digits: int, unit: str = "") -> str:
+    """A difference with its sign and its unit, which stays on the same line; an empty string when there is none."""
+    if not math.isfinite(value):
+        return ""
+    rounded = round(value, digits) + 0.0
+    words = f"{rounded:+.{digits}f}".replace("-", "−")
+    return f"{words}\N{NO-BREAK SPACE}{unit}" if unit else words

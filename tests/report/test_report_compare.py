@@ -84,7 +84,7 @@ def test_the_flown_path_comes_back_to_the_millimetre(bowed: Callable[[str], tupl
 def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Callable[[str], tuple]) -> None:
     scenario, mission, timed = bowed("campus.toml")
     page = report_html(scenario, mission, timed, flown_as(timed, mission, 1.25, 0.0))
-    assert "the estimate is off by −20.0 %" in page
+    assert "the estimate is off by −20.0\N{NO-BREAK SPACE}%" in page
     assert f"<td>{1.25 * timed.items[5].done_s:.1f}</td>" in page
     assert 'class="flown"' in page
     assert "NaN" not in page

@@ -8,7 +8,7 @@ import numpy as np
 from ipoa_mission.report.chart import Axis, Chart
 from ipoa_mission.report.compare import Comparison, LegTime
 from ipoa_mission.report.course import Stop
-from ipoa_mission.report.words import number, seconds
+from ipoa_mission.report.words import seconds, signed
 
 
 def flown_panel(comparison: Comparison) -> str:
@@ -45,8 +45,8 @@ def _drift(comparison: Comparison) -> str:
         Axis(min(-most * (late < 0).any(), -0.15 * most), most, "estimate − flight [s]"),
     )
     spots = "".join(
-        f'<i class="dot" style="{chart.spot(float(t), float(d))}" title="item {leg.seq}: {_signed(float(d))}"></i>'
-        for leg, t, d in zip(legs, times, late, strict=True)
+        f'<i class="dot" style="{chart.spot(t, d)}" title="item {leg.seq}: {signed(d, 1, "s")}"></i>'
+        for leg, t, d in zip(legs, times.tolist(), late.tolist(), strict=True)
     )
     return chart.html("drift", [chart.level(0.0, "limit"), chart.curve(times, late, "planned")], spots)
 
@@ -54,15 +54,11 @@ def _drift(comparison: Comparison) -> str:
 def _route(comparison: Comparison) -> str:
     if not math.isfinite(comparison.route_error):
         return ""
-    error = f"{100 * comparison.route_error:+.1f} %".replace("-", "−")
+    error = signed(100 * comparison.route_error, 1, "%")
     estimated, flown = seconds(comparison.estimated_route_s), seconds(comparison.flown_route_s)
     return f"From the first place to the last: estimated {estimated}, flown {flown}, an error of {error}."
 
 
 def _worst(legs: tuple[LegTime, ...]) -> str:
     worst = max(legs, key=lambda leg: abs(leg.error_s))
-    return f"The leg that is farthest off leads to item {worst.seq}: {_signed(worst.error_s)}."
-
-
-def _signed(value: float) -> str:
-    return f"{'+' if value >= 0 else ''}{number(value, 1)} s"
+    return f"The leg that is farthest off leads to item {worst.seq}: {signed(worst.error_s, 1, 's')}."

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from ipoa_mission.report.course import Stop
-from ipoa_mission.report.words import number
+from ipoa_mission.report.words import number, signed
 
 HEAD = (
     ("", "item"),
@@ -48,7 +48,7 @@ def _row(n: int, stop: Stop, required: float, flown_done: Mapping[int, float] | 
     ]
     if flown_done is not None:
         done = flown_done.get(n, math.nan)
-        cells += [number(done, 1), _signed(time.done_s - done)]
+        cells += [number(done, 1), signed(time.done_s - done, 1)]
     body = "".join(f"<td>{cell}</td>" for cell in cells)
     return (
         f'<tr data-stop="{n}" tabindex="0"><th scope="row"><i>{time.seq}</i> {escape(stop.name)}</th>{body}'
@@ -62,7 +62,3 @@ def _clearance(stop: Stop, required: float) -> str:
     words, bad = number(stop.clearance.distance, 2), stop.clearance.distance < required
     where = f'title="to {escape(stop.clearance.what)}"'
     return f'<span class="bad" {where}>✕ {words}</span>' if bad else f"<span {where}>{words}</span>"
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.1f}".replace("-", "−") if math.isfinite(value) else ""

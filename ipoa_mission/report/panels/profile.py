@@ -51,10 +51,10 @@ def profile_legend(flown: bool) -> str:
 
 
 def distance_profile(course: Course, required: float) -> str:
-    """Distance to the nearest obstacle along the way; far ones are cut off. Nothing where there are no obstacles."""
-    if not np.isfinite(course.apart).any():
-        return ""
+    """Distance to the nearest obstacle along the way, cut off where it is large; nothing where it is so all the way."""
     most = max(6 * required, 20.0)
+    if not (course.apart < most).any():
+        return ""
     chart = Chart(
         axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0), Axis(0.0, most, "to obstacles [m]")
     )
