@@ -1,0 +1,48 @@
+"""A built-in autopilot behind a real socket on an ephemeral loopback port, for clients in other processes."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import pytest
+
+from ipoa_mission.link.address import parse_address
+from ipoa_mission.link.channel import TcpChannel, UdpChannel
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.server import Server
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+
+
+@dataclass
+class Running:
+    """A mock under way: where it listens, and what it holds."""
+
+    port: int
+    mock: Mock
+
+
+@contextmanager
+def running(family: Autopilot, speedup: float = 20.0, transport: str = "udpin", system: int = 1) -> Iterator[Running]:
+    channel = (UdpChannel if transport == "udpin" else TcpChannel)(parse_address(f"{transport}:127.0.0.1:0"))
+    mock = Mock(family, HOME)
+    server = Server(channel, Station(mock, system, datagrams=channel.datagrams), speedup)
+    stop = threading.Event()
+    thread = threading.Thread(target=server.run, args=(stop.is_set,))
+    thread.start()
+    try:
+        yield Running(channel.port, mock)
+    finally:
+        stop.set()
+        thread.join()
+        channel.close()
+
+
+@pytest.fixture
+def run_mock() -> Callable[..., object]:
+    """Run a mock while a `with` block lasts."""
+    return running

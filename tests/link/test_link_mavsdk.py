@@ -1,0 +1,76 @@
+"""MAVSDK, which we did not write, on either side of our link: real sockets, a process of its own."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("mavsdk")
+
+from ipoa_mission.link.address import parse_address
+from ipoa_mission.link.channel import UdpChannel
+from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
+from ipoa_mission.link.vehicle import meet
+from ipoa_mission.link.wire import coordinate
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+HERE = Path(__file__).parent
+HOME = Geodetic(47.4, 8.5, 400.0)
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, run_mock: Callable[..., object]) -> None:
+    with run_mock(family, speedup=40.0) as running:  # type: ignore[attr-defined]
+        done = subprocess.run(
+            [sys.executable, str(HERE / "mavsdk_client.py"), f"udpout:127.0.0.1:{running.port}"],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    line = next((line for line in done.stdout.splitlines() if "RESULT " in line), None)
+    assert line is not None, done.stdout + done.stderr
+    told = json.loads(line[line.index("RESULT ") + 7 :])
+    assert told.pop("samples") > 10
+    assert told == {
+        "autopilot": str(family),
+        "items": 5,
+        "fence_is_kept": True,
+        "rally_is_kept": True,
+        "reached": [0, 1, 2, 3, 4],
+        "completed": True,
+    }
+
+
+def test_our_upload_puts_a_mission_on_mavsdks_own_server() -> None:
+    channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
+    legs = [waypoint(Geodetic(47.4 + 0.00012345 * n, 8.5 - 0.00054321 * n), 30.0 + n) for n in range(1, 20)]
+    items = (takeoff(HOME, 20.0), *legs, return_to_launch())
+    with (
+        Line(channel, Codec(STATION_SYSTEM, STATION_COMPONENT)) as line,
+        subprocess.Popen(
+            [sys.executable, str(HERE / "mavsdk_server.py"), f"udpout://127.0.0.1:{channel.port}", "20"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as server,
+    ):
+        try:
+            meet(line).upload(Mission(HOME, items))
+            assert server.stderr is not None
+            told = next(json.loads(words) for words in server.stderr if words.startswith("{"))
+        finally:
+            server.kill()
+    assert told["result"] == "SUCCESS"
+    assert [row[2] for row in told["items"]] == [item.command for item in items]
+    assert [row[5:7] for row in told["items"]] == [
+        [coordinate(item.latitude_deg, item.frame), coordinate(item.longitude_deg, item.frame)] for item in items
+    ]
+    assert [row[7] for row in told["items"]] == [item.altitude for item in items]
