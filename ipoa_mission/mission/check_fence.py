@@ -1,12 +1,10 @@
 """A geofence that would stop the mission it comes with: home, items, rally points or legs outside of it."""
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 import shapely
 
-from ipoa_mission.mission.check_positions import TOO_FAR, distance, out_of_range
 from ipoa_mission.mission.finding import Finding, Severity, error
 from ipoa_mission.mission.firmware_facts import FIRMWARE
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
@@ -34,17 +32,11 @@ def check_fence(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> I
 
 
 def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
-    """What is wrong with one part of a fence, in words; far from home there is no plane to draw it in."""
-    points = part.vertices if isinstance(part, FencePolygon) else (part.center,)
-    for latitude_deg, longitude_deg in points:
-        if wrong := out_of_range(latitude_deg, longitude_deg):
-            return wrong
-        if (metres := distance(frame.home, latitude_deg, longitude_deg)) > TOO_FAR:
-            return f"expected a position within {TOO_FAR / 1000:g} km of home, not {metres / 1000:.0f} km"
+    """What is wrong with one part of a fence, in words."""
     if isinstance(part, FenceCircle):
-        return None if 0 < part.radius < math.inf else f"expected a radius above zero, not {part.radius:g} m"
-    if len(points) < 3:
-        return f"expected a polygon of three vertices or more, not {len(points)}"
+        return None
+    if len(part.vertices) < 3:
+        return f"expected a polygon of three vertices or more, not {len(part.vertices)}"
     reason = shapely.is_valid_reason(_area(part, frame))
     return None if reason == "Valid Geometry" else f"expected a polygon with an inside, not with a {_tidy(reason)}"
 

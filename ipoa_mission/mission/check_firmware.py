@@ -15,6 +15,7 @@ LANDINGS = {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_LAND, Command.NAV_VTOL_LAN
 #: Commands whose param1 is a time that ArduPilot keeps in whole seconds.
 HOLDS = {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME}
 LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits
+LARGEST = 3.4e38  # what MAVLink's floats can carry
 MAY_PRECEDE_TAKEOFF = {Command.NAV_DELAY}
 
 
@@ -67,8 +68,8 @@ def _is_fence(item: Item, firmware: Firmware) -> bool:
 
 def _params(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
     for n, value in enumerate(item.params, start=1):
-        if math.isinf(value):
-            yield error(seq, item, f"param{n}: expected a finite number, not {value}")
+        if abs(value) > LARGEST:
+            yield error(seq, item, f"param{n}: expected a number that fits in single precision, not {value:g}")
     hold = item.params[0]
     if item.command in HOLDS and math.isfinite(hold):
         if hold < 0:

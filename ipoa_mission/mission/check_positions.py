@@ -5,9 +5,10 @@ from collections.abc import Iterator
 
 from pyproj import Geod
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.finding import Finding, Severity, error, warning
 from ipoa_mission.mission.firmware_facts import FIRMWARE
-from ipoa_mission.mission.items import FLOWN_TO, Command, Frame, Item, Mission, plain_frame
+from ipoa_mission.mission.items import FLOWN_TO, Command, FenceCircle, FencePolygon, Frame, Item, Mission, plain_frame
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -19,21 +20,53 @@ MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND}
 
 
 def check_positions(mission: Mission) -> Iterator[Finding]:
-    """Findings about home, the items' positions and heights, and rally points."""
+    """Findings about home, the positions and heights of items and rally points, and where the fence lies."""
     yield from _home(mission.home)
     for seq, item in enumerate(mission.items, start=1):
-        if item.command in FIRMWARE[mission.autopilot].placed and item.frame != Frame.MISSION:
+        if item.command in FLOWN_TO | FIRMWARE[mission.autopilot].placed.keys() and item.frame != Frame.MISSION:
             found = list(_position(seq, item, mission))
             yield from found
             if not found:
                 yield from _far(seq, item, mission.home)
             yield from _height(seq, item, mission)
+    yield from _fence(mission)
     for n, place in enumerate(mission.rally):
-        if wrong := out_of_range(place.latitude_deg, place.longitude_deg):
+        if wrong := _wrong_corner(mission.home, place.latitude_deg, place.longitude_deg):
             yield Finding(Severity.ERROR, None, f"rally[{n}]: {wrong}")
         elif not math.isfinite(place.altitude) or not 0 <= place.altitude <= HIGHEST:
             message = f"rally[{n}]: expected a height above home in metres, not {place.altitude:g}"
             yield Finding(Severity.ERROR, None, message)
+
+
+def _fence(mission: Mission) -> Iterator[Finding]:
+    for n, part in enumerate(mission.fence):
+        corners = part.vertices if isinstance(part, FencePolygon) else (part.center,)
+        wrong = next(filter(None, (_wrong_corner(mission.home, *corner) for corner in corners)), None)
+        if isinstance(part, FenceCircle) and not 0 < part.radius <= TOO_FAR:
+            wrong = f"expected a radius above zero and up to {TOO_FAR / 1000:g} km, not {part.radius:g} m"
+        if wrong:
+            yield Finding(Severity.ERROR, None, f"fence[{n}]: {wrong}")
+
+
+def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> str | None:
+    """What is wrong with a corner of the fence or a rally point, in words: far from home it makes no sense."""
+    if wrong := out_of_range(latitude_deg, longitude_deg):
+        return wrong
+    if out_of_range(home.latitude_deg, home.longitude_deg):
+        return None
+    metres = distance(home, latitude_deg, longitude_deg)
+    return None if metres <= TOO_FAR else f"expected a position within 100 km of home, not {metres / 1000:.0f} km"
+
+
+def refuse_unsound(mission: Mission) -> None:
+    """Refuse a mission that cannot be drawn.
+
+    Raises:
+        BadInput: in the words of the first error of `check_positions`.
+    """
+    for finding in check_positions(mission):
+        if finding.severity is Severity.ERROR:
+            raise BadInput(finding.message)
 
 
 def _home(home: Geodetic) -> Iterator[Finding]:

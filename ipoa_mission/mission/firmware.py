@@ -137,7 +137,9 @@ def _is_home(item: Item) -> bool:
 
 
 def _single(value: float) -> float:
-    return float(np.float32(value))
+    """The number as MAVLink carries it; what does not fit is infinite."""
+    with np.errstate(over="ignore"):
+        return float(np.float32(value))
 
 
 def _whole(value: float) -> float:
@@ -145,9 +147,13 @@ def _whole(value: float) -> float:
 
 
 def _centimetres(value: float) -> float:
-    if not math.isfinite(value):
-        return 0.0
-    return float(np.float32(math.trunc(float(np.float32(value) * np.float32(100.0)))) / np.float32(100.0))
+    """Cut as ArduPilot cuts: times a hundred in single precision, then to an integer."""
+    scaled = _single(_single(value) * 100.0)
+    return _single(_single(math.trunc(scaled)) / 100.0) if math.isfinite(scaled) else 0.0
+
+
+def _deg_e7(degrees: float) -> float:
+    return round(degrees * 1e7) if math.isfinite(degrees * 1e7) else degrees
 
 
 def _turns(value: float) -> float:
@@ -168,7 +174,7 @@ KEEP: Mapping[str, Callable[[float], float]] = {
     "w": _whole,
     "c": _centimetres,
     "m": _whole,
-    "d": lambda value: round(value * 1e7) / 1e7,
+    "d": lambda value: _deg_e7(value) / 1e7,
     "t": _turns,
     "r": _radius,
 }
@@ -223,10 +229,10 @@ def _agree(letter: str, one: float, other: float) -> bool:
         return math.isnan(one) and math.isnan(other)
     match letter:
         case "d":
-            return round(one * 1e7) == round(other * 1e7)
+            return _deg_e7(one) == _deg_e7(other)
         case "c":
             return abs(one - other) <= ALTITUDE_SLACK
         case "y":
             return abs((one - other + 180.0) % 360.0 - 180.0) <= YAW_SLACK
         case _:
-            return bool(np.float32(one) == np.float32(other))
+            return _single(one) == _single(other)

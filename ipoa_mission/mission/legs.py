@@ -91,6 +91,8 @@ class _Flight:
             place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
             return np.array([*place[:2], self.ground(place[None, :])[0] + item.altitude])
         amsl += self.mission.altitude_above_home(item)
+        if math.isnan(amsl):
+            return None
         return self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
 
     def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:

@@ -33,7 +33,8 @@ def write_plan(mission: Mission, path: Path) -> None:
     """Write a mission with its fence and rally points; the same mission gives the same bytes.
 
     Raises:
-        BadInput: the file cannot be written, or the mission holds what no `.plan` can (an altitude that is no number).
+        BadInput: the file cannot be written, or the mission holds what no `.plan` can: an altitude that is no number, a
+            jump to nowhere.
     """
     text = json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False)
     write_atomically(path, text + "\n")
@@ -71,6 +72,8 @@ def read_plan(path: Path, autopilot: Autopilot | None = None) -> Mission:
 
 def _plan(mission: Mission) -> dict[str, Any]:
     items = settle_frames(mission.items, mission.autopilot)
+    for number, item in enumerate(items, start=1):
+        _check(number, item, len(items))
     modes = Counter(ALTITUDE_MODE[Frame(item.frame)] for item in items if _has_altitude(item))
     header: dict[str, Any] = {
         "firmwareType": FIRMWARE_TYPE[mission.autopilot],
@@ -94,6 +97,15 @@ def _plan(mission: Mission) -> dict[str, Any]:
     }
 
 
+def _check(number: int, item: Item, count: int) -> None:
+    """Refuse what every reader would."""
+    where = f"item {number} ({command_name(item.command)})"
+    if _has_altitude(item) and not math.isfinite(item.altitude):
+        raise BadInput(f"{where}: expected an altitude, not {item.altitude}")
+    if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
+        raise BadInput(f"{where}: param1: expected the number of an item, 1 to {count}, not {item.params[0]:g}")
+
+
 def _simple_item(number: int, item: Item) -> dict[str, Any]:
     params = [*item.params, item.latitude_deg, item.longitude_deg, item.altitude]
     written: dict[str, Any] = {
@@ -106,8 +118,6 @@ def _simple_item(number: int, item: Item) -> dict[str, Any]:
     }
     if not _has_altitude(item):
         return written
-    if not math.isfinite(item.altitude):
-        raise BadInput(f"item {number} ({command_name(item.command)}): expected an altitude, not {item.altitude}")
     return written | {
         "AMSLAltAboveTerrain": None,
         "Altitude": _tidy(item.altitude),
@@ -153,7 +163,7 @@ def _autopilot(mission: Node) -> Autopilot:
 
 def _home(node: Node) -> Geodetic:
     latitude, longitude, altitude = node.array(3, "numbers (latitude, longitude, altitude AMSL)")
-    return Geodetic(_degrees(latitude), _degrees(longitude), altitude.number("an altitude AMSL in metres"))
+    return Geodetic(_degrees(latitude, 90), _degrees(longitude), altitude.number("an altitude AMSL in metres"))
 
 
 @dataclass(frozen=True)
@@ -210,9 +220,10 @@ def _simple(node: Node) -> _Listed:
     frame = node["frame"].whole("a MAV_FRAME number", 0, 255)
     nodes = node["params"].array(7, "numbers")
     p1, p2, p3, p4, *place = (child.number_or_nan() for child in nodes)
-    for child, value in zip(nodes[4:6], place, strict=False):
-        if math.isnan(value) and frame != Frame.MISSION and command not in MAY_BE_HERE:
-            raise child.wrong("degrees")
+    if frame != Frame.MISSION:
+        for child in nodes[4:6]:
+            if not (child.value is None and command in MAY_BE_HERE):
+                _degrees(child)
     _check_altitude(node, place[2])
     latitude, longitude = (0.0 if math.isnan(value) else value for value in place[:2])
     altitude = 0.0 if math.isnan(place[2]) and frame == Frame.MISSION else place[2]
@@ -275,5 +286,9 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
     return tuple(Geodetic(_degrees(lat), _degrees(lon), alt.number("an altitude in metres")) for lat, lon, alt in nodes)
 
 
-def _degrees(node: Node) -> float:
-    return node.number("degrees")
+def _degrees(node: Node, limit: int = 180) -> float:
+    """Degrees that MAVLink can carry; a latitude beyond 90 is left to the check of the mission."""
+    degrees = node.number(expected := f"degrees from -{limit} to {limit}")
+    if abs(degrees) > limit:
+        raise node.wrong(expected)
+    return degrees

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.geometry import leg_lengths
+from ipoa_mission.mission.check_positions import refuse_unsound
 from ipoa_mission.mission.firmware_facts import FIRMWARE
 from ipoa_mission.mission.items import Command, Frame, Item, Mission, command_name, plain_frame
 from ipoa_mission.mission.legs import Leg, flown_legs
@@ -40,7 +41,12 @@ class Row:
 
 
 def mission_table(mission: Mission, scenario: Scenario | None = None) -> tuple[Row, ...]:
-    """Home and every item; with a scenario, heights above its ground too."""
+    """Home and every item; with a scenario, heights above its ground too.
+
+    Raises:
+        BadInput: a position or height that no leg can lead to.
+    """
+    refuse_unsound(mission)
     frame = LocalFrame(mission.home) if scenario is None else scenario.frame
     ground = None if scenario is None else scenario.airspace.ground
     parameters = None if scenario is None else scenario.vehicle.autopilot_parameters()

@@ -62,6 +62,8 @@ def read_waypoints(path: Path, autopilot: Autopilot = Autopilot.PX4) -> Mission:
             f"{path}: line {line}: command: expected 16 (item 0 is home), not {first.command}",
             hint="a file whose first item is a take-off lost its home item: put one before it",
         )
+    if abs(first.latitude_deg) > 90:
+        raise BadInput(f"{path}: line {line}: latitude: expected degrees from -90 to 90, not {first.latitude_deg:g}")
     home = Geodetic(first.latitude_deg, first.longitude_deg, first.altitude)
     return Mission(home, settle_frames([item for _, item in others], autopilot), autopilot)
 
@@ -132,6 +134,13 @@ class _Line:
             return value
         raise self.wrong(name, "a finite number")
 
+    def degrees(self, name: str) -> float:
+        """Degrees that MAVLink can carry; a latitude beyond 90 is left to the check of the mission."""
+        value = self.number(name)
+        if abs(value) > 180:
+            raise self.wrong(name, "degrees from -180 to 180")
+        return value
+
     def whole(self, name: str, most: int) -> int:
         """A whole number from 0 to `most`."""
         value = self.number(name)
@@ -148,13 +157,14 @@ def _item(line: _Line, seq: int) -> Item:
     if line.whole("seq", 65535) != seq:
         raise line.wrong("seq", str(seq))
     line.whole("current", 3)
+    frame = line.whole("frame", 255)
     p1, p2, p3, p4 = (line.number(name) for name in PARAMS)
     return Item(
         line.whole("command", 65535),
-        line.whole("frame", 255),
+        frame,
         (p1, p2, p3, p4),
-        line.number("latitude"),
-        line.number("longitude"),
+        line.number("latitude") if frame == Frame.MISSION else line.degrees("latitude"),
+        line.number("longitude") if frame == Frame.MISSION else line.degrees("longitude"),
         line.number("altitude"),
         bool(line.whole("autocontinue", 1)),
     )

@@ -101,7 +101,7 @@ SAID: dict[str, tuple[Mission, list[str]]] = {
     ),
     "infinite param": (
         flight(UP, replace(AWAY, params=(0.0, math.inf, 0.0, 0.0)), DOWN),
-        ["error: item 2 (NAV_WAYPOINT): param2: expected a finite number, not inf"],
+        ["error: item 2 (NAV_WAYPOINT): param2: expected a number that fits in single precision, not inf"],
     ),
     "no speed": (
         flight(UP, change_speed(0.0), AWAY, DOWN),
@@ -253,7 +253,7 @@ SAID: dict[str, tuple[Mission, list[str]]] = {
     ),
     "circle without a radius": (
         replace(flight(UP, DOWN), fence=(FenceCircle((39.1, 121.8), 0.0),)),
-        ["error: fence[0]: expected a radius above zero, not 0 m"],
+        ["error: fence[0]: expected a radius above zero and up to 100 km, not 0 m"],
     ),
     "fence in another country": (
         replace(flight(UP, DOWN), fence=(FenceCircle((47.4, 8.5), 500.0),)),

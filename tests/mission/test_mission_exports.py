@@ -202,7 +202,7 @@ def test_the_table_knows_the_height_above_a_scenarios_ground() -> None:
 def test_what_the_columns_do_not_show_is_said_in_words() -> None:
     items = (
         Item(177, 2, (3.0, 2.0, 0.0, 0.0)),
-        Item(18, 3, (4.0, 0.0, 20.0, 0.0)),
+        Item(18, 3, (4.0, 0.0, 20.0, 0.0), 39.102, 121.82, 9.0),
         Item(206, 2, (25.0, 0.0, 1.0, 0.0)),
     )
     assert [row.detail for row in mission_table(Mission(HOME, items, Autopilot.ARDUPILOT))[1:]] == [

@@ -95,6 +95,12 @@ def test_an_altitude_that_is_no_number_is_not_written(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_a_jump_to_nowhere_is_not_written(tmp_path: Path) -> None:
+    mission = Mission(HOME, (takeoff(HOME, 10.0), Item(177, 2, (3.0, 1.0, 0.0, 0.0))))
+    with pytest.raises(BadInput, match=r"^item 2 \(DO_JUMP\): param1: expected the number of an item, 1 to 2, not 3$"):
+        write_plan(mission, tmp_path / "no.plan")
+
+
 def test_a_survey_becomes_its_waypoints() -> None:
     mission = read_plan(FILES / "survey.plan")
     assert [item.command for item in mission.items] == [22, 530, 16, 206, 16, 206, 16, 206, 16, 206, 177, 20]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
+from ipoa_mission.mission.check_positions import refuse_unsound
 from ipoa_mission.mission.exports.comma_separated import to_csv
 from ipoa_mission.mission.exports.geojson import to_geojson
 from ipoa_mission.mission.exports.gpx import to_gpx
@@ -24,8 +25,9 @@ def write_export(mission: Mission, path: Path) -> None:
     """Write the mission in the format of the suffix, named as the file; the same mission gives the same bytes.
 
     Raises:
-        BadInput: no such format, or the file cannot be written.
+        BadInput: no such format, a position or height that cannot be drawn, or the file cannot be written.
     """
     if path.suffix not in EXPORTS:
         raise BadInput(f'{path}: expected a name that ends in {", ".join(EXPORTS)}, not in "{path.suffix}"')
+    refuse_unsound(mission)
     write_atomically(path, EXPORTS[path.suffix](mission, path.stem))
