@@ -200,6 +200,10 @@ SAID: dict[str, tuple[Mission, list[str]]] = {
         flight(UP, replace(AWAY, frame=10, altitude=-5.0), DOWN, autopilot=ARDUPILOT),
         ["error: item 2 (NAV_WAYPOINT): expected a height above the terrain, not -5 m"],
     ),
+    "above any terrain": (
+        flight(UP, replace(AWAY, frame=10, altitude=1e308), DOWN, autopilot=ARDUPILOT),
+        ["error: item 2 (NAV_WAYPOINT): expected a height above the terrain, not 1e+308 m"],
+    ),
     "home on null island": (
         Mission(Geodetic(0.0, 0.0, 20.0), (replace(UP, latitude_deg=0.01, longitude_deg=0.0),)),
         [
