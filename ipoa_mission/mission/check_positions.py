@@ -121,7 +121,7 @@ def _height(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
         yield error(seq, item, f"expected an altitude in metres, not {item.altitude}")
         return
     if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
-        if not (0 < item.altitude or item.command == Command.NAV_LAND) or abs(item.altitude) > HIGHEST:
+        if not (item.altitude > 0 or item.command == Command.NAV_LAND) or abs(item.altitude) > HIGHEST:
             yield error(seq, item, f"expected a height above the terrain, not {item.altitude:g} m")
         return
     height = mission.altitude_above_home(item)
