@@ -111,6 +111,13 @@ def _read_item(raw: Any) -> m.ItemAt:
     return m.ItemAt(raw.seq, item, raw.mission_type, raw.current)
 
 
+def _read_old_item(raw: Any) -> m.ItemAt:
+    """MISSION_ITEM, whose degrees are single precision (up to 0.85 m off): understood, never sent."""
+    params = (raw.param1, raw.param2, raw.param3, raw.param4)
+    item = Item(raw.command, raw.frame, params, raw.x, raw.y, raw.z, bool(raw.autocontinue))
+    return m.ItemAt(raw.seq, item, raw.mission_type, raw.current)
+
+
 def _params(raw: Any, count: int) -> tuple[Any, ...]:
     return tuple(getattr(raw, f"param{i}") for i in range(1, count + 1))
 
@@ -226,6 +233,7 @@ _LAYOUTS: tuple[Layout[Any], ...] = (
         lambda r: {"seq": r.seq, "mission_type": r.kind},
         lambda raw: m.Request(raw.seq, raw.mission_type),
     ),
+    Layout("MISSION_ITEM", m.ItemAt, _write_item, _read_old_item),
     Layout("MISSION_ITEM_INT", m.ItemAt, _write_item, _read_item),
     _plain("MISSION_ACK", m.Ack, {"result": "type", "kind": "mission_type"}),
     _plain("MISSION_REQUEST_LIST", m.RequestList, _TYPED),
