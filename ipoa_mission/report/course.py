@@ -14,6 +14,7 @@ from ipoa_mission.world.airspace import Airspace, Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 SAMPLES = 800
+HERE = 0.5  # a leg shorter than this over ground has no heading [m]
 STILL = 1.0  # nearer than this to where the flight ends it is coming down [m]
 MOVING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_TAKEOFF})
 
@@ -97,7 +98,7 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
                 if place is None
                 else float(place[2] - scenario.airspace.ground(place[None, :])[0]),
                 length=float(np.linalg.norm(leg)),
-                heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > 0.01 else math.nan,
+                heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > HERE else math.nan,
                 climb=float(leg[2]),
                 clearance=airspace.leg_clearance(before, place) if flown and place is not None else None,
             )

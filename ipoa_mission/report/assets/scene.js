@@ -6,7 +6,7 @@ function makeScene(canvas, world, lines, spots) {
   const buffer = document.createElement("canvas");
   const start = { heading: -28, elevation: 38, zoom: 1, east: 0, north: 0 };
   let view = { ...start }, marker = null, chosen = -1, waiting = 0;
-  let faces = [], strokes = [], colours = {};
+  let faces = [], strokes = [], colours = null;
 
   const middle = [0, 1].map((k) => (world.lower[k] + world.upper[k]) / 2);
   const radius = Math.hypot(world.upper[0] - world.lower[0], world.upper[1] - world.lower[1]) / 2;
@@ -98,7 +98,7 @@ function makeScene(canvas, world, lines, spots) {
   function paint(width, height) {
     const ink = new Uint32Array(width * height).fill(pack(colours["--paper"]));
     const depth = new Float32Array(width * height).fill(-Infinity);
-    const { to, near } = camera(width, height);
+    const { to, near, scale } = camera(width, height);
     const towards = [near[0], near[1], near[2] / lift];
     const cuts = [];
     for (const face of faces) {
@@ -107,7 +107,8 @@ function makeScene(canvas, world, lines, spots) {
       fill(face.rings.map((ring) => ring.map(to)), face.ink);
     }
     const thick = Math.max(1, width / 900), edge = colours["--edge"];
-    for (const [a, b] of strokes) stroke(to(a), to(b), thick * 0.5, edge, 1.5 * thick, 0, 0.75);
+    const crisp = Math.min(0.75, scale / thick - 0.3);  // outlines of what is only a few pixels wide blacken it
+    if (crisp > 0.05) for (const [a, b] of strokes) stroke(to(a), to(b), thick * 0.5, edge, 1.5 * thick, 0, crisp);
     for (const spot of spots) stroke(to(spot), to([spot[0], spot[1], spot[3]]), thick * 0.5, colours["--quiet"], thick, 0, 0.8);
     for (const line of lines) {
       const tone = colours[line.colour], wide = thick * line.width, ends = line.points.map(to);
@@ -159,6 +160,7 @@ function makeScene(canvas, world, lines, spots) {
   }
 
   function show() {  // puts what was painted on the screen, and the marks that move over it
+    if (!colours) return;
     const ratio = Math.min(window.devicePixelRatio || 1, 2), { clientWidth: width, clientHeight: height } = canvas;
     canvas.width = width * ratio; canvas.height = height * ratio;
     context.imageSmoothingQuality = "high";
@@ -180,6 +182,7 @@ function makeScene(canvas, world, lines, spots) {
   function render(fine) {
     const width = canvas.clientWidth, height = canvas.clientHeight;
     if (!width || !height) return;
+    if (!colours) build();
     const grain = fine ? 2 : 1;
     buffer.width = width * grain; buffer.height = height * grain;
     buffer.getContext("2d").putImageData(paint(buffer.width, buffer.height), 0, 0);
@@ -242,10 +245,9 @@ function makeScene(canvas, world, lines, spots) {
     event.preventDefault();
     move(keys[event.key]());
   });
-  new ResizeObserver(() => render(true)).observe(canvas);
+  new ResizeObserver(() => setTimeout(() => render(true))).observe(canvas);  // after the rest of the page is on the screen
   for (const query of ["(prefers-color-scheme: dark)", "print"])
     matchMedia(query).addEventListener("change", () => { build(); render(true); });
-  build();
 
   return {
     key: (name) => move(keys[name]()),

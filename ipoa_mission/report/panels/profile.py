@@ -97,14 +97,16 @@ def _mark(n: int, stop: Stop, chart: Chart) -> str:
 
 def _near(course: Course, airspace: Airspace, required: float) -> Iterator[tuple[Obstacle, tuple[float, float], str]]:
     """Obstacles under or beside the path, each with the stretch of the way along which it is."""
-    low, high = course.points.min(axis=0)[:2] - BESIDE, course.points.max(axis=0)[:2] + BESIDE
+    flat = course.points[:, :2]
     for look, reach in (("beside", max(BESIDE, 2 * required)), ("below", required)):
         for body in airspace.obstacles:
-            if (body.bounds[1, :2] < low).any() or (body.bounds[0, :2] > high).any():
+            bounds = body.bounds
+            close = ((flat > bounds[0, :2] - reach) & (flat < bounds[1, :2] + reach)).all(axis=1)
+            if not close.any():
                 continue
-            level = course.points.copy()
-            level[:, 2] = body.bounds[:, 2].mean()
-            for first, last in _runs(body.distance(level) < reach):
+            level = np.column_stack([flat[close], np.full(int(close.sum()), bounds[:, 2].mean())])
+            close[close] = body.distance(level) < reach
+            for first, last in _runs(close):
                 yield body, (float(course.along[first]), float(course.along[last])), look
 
 
