@@ -162,13 +162,11 @@ class Exchange(Generic[T]):
         """When `tick` is next needed."""
         if self.finished:
             return math.inf
-        match self._awaited:
-            case Ask():
-                return self._said + self._wait_s
-            case Tell():
-                return self._since + self._patience.silence_s
-            case Pause(seconds):
-                return self._since + seconds
+        if isinstance(self._awaited, Ask):
+            return self._said + self._wait_s
+        if isinstance(self._awaited, Tell):
+            return self._since + self._patience.silence_s
+        return self._since + self._awaited.seconds
 
     def outgoing(self) -> list[Message]:
         """What is to be said now; each message once."""

@@ -1,0 +1,138 @@
+"""Both ends of the mission service without I/O: a client's dialogue, the mock's transfers, and the air between."""
+
+import heapq
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import cycle
+from typing import TypeVar
+
+from ipoa_mission.link.codec import Target
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
+from ipoa_mission.link.messages import Heartbeat, Message, MissionType
+from ipoa_mission.mission.items import Item, takeoff, waypoint
+from ipoa_mission.simulator.personality import PERSONALITIES
+from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+T = TypeVar("T")
+HOME = Geodetic(47.4, 8.5, 400.0)
+CLIENT, STRANGER = Target(245, 190), Target(255, 190)
+LIMIT_S = 3600.0
+
+
+def items_of(autopilot: Autopilot, count: int, shift: float = 0.0) -> tuple[Item, ...]:
+    """A list of `count` items as it goes over the wire; another `shift` makes another list."""
+    places = [Geodetic(47.4 + 0.0001 * n + shift, 8.5 - 0.0000123 * n) for n in range(count)]
+    flown = [takeoff(HOME, 20.0), *(waypoint(place, 30.0) for place in places)]
+    if autopilot is Autopilot.ARDUPILOT:
+        flown = [Item(16, 0, (0.0,) * 4, HOME.latitude_deg, HOME.longitude_deg, HOME.altitude), *flown]
+    return tuple(flown[:count])
+
+
+@dataclass(frozen=True)
+class Fate:
+    """What becomes of one message: how many copies arrive, and how late."""
+
+    copies: int = 1
+    delay_s: float = 0.02
+
+
+class Vehicle:
+    """The mock's mission service, and what it has said."""
+
+    def __init__(self, autopilot: Autopilot, nak_at: int | None = None) -> None:
+        self.said: list[tuple[Message, Target]] = []
+        self.changed: list[int] = []
+        self.transfers = Transfers(
+            PERSONALITIES[autopilot],
+            lambda: HOME,
+            lambda message, to: self.said.append((message, to)),
+            self.changed.append,
+            nak_at,
+        )
+        self.transfers.booted = True
+
+    def hear(self, message: Message, now: float = 0.0, source: Target = CLIENT) -> list[Message]:
+        """What the vehicle says to this source in answer to a message."""
+        self.transfers.receive(message, source, now)
+        return self.take(source)
+
+    def wait(self, until: float, source: Target = CLIENT) -> list[tuple[float, Message]]:
+        """What it says unasked, and when."""
+        said: list[tuple[float, Message]] = []
+        while self.transfers.deadline <= until:
+            moment = self.transfers.deadline
+            self.transfers.tick(moment)
+            said += [(moment, message) for message in self.take(source)]
+        return said
+
+    def take(self, source: Target = CLIENT) -> list[Message]:
+        said, self.said = self.said, []
+        return [message for message, to in said if to == source]
+
+    def holds(self, kind: int = MissionType.MISSION) -> tuple[Item, ...]:
+        return self.transfers.listed(kind)
+
+    def store(self, items: tuple[Item, ...], kind: int = MissionType.MISSION) -> None:
+        """What was on the vehicle before."""
+        store = self.transfers.stores[MissionType(kind)]
+        store.begin(len(items))
+        for seq, item in enumerate(items):
+            store.keep(seq, item)
+        store.commit()
+
+
+@dataclass
+class Air:
+    """Carries messages both ways by the fates of a schedule, on a virtual clock."""
+
+    vehicle: Vehicle
+    fates: Iterable[Fate] = (Fate(),)
+    now: float = 0.0
+    heard: list[Message] = field(default_factory=list)
+    _flying: list[tuple[float, int, bool, Message]] = field(default_factory=list)
+    _count: int = 0
+
+    def __post_init__(self) -> None:
+        self._fate: Iterator[Fate] = cycle(self.fates)
+        self._beat = 1.0
+
+    def hold(
+        self, dialogue: Dialogue[T], patience: Patience = SPECIFIED, interrupts: dict[float, Exception] | None = None
+    ) -> T:
+        """The result of the client's dialogue with the vehicle."""
+        exchange = Exchange(dialogue, self.now, patience)
+        interrupts = dict(interrupts or {})
+        while not exchange.finished:
+            self._launch(exchange.outgoing(), to_vehicle=True)
+            landing = self._flying[0][0] if self._flying else math.inf
+            stop = min(interrupts, default=math.inf)
+            wake = min(exchange.deadline, landing, self.vehicle.transfers.deadline, self._beat, stop)
+            assert wake < LIMIT_S, "the conversation does not end"
+            self.now = max(self.now, wake)
+            while self._flying and self._flying[0][0] <= self.now:
+                _, _, to_vehicle, message = heapq.heappop(self._flying)
+                if to_vehicle:
+                    self._launch(self.vehicle.hear(message, self.now), to_vehicle=False)
+                else:
+                    self.heard.append(message)
+                    exchange.receive(message, self.now)
+            if self._beat <= self.now:
+                self._beat += 1.0
+                self._launch([Heartbeat(2, 12)], to_vehicle=False)
+            self.vehicle.transfers.tick(self.now)
+            self._launch(self.vehicle.take(), to_vehicle=False)
+            if stop <= self.now:
+                exchange.interrupt(interrupts.pop(stop), self.now)
+            exchange.tick(self.now)
+        self._launch(exchange.outgoing(), to_vehicle=True)
+        return exchange.result
+
+    def _launch(self, messages: list[Message], to_vehicle: bool) -> None:
+        for message in messages:
+            fate = next(self._fate)
+            for _ in range(fate.copies):
+                self._count += 1
+                heapq.heappush(self._flying, (self.now + fate.delay_s, self._count, to_vehicle, message))

@@ -1,0 +1,230 @@
+"""The one rule about time: repeat what awaits an answer, adapt, give up."""
+
+import math
+
+import pytest
+
+from ipoa_mission.link.dialogue import (
+    SPECIFIED,
+    Ask,
+    Cancelled,
+    Dialogue,
+    Exchange,
+    NoAnswer,
+    Patience,
+    Pause,
+    Remark,
+    Tell,
+    Tempo,
+)
+from ipoa_mission.link.messages import Ack, Count, Heartbeat, Message, Request
+
+BEAT = Heartbeat(2, 12)
+
+
+def asking(item: bool = False) -> Dialogue[Message | None]:
+    heard = yield Ask(Count(3), item)
+    while not isinstance(heard, Request):
+        heard = yield None
+    return heard
+
+
+def run_until(exchange: Exchange[object], now: float) -> list[tuple[float, Message]]:
+    """Let time pass; what was said when."""
+    said = [(0.0, message) for message in exchange.outgoing()]
+    while exchange.deadline <= now:
+        moment = exchange.deadline
+        exchange.tick(moment)
+        said += [(moment, message) for message in exchange.outgoing()]
+    return said
+
+
+def test_a_question_is_said_at_once_and_again_after_the_specifications_timer() -> None:
+    said = run_until(Exchange(asking(), 0.0, Patience(adapt=False)), 3.1)
+    assert said == [(0.0, Count(3)), (1.5, Count(3)), (3.0, Count(3))]
+
+
+def test_an_item_has_the_shorter_timer() -> None:
+    said = run_until(Exchange(asking(item=True), 0.0, Patience(adapt=False)), 0.6)
+    assert [when for when, _ in said] == [0.0, 0.25, 0.5]
+
+
+def test_silence_is_an_error() -> None:
+    exchange = Exchange(asking(), 0.0, Patience(adapt=False))
+    with pytest.raises(NoAnswer):
+        run_until(exchange, 60.0)
+    assert exchange.deadline == pytest.approx(SPECIFIED.silence_s)
+
+
+def test_who_is_heard_at_all_gets_more_patience() -> None:
+    exchange = Exchange(asking(), 0.0, Patience(adapt=False))
+    second = 0
+    while exchange.deadline < (SPECIFIED.alive_retries + 1) * SPECIFIED.answer_s - 0.01:
+        exchange.receive(BEAT, float(second))
+        run_until(exchange, second + 0.9)
+        second += 1
+    with pytest.raises(NoAnswer):
+        run_until(exchange, exchange.deadline)
+
+
+def test_an_answer_ends_the_waiting_and_the_result_is_returned() -> None:
+    exchange = Exchange(asking(), 0.0, SPECIFIED)
+    exchange.receive(BEAT, 0.1)
+    assert not exchange.finished
+    with pytest.raises(RuntimeError):
+        _ = exchange.result
+    exchange.receive(Request(0), 0.2)
+    assert exchange.finished
+    assert exchange.result == Request(0)
+    assert exchange.deadline == math.inf
+
+
+def test_a_finished_exchange_hears_and_says_nothing_more() -> None:
+    exchange = Exchange(asking(), 0.0, SPECIFIED)
+    exchange.receive(Request(0), 0.2)
+    exchange.outgoing()
+    exchange.receive(Request(1), 0.3)
+    exchange.tick(100.0)
+    exchange.interrupt(Cancelled("cancelled"), 100.0)
+    assert exchange.outgoing() == []
+
+
+def test_what_is_told_is_not_repeated() -> None:
+    def telling() -> Dialogue[None]:
+        yield Tell(Count(1))
+
+    exchange = Exchange(telling(), 0.0, SPECIFIED)
+    assert exchange.outgoing() == [Count(1)]
+    exchange.tick(SPECIFIED.silence_s - 0.01)
+    assert exchange.outgoing() == []
+    with pytest.raises(NoAnswer):
+        exchange.tick(SPECIFIED.silence_s)
+
+
+def test_a_pause_ends_with_nothing_heard() -> None:
+    heard: list[object] = []
+
+    def pausing() -> Dialogue[None]:
+        one = yield Pause(2.0)
+        while one is not None:
+            heard.append(one)
+            one = yield None
+        heard.append("over")
+
+    exchange = Exchange(pausing(), 0.0, SPECIFIED)
+    exchange.receive(BEAT, 1.0)
+    exchange.tick(1.9)
+    assert heard == [BEAT]
+    exchange.tick(2.0)
+    assert heard == [BEAT, "over"]
+
+
+def test_a_remark_is_said_without_disturbing_what_is_awaited() -> None:
+    def remarking() -> Dialogue[Message | None]:
+        heard = yield Ask(Count(2))
+        yield Remark(Ack(13))
+        heard = yield None
+        yield Remark(Ack(0))
+        return heard
+
+    exchange = Exchange(remarking(), 0.0, SPECIFIED)
+    exchange.outgoing()
+    exchange.receive(BEAT, 0.5)
+    assert exchange.outgoing() == [Ack(13)]
+    assert exchange.deadline == 1.5  # the question is still awaited
+    exchange.receive(Request(0), 0.6)
+    assert exchange.outgoing() == [Ack(0)]
+    assert exchange.result == Request(0)
+
+
+def test_the_echo_of_a_question_is_not_answered_again() -> None:
+    def answering() -> Dialogue[None]:
+        heard = yield Ask(Count(9))
+        while heard:
+            heard = yield Tell(Ack(0))
+
+    exchange = Exchange(answering(), 0.0, SPECIFIED)
+    exchange.outgoing()
+    exchange.receive(Request(0), 1.0)
+    exchange.receive(Request(0), 1.05)
+    assert exchange.outgoing() == [Ack(0)]
+    exchange.receive(Request(0), 1.3)
+    assert exchange.outgoing() == [Ack(0)]
+
+
+def test_a_dialogue_may_catch_silence_and_try_another_way() -> None:
+    def stubborn() -> Dialogue[str]:
+        try:
+            yield Tell(Count(1))
+        except NoAnswer:
+            yield Ask(Count(2))
+        return "heard"
+
+    exchange = Exchange(stubborn(), 0.0, SPECIFIED)
+    exchange.tick(SPECIFIED.silence_s)
+    assert exchange.outgoing() == [Count(1), Count(2)]
+    exchange.receive(BEAT, 10.0)
+    assert exchange.result == "heard"
+
+
+def test_a_dialogue_may_end_well_when_it_is_cancelled() -> None:
+    def yielding() -> Dialogue[str]:
+        try:
+            yield Ask(Count(1))
+        except Cancelled:
+            return "gave in"
+        return "went on"
+
+    exchange = Exchange(yielding(), 0.0, SPECIFIED)
+    exchange.interrupt(Cancelled("cancelled"), 0.1)
+    assert exchange.result == "gave in"
+
+
+def test_a_dialogue_without_a_word_is_over_at_once() -> None:
+    def mute() -> Dialogue[int]:
+        return 7
+        yield
+
+    assert Exchange(mute(), 0.0, SPECIFIED).result == 7
+
+
+def test_the_timer_follows_the_measured_round_trip() -> None:
+    tempo = Tempo(SPECIFIED)
+    assert (tempo.wait_s(item=False), tempo.wait_s(item=True)) == (1.5, 0.25)
+    for _ in range(50):
+        tempo.sample(0.6)
+    assert 0.6 < tempo.wait_s(item=True) < 0.7
+    for _ in range(50):
+        tempo.sample(0.001)
+    assert tempo.wait_s(item=True) == Tempo.FASTEST_S
+
+
+def test_losing_packets_slows_the_timer_little_and_a_slow_link_much() -> None:
+    lossy = Tempo(SPECIFIED)
+    lossy.sample(0.5)
+    usual = lossy.wait_s(item=True)
+    for _ in range(10):
+        lossy.repeated()
+    assert lossy.wait_s(item=True) == 2 * usual
+    for _ in range(Tempo.DOUBTS):
+        lossy.doubt()
+    for _ in range(10):
+        lossy.repeated()
+    assert lossy.wait_s(item=True) == Tempo.SLOWEST_S
+    lossy.sample(0.5)
+    assert lossy.wait_s(item=True) < usual
+
+
+def test_fixed_timers_do_not_adapt() -> None:
+    tempo = Tempo(Patience(adapt=False))
+    tempo.sample(10.0)
+    tempo.repeated()
+    assert tempo.wait_s(item=False) == 1.5
+
+
+def test_an_answer_to_a_repeated_question_is_no_measure() -> None:
+    tempo = Tempo(SPECIFIED)
+    exchange = Exchange(asking(), 0.0, SPECIFIED, tempo)
+    exchange.tick(1.5)
+    exchange.receive(Request(0), 1.6)
+    assert tempo.wait_s(item=True) == pytest.approx(0.25 * 1.5)
