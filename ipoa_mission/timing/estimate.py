@@ -6,11 +6,13 @@ from types import MappingProxyType
 import numpy as np
 
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.timing.ardupilot import fly_arducopter
 from ipoa_mission.timing.itinerary import itinerary
 from ipoa_mission.timing.prediction import Track
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.timing.trapezoid import fly_trapezoids
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Parameters
+from ipoa_mission.timing.wind import CALM, Wind
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters
 
 NO_PARAMETERS: Parameters = MappingProxyType({})
 EARTH_RADIUS = 6_371_000.0  # [m]
@@ -53,7 +55,9 @@ class Estimate:
     remarks: tuple[str, ...]
 
 
-def estimate(mission: Mission, parameters: Parameters = NO_PARAMETERS) -> Estimate:
+def estimate(
+    mission: Mission, parameters: Parameters = NO_PARAMETERS, wind: Wind = CALM, fast: bool = False
+) -> Estimate:
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
     `parameters` replace the autopilot's defaults by its own names; names that the model does not use are passed over.
@@ -63,7 +67,10 @@ def estimate(mission: Mission, parameters: Parameters = NO_PARAMETERS) -> Estima
     """
     route = itinerary(mission)
     known = {**DEFAULT_PARAMETERS[mission.autopilot], **parameters}
-    prediction = fly_trapezoids(route, mission.autopilot, known)
+    if mission.autopilot is Autopilot.ARDUPILOT:
+        prediction = fly_arducopter(route, parameters, wind, fast)
+    else:
+        prediction = fly_trapezoids(route, mission.autopilot, known)
     items = []
     begun = 0.0
     for n, (visit, done) in enumerate(zip(route.visits, prediction.done, strict=True)):

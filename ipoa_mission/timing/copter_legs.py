@@ -1,0 +1,155 @@
+"""ArduCopter's legs between two places: straight ones with an S-curve, splines with tangents; and as flat numbers."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from ipoa_mission.timing._ardupilot_steps import along_limit, bend
+from ipoa_mission.timing.copter_parameters import CopterLimits
+from ipoa_mission.timing.scurve import Limits, Profile, change, profile
+
+Place = tuple[float, float, float]
+
+STRAIGHT, SPLINE, NOTHING = 0.0, 1.0, -1.0
+NO_LEG = (NOTHING, *[0.0] * 19)
+AT_REST = Profile((), 0.0, 0.0, 0.0, 0.0)
+SPLINE_SHARE = 0.5  # of the acceleration limits that a spline leg uses, along the curve and across it
+NO_TANGENT = (0.0, 0.0, 0.0)
+SHORTEST_TANGENT = 0.01  # a leg before that is shorter gives a spline no direction [m]
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """The speeds in force: the parameters', or what DO_CHANGE_SPEED has set [m/s]."""
+
+    level: float
+    climb: float
+    descent: float
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A leg: straight if it has a `shape`, a spline if it has `tangents`; a spline leaves at up to `leave` [m/s]."""
+
+    origin: Place
+    target: Place
+    speeds: Speeds
+    copter: CopterLimits
+    shape: Profile | None = None
+    tangents: tuple[Place, Place] | None = None
+    leave: float = 0.0
+
+    @property
+    def length(self) -> float:
+        """Straight from end to end [m]."""
+        return math.dist(self.origin, self.target)
+
+    @property
+    def limits(self) -> Limits:
+        """The most along the straight leg that keeps its level and its vertical part within their limits."""
+        return limits_along(self.origin, self.target, self.speeds, self.copter)
+
+
+def limits_along(origin: Place, target: Place, speeds: Speeds, copter: CopterLimits) -> Limits:
+    """The largest speed and acceleration along the way whose level and vertical parts keep their limits."""
+    length = math.dist(origin, target)
+    if length < 1e-9:
+        return Limits(speeds.level, copter.accel, copter.jerk, copter.snap)
+    x, y, z = ((b - a) / length for a, b in zip(origin, target, strict=True))
+    speed = float(along_limit(x, y, z, speeds.level, speeds.climb, speeds.descent))
+    accel = float(along_limit(x, y, z, copter.accel, copter.accel_z, copter.accel_z))
+    return Limits(speed, accel, copter.jerk, copter.snap)
+
+
+def straight_leg(
+    origin: Place, target: Place, speeds: Speeds, copter: CopterLimits, enter: float = 0.0, leave: float = 0.0
+) -> Leg:
+    """A straight leg; it starts and ends at rest, or next to a spline at the speeds given."""
+    length = math.dist(origin, target)
+    limits = limits_along(origin, target, speeds, copter)
+    shape = profile(length, limits, enter, leave) if length > 1e-6 else AT_REST
+    return Leg(origin, target, speeds, copter, shape)
+
+
+def spline_leg(
+    origin: Place,
+    target: Place,
+    previous: Leg | None,
+    after: tuple[Place, bool] | None,
+    speeds: Speeds,
+    copter: CopterLimits,
+) -> Leg:
+    """A cubic Hermite segment whose tangents are differences of places; an end where the copter stops has none.
+
+    It begins as the leg before ended; it ends along the line from its origin to the place `after` it if that is reached
+    by another spline (the flag), along the next leg if that is straight.
+    """
+    begin = end = NO_TANGENT
+    if previous is not None and previous.length > SHORTEST_TANGENT:
+        begin = previous.tangents[1] if previous.tangents else _minus(previous.target, previous.origin)
+    if after is not None:
+        place, bends_on = after
+        end = _minus(place, origin if bends_on else target)
+    return Leg(origin, target, speeds, copter, tangents=(begin, end))
+
+
+def joined(this: Leg, following: Leg) -> Leg:
+    """`this` with the speed at its end agreed with the next leg, where one of the two is a spline."""
+    if this.shape is not None and following.shape is not None:
+        return this
+    speed = _speed_at(following, 0.0)
+    if this.shape is None:
+        return replace(this, leave=min(speed, _speed_at(this, 1.0)))
+    return straight_leg(this.origin, this.target, this.speeds, this.copter, leave=speed)
+
+
+def at_speeds(leg: Leg, speeds: Speeds, elapsed: float) -> Leg:
+    """The leg with other speeds in force, `elapsed` s after its start."""
+    if speeds == leg.speeds:
+        return leg
+    changed = replace(leg, speeds=speeds)
+    if leg.shape is None:
+        return changed
+    return replace(changed, shape=change(leg.shape, elapsed, leg.length, changed.limits))
+
+
+def as_numbers(leg: Leg) -> Sequence[float]:
+    """The leg for the stepping code.
+
+    0 kind, 1-3 origin, 4-6 direction, 7 length, 8 duration, 9 braking begins, 10 acceleration ends, 11 segments,
+    13 speed at the end, 14-18 limits (level, climb, descent; acceleration level, vertical), 20- segments or the cubic.
+    """
+    length = leg.length
+    unit = [x / length for x in _minus(leg.target, leg.origin)] if length > 1e-9 else [0.0, 0.0, 0.0]
+    speeds, copter, shape = leg.speeds, leg.copter, leg.shape
+    share = SPLINE_SHARE if shape is None else 1.0
+    limits = (speeds.level, speeds.climb, speeds.descent, share * copter.accel, share * copter.accel_z, 0.0)
+    if shape is None:
+        return [SPLINE, *leg.origin, *unit, length, 0.0, 0.0, 0.0, 0.0, 0.0, leg.leave, *limits, *_cubic(leg)]
+    times = (shape.lasts, shape.falls, shape.risen, float(len(shape.segments)))
+    numbers = [STRAIGHT, *leg.origin, *unit, length, *times, 0.0, 0.0, *limits]
+    for s in shape.segments:
+        numbers += (s.begin, s.lasts, s.shape, s.jerk, s.accel, s.speed, s.way)
+    return numbers
+
+
+def _speed_at(leg: Leg, end: float) -> float:
+    """The speed at which a leg can be entered (end 0) or left (end 1): the bend's, or a straight leg's peak."""
+    return leg.shape.peak if leg.shape is not None else float(bend(as_numbers(leg), end)[7])
+
+
+def _minus(one: Place, other: Place) -> Place:
+    return one[0] - other[0], one[1] - other[1], one[2] - other[2]
+
+
+def _cubic(leg: Leg) -> list[float]:
+    """The four vector coefficients; tangents that are together longer than four chords are scaled down to that."""
+    assert leg.tangents is not None
+    begin, end = leg.tangents
+    size = math.hypot(*begin) + math.hypot(*end)
+    scale = min(1.0, 4 * leg.length / size) if size > 0 else 0.0
+    first, last = [scale * x for x in begin], [scale * x for x in end]
+    ways = list(zip(leg.origin, leg.target, first, last, strict=True))
+    square = [3 * (b - a) - 2 * m - k for a, b, m, k in ways]
+    cube = [2 * (a - b) + m + k for a, b, m, k in ways]
+    return [*leg.origin, *first, *square, *cube]

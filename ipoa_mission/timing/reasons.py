@@ -1,0 +1,36 @@
+"""Why a leg is slow, in the words of the report; the same for every autopilot."""
+
+import math
+
+SLOW = 0.95  # a leg that does not reach this share of the speed asked for is slow
+SHARP_DEG = 10.0
+
+Place = tuple[float, float, float]
+
+
+def corner_deg(before: Place, at: Place, after: Place) -> float:
+    """The level angle by which the course turns at a place [deg]; 0 where a side has no level length."""
+    x1, y1, x2, y2 = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
+    if math.hypot(x1, y1) < 0.1 or math.hypot(x2, y2) < 0.1:
+        return 0.0
+    return abs(math.degrees(math.atan2(x1 * y2 - y1 * x2, x1 * x2 + y1 * y2)))
+
+
+def slow_because(planned: float | None, allowed: float, asked: float, flown: float, corner: float, stops: bool) -> str:
+    """The reasons of a leg, joined: too short, steep, drag, a corner or a stop at its end.
+
+    `planned` is its peak speed as planned (None where nothing is planned, as on a spline), `allowed` what its slope
+    leaves of the speed `asked` for, and `flown` its highest level speed.
+    """
+    found = []
+    if planned is not None and planned < SLOW * min(allowed, asked):
+        found.append("leg shorter than its braking distance")
+    elif allowed < SLOW * asked:
+        found.append("climb or descent rate")
+    elif planned is not None and flown < SLOW * min(planned, asked):
+        found.append("drag at the greatest lean")
+    if corner >= SHARP_DEG:
+        found.append(f"corner {corner:.0f} deg")
+    if stops:
+        found.append("stop")
+    return ", ".join(found)

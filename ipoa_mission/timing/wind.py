@@ -1,0 +1,25 @@
+"""A constant wind, as it is given: a speed, and the direction that it comes from."""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Wind:
+    """Wind of `speed` [m/s] from `from_deg` (0 north, 90 east); it blows everywhere and at all times alike."""
+
+    speed: float = 0.0
+    from_deg: float = 0.0
+
+    @property
+    def east(self) -> float:
+        """The part that blows towards the east [m/s]."""
+        return -self.speed * math.sin(math.radians(self.from_deg))
+
+    @property
+    def north(self) -> float:
+        """The part that blows towards the north [m/s]."""
+        return -self.speed * math.cos(math.radians(self.from_deg))
+
+
+CALM = Wind()

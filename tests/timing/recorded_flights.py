@@ -1,0 +1,78 @@
+"""The recorded flights as truth: what was flown, by whom, with which parameters, and how long each part took.
+
+A flight is judged from the first item that its autopilot reports done (the take-off, or the waypoint over it) to its
+last waypoint; what follows (RTL, LAND) apart. PX4 was flown several times where it is noisy: its truth is the mean.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.mission.waypoints_file import read_waypoints
+from ipoa_mission.vehicle import Autopilot, Parameters
+
+FLIGHTS = Path(__file__).resolve().parents[1] / "flights"
+WAYPOINTS = (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """One mission as flown: `runs` holds, for each time it was flown, when each item was done [s]."""
+
+    name: str
+    mission: Mission
+    parameters: Parameters
+    runs: tuple[dict[int, float], ...]
+    end_s: float
+
+    @property
+    def first(self) -> int:
+        """The first item that every run reports."""
+        return min(set.intersection(*(set(run) for run in self.runs)))
+
+    @property
+    def last(self) -> int:
+        """The last waypoint."""
+        return max(n for n, item in enumerate(self.mission.items, 1) if item.command in WAYPOINTS)
+
+    @property
+    def spans(self) -> NDArray[np.float64]:
+        """For each run, seconds from the first item done to the last waypoint done."""
+        return np.array([run[self.last] - run[self.first] for run in self.runs])
+
+    @property
+    def trace(self) -> NDArray[np.float64]:
+        """About once a second: time, latitude, longitude, height over home, velocity north, east, down."""
+        return np.loadtxt(FLIGHTS / self.name / "trace.csv", delimiter=",", skiprows=1)
+
+
+def read_flight(folder: Path) -> Recorded:
+    """Read one folder of tests/flights."""
+    flight = json.loads((folder / "flight.json").read_text())
+    mission = read_waypoints(folder / "mission.waypoints", Autopilot(flight["autopilot"]))
+    last = max(n for n, item in enumerate(mission.items, 1) if item.command in WAYPOINTS)
+    runs = [_run(flight["item_done_s"], flight.get("complete_s"), mission, last)]
+    for items, complete in zip(
+        flight.get("repeats_item_done_s", ()), flight.get("repeats_complete_s", ()), strict=True
+    ):
+        runs.append(_run(items, complete, mission, last))
+    return Recorded(folder.name, mission, flight["params"], tuple(runs), flight["end_s"])
+
+
+def read_flights(autopilot: Autopilot) -> tuple[Recorded, ...]:
+    """All flights of one autopilot, by name."""
+    return tuple(read_flight(folder) for folder in sorted(FLIGHTS.glob(f"*-{autopilot}")))
+
+
+def _run(items: dict[str, Any], complete: float | None, mission: Mission, last: int) -> dict[int, float]:
+    """When each item was done; PX4 reports the last waypoint as the mission's completion where RTL follows it."""
+    done = {int(seq): float(at) for seq, at in items.items()}
+    if complete is not None and mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
+        done[last] = complete
+        done.pop(len(mission.items), None)
+    return done
