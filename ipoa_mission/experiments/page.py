@@ -64,16 +64,30 @@ def findings(made: Made, rows: Rows, folder: str) -> str:
             "## Figure 8: box plots at D = 10",
             "",
             table("figure-8"),
+            "## Tables 5 to 7, Figures 9 and 10: paths on random maps",
+            "",
+            _MAPS,
+            "",
+            table("table-5"),
+            table("table-6"),
+            table("table-7"),
+            table("figure-9"),
+            table("figure-10"),
+            "The percentages that the text draws from its own tables:",
+            "",
+            table("improvements"),
             "## What each strategy is worth, and what each reading gives",
             "",
             _READINGS,
             "",
             table("ablation"),
+            table("maps-ablation"),
             "## Beyond the paper",
             "",
             _BEYOND,
             "",
             table("beyond"),
+            table("maps-beyond"),
         ]
     )
 
@@ -143,6 +157,16 @@ def _in_short(rows: Rows) -> list[str]:
 _HOW_TO_READ = (
     "N = 30, T = 1000, Table 2's constants, the functions from `minionpy`. The algorithms are given the same number of "
     "iterations, as in the paper, not the same number of evaluations: the last note says how many each spends."
+)
+
+_MAPS = (
+    "The paper's maps are not published, nor how many control points its paths have, nor how the costs are scaled. "
+    "These are seeded maps of its size and number of obstacles (`missions/paper/`), eight inner control points in "
+    "absolute coordinates, its cost summed over a hundred nodes, and nothing of what the package's own planner adds: "
+    "this is the paper's method, not the product's. Two things are seen at once. Control points gather near the "
+    "start: the algorithms move by multiplying coordinates, which draws everything towards the origin, and the start "
+    "at (5, 5) happens to be beside it. And a path that costs little at its nodes may still touch something between "
+    "them."
 )
 
 _READINGS = (

@@ -50,6 +50,7 @@ ITEMS: dict[str, Item] = {
         [CEC_D20, CEC_D10], lambda rows: paper.dimension_of_the_print(rows[CEC_D20.name], rows[CEC_D10.name])
     ),
     "contradictions": Item([], lambda _: paper.contradictions()),
+    "improvements": Item([], lambda _: paper_maps.table_improvements()),
     "beyond": Item([CEC_D20, CEC_BEYOND], lambda rows: paper.table_beyond(rows[CEC_BEYOND.name], rows[CEC_D20.name])),
     "table-5": Item([MAPS_PAPER], lambda rows: paper_maps.table_5(rows[MAPS_PAPER.name])),
     "table-6": Item([MAPS_PAPER], lambda rows: paper_maps.table_6(rows[MAPS_PAPER.name])),

@@ -26,7 +26,7 @@ class AdaptivePelican:
 
     evaluations: Annotated[int, Between(40)] = 90_060
     per_dimension: Annotated[float, Between(1)] = 12.0
-    evaluations_per_member: Annotated[float, Between(10)] = 375.0
+    evaluations_per_member: Annotated[float, Between(10)] = 200.0
     prey_share: Fraction = 0.11  # how many of the best may be the prey
     winging_share: Fraction = 0.1  # how many of the best wing over the water
     surface_share: Fraction = 0.3  # how many of the best say how the water lies

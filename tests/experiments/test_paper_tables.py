@@ -1,0 +1,124 @@
+"""Tables, figures and the page are functions of rows: made-up rows say what must be in them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.experiments import figures, paper, paper_maps
+from ipoa_mission.experiments.cec2022 import FUNCTIONS
+from ipoa_mission.experiments.page import findings
+from ipoa_mission.experiments.published import TABLE_3
+from ipoa_mission.experiments.reproduce import ITEMS, reproduce
+from ipoa_mission.experiments.runs import CHECKPOINTS, Row, Trial
+from ipoa_mission.experiments.series import CEC_D20, MAPS_PAPER, Series
+from ipoa_mission.experiments.tables import Table, number
+
+RUNS = 3
+
+
+def made_up(series: Series) -> list[Row]:
+    """Every trial costs 1 for the first algorithm of the series, 2 for the next, and so on, with a little spread."""
+    order = list(dict.fromkeys((t.algorithm, t.settings) for t in series.firsts))
+    return [_row(t, cost_of(order.index((t.algorithm, t.settings)) + 1, t.run)) for t in series.trials(RUNS)]
+
+
+def cost_of(place: int, run: int) -> float:
+    """Spread more the better: nobody is first by deviation who is first by mean."""
+    return place + run / 100 / place
+
+
+def _row(trial: Trial, cost: float) -> Row:
+    measures: dict[str, float | list[float]] = {}
+    if trial.problem != "cec2022":
+        control = np.linspace([5, 5, 60], [95, 95, 60], 10).ravel().tolist()
+        measures = {"distance": 100 * cost, "turn": 10.0, "dis_obs": 20.0, "iterations": 30.0, "feasible": 1.0}
+        measures |= {"time": 20.0, "estimate": 21.0, "clearance": 1.0, "control": control}
+    return Row(trial, cost, 100, 0.5, tuple([cost] * len(CHECKPOINTS)), measures, "2024-10-21", "numpy=2")
+
+
+@pytest.fixture(scope="module")
+def rows() -> dict[str, Sequence[Row]]:
+    return {series.name: made_up(series) for item in ITEMS.values() for series in item.needs}
+
+
+def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[str, Sequence[Row]]) -> None:
+    table = paper.table_3(rows[CEC_D20.name])
+    assert len(table.rows) == 36
+    mean_f1 = next(row for row in table.rows if row[:2] == ["f1", "mean"])
+    for place, (cell, printed) in enumerate(zip(mean_f1[2:], TABLE_3["f1"]["mean"], strict=True), start=1):
+        assert cell.startswith(
+            f"{number(300 + np.mean([cost_of(place, run) for run in range(RUNS)]))} ({place}) · {number(printed)} ("
+        )
+    assert table.notes[0].startswith("IPOA is first in 24 of 36 here; the print has it first in 25")
+
+
+def test_table_4_says_better_where_it_is_and_corrects(rows: dict[str, Sequence[Row]]) -> None:
+    table = paper.table_4(rows[CEC_D20.name])
+    assert len(table.rows) == len(FUNCTIONS)
+    assert "not told apart in 60 of 60" in table.notes[0]  # three runs cannot survive a correction over sixty
+
+
+def test_the_contradictions_are_those_that_arithmetic_finds() -> None:
+    table = paper.contradictions()
+    assert ["f5", "SSA"] in [list(row[:2]) for row in table.rows]
+    proved = [row for row in table.rows if "<" in row[-1]]
+    assert [row[:2] for row in proved] == [["f5", "SSA"]]
+
+
+def test_mean_log_error_is_one_unit_for_a_factor_of_ten() -> None:
+    def costing(factor: float) -> list[Row]:
+        return [_row(t, factor) for t in CEC_D20.trials(1)]
+
+    assert paper.mean_log_error(costing(100.0), "ipoa") == pytest.approx(2)
+    assert paper.mean_log_error(costing(1e-30), "ipoa") == pytest.approx(-8)
+
+
+def test_map_tables_say_how_much_shorter(rows: dict[str, Sequence[Row]]) -> None:
+    assert "DBO -50 % (printed -7 %)" in paper_maps.table_6(rows[MAPS_PAPER.name]).notes[0]
+
+
+@pytest.mark.parametrize("name", ITEMS)
+def test_every_item_is_made_of_its_rows_and_twice_the_same(name: str, rows: dict[str, Sequence[Row]]) -> None:
+    first = ITEMS[name].make(rows)
+    if isinstance(first, Table):
+        assert first == ITEMS[name].make(rows)
+        assert all(len(row) == len(first.heading) for row in first.rows)
+        assert first.markdown().count("\n| ") == len(first.rows) + 2
+    else:
+        assert first.startswith("<?xml")
+        assert "<dc:date>" not in first
+
+
+def test_the_page_holds_every_table_and_links_every_figure(rows: dict[str, Sequence[Row]]) -> None:
+    made = {name: item.make(rows) if "figure" not in name else "<svg/>" for name, item in ITEMS.items()}
+    page = findings(made, rows, "results")
+    for name, item in made.items():
+        assert (item.caption if isinstance(item, Table) else f"(results/{name}.svg)") in page, name
+    assert "nan" not in page
+
+
+def test_figures_are_the_same_bytes_every_time_and_show_every_point() -> None:
+    drawn = figures.figure_3()
+    assert drawn == figures.figure_3()
+    assert drawn.count("<use") > 300
+
+
+def test_reproduce_writes_tables_in_both_forms(tmp_path: Path) -> None:
+    written = reproduce("contradictions", None, tmp_path / "out", 1, None)
+    assert [path.name for path in written] == ["contradictions.md", "contradictions.csv"]
+    assert all(path.read_text(encoding="utf-8") for path in written)
+
+
+@pytest.mark.parametrize(
+    ("what", "runs", "message"),
+    [
+        ("table3", None, r"^what: expected table-3, .* or all, not 'table3' \(did you mean 'table-3'\?\)$"),
+        ("table-3", 0, r"^runs: expected at least 1, not 0$"),
+    ],
+)
+def test_what_cannot_be_reproduced_is_bad_input(tmp_path: Path, what: str, runs: int | None, message: str) -> None:
+    with pytest.raises(BadInput, match=message):
+        reproduce(what, runs, tmp_path, 1, None)
