@@ -101,7 +101,7 @@ def _near(course: Course, airspace: Airspace, required: float) -> Iterator[tuple
     for look, reach in (("beside", max(BESIDE, 2 * required)), ("below", required)):
         for body in airspace.obstacles:
             bounds = body.bounds
-            close = ((flat > bounds[0, :2] - reach) & (flat < bounds[1, :2] + reach)).all(axis=1)
+            close = np.asarray(((flat > bounds[0, :2] - reach) & (flat < bounds[1, :2] + reach)).all(axis=1))
             if not close.any():
                 continue
             level = np.column_stack([flat[close], np.full(int(close.sum()), bounds[:, 2].mean())])
