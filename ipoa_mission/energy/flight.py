@@ -45,27 +45,28 @@ class Consumption:
 
 
 def consumption(
-    airframe: Airframe, times: Vector, points: Points, altitude_amsl: float = 0.0, wind: float = 0.0
+    airframe: Airframe, times: Vector, points: Points, speeds: Vector, altitude_amsl: float = 0.0, wind: float = 0.0
 ) -> Consumption:
-    """What flying along a track takes: at `times` (n,) [s] it passes `points` (n, 3) east, north, up [m].
+    """What flying along a track takes: at `times` (n,) [s] it passes `points` (n, 3) [m] with `speeds` (n,) [m/s].
 
-    `altitude_amsl` is that of up = 0 (the air is thinner higher up); `wind` [m/s] blows against the flight all the way
-    while it moves and while it hovers. Speeding up takes its kinetic energy; slowing down gives nothing back.
+    Points are east, north, up; speeds are over ground, climb included. `altitude_amsl` is that of up = 0 (the air is
+    thinner higher up); `wind` [m/s] blows against the flight all the way, hovering too. Speeding up takes its kinetic
+    energy; slowing down gives nothing back. Speeds are not taken from the points: predictions and logs have small
+    jumps in position, and power grows with the cube of speed.
 
     Raises:
-        BadInput: the times do not grow, or are not as many as the points.
+        BadInput: the times do not grow, or are not as many as the points and speeds.
     """
-    if len(times) != len(points) or not (np.diff(times) >= 0).all() or not times[-1] > times[0]:
-        raise BadInput("track: expected as many times as points, and times that grow")
+    if not len(times) == len(points) == len(speeds) or not (np.diff(times) >= 0).all() or not times[-1] > times[0]:
+        raise BadInput("track: expected as many times and speeds as points, and times that grow")
     lasting = np.concatenate([np.diff(times) > 0, [True]])
-    times, points = times[lasting], points[lasting]
+    times, points, speeds = times[lasting], points[lasting], speeds[lasting]
     spans = np.diff(times)
-    steps = np.diff(points, axis=0)
-    speed, climb = np.hypot(steps[:, 0], steps[:, 1]) / spans, steps[:, 2] / spans
+    speed, climb = (speeds[:-1] + speeds[1:]) / 2, np.diff(points[:, 2]) / spans
+    level = np.sqrt(np.maximum(speed**2 - climb**2, 0.0))
     density = air_density(altitude_amsl + (points[:-1, 2] + points[1:, 2]) / 2)
-    steady = power(airframe, speed + wind, climb, density)
-    kinetic = 0.5 * airframe.mass_kg * (speed**2 + climb**2)
-    gained = np.maximum(np.diff(kinetic, prepend=0.0), 0.0)
+    steady = power(airframe, level + wind, climb, density)
+    gained = np.maximum(np.diff(0.5 * airframe.mass_kg * speeds**2), 0.0)
     drawn = steady + gained / airframe.drive_efficiency / spans
     joules = float(drawn @ spans)
     duration = float(times[-1] - times[0])

@@ -5,8 +5,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
 
 
-def flight_energy(scenario: Scenario, times: Vector, points: Points) -> Consumption | None:
-    """What flying a track (times (n,) [s], points (n, 3) east, north, up [m]) takes; None without an airframe.
+def flight_energy(scenario: Scenario, times: Vector, points: Points, speeds: Vector) -> Consumption | None:
+    """What flying a track takes, given as for `consumption`; None if the scenario has no airframe.
 
     The track is the whole flight, take-off, way home and landing included, as an estimate predicts it.
 
@@ -17,7 +17,7 @@ def flight_energy(scenario: Scenario, times: Vector, points: Points) -> Consumpt
     if airframe is None:
         return None
     wind = battery.head_wind if battery is not None else 0.0
-    used = consumption(airframe.build(), times, points, scenario.home.altitude_amsl, wind)
+    used = consumption(airframe.build(), times, points, speeds, scenario.home.altitude_amsl, wind)
     if battery is not None:
         expect_reserve(used, battery.build())
     return used

@@ -9,7 +9,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}},
         "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},
-        "endurance": {"cost": {"omega": (0.45, 0.45, 0.1), "a2": 4.0}},
+        "endurance": {"cost": {"omega": (0.35, 0.6, 0.05), "a2": 2.0}},
     }
 )
 

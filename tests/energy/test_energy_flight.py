@@ -16,53 +16,70 @@ def drawn(speed: float, climb: float = 0.0) -> float:
     return float(power(QUAD, np.array([speed]), np.array([climb]), np.array([1.225]))[0])
 
 
+def cruise(speed: float, seconds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times, points and speeds of a level flight to the east."""
+    times = np.arange(0.0, seconds + 1)
+    return times, np.column_stack([speed * times, 0 * times, 0 * times]), np.full(len(times), speed)
+
+
 def test_hovering_for_an_hour_takes_the_power_in_watt_hours() -> None:
-    used = consumption(QUAD, np.array([0.0, 1800.0, 3600.0]), np.zeros((3, 3)))
+    used = consumption(QUAD, *cruise(0.0, 3600))
     assert used.energy_wh == pytest.approx(drawn(0.0), rel=1e-6)
-    assert used.mean_w == pytest.approx(used.energy_wh)
+    assert (used.mean_w, used.peak_w) == pytest.approx((used.energy_wh, used.energy_wh))
 
 
-def test_a_cruise_takes_its_power_and_its_kinetic_energy_once() -> None:
-    times = np.arange(0.0, 101.0)
-    points = np.column_stack([10 * times, 0 * times, 0 * times])
-    used = consumption(QUAD, times, points)
-    joules = drawn(10.0) * 100 + 0.5 * 2.4 * 10**2 / 0.8
+def test_a_cruise_takes_its_power() -> None:
+    assert consumption(QUAD, *cruise(10.0, 100)).energy_wh * 3600 == pytest.approx(drawn(10.0) * 100, rel=1e-9)
+
+
+def test_speeding_up_takes_the_kinetic_energy_and_slowing_down_gives_none_back() -> None:
+    times, points, speeds = cruise(10.0, 100)
+    stops = speeds.copy()
+    stops[[0, 50, 100]] = 0.0
+    # Four spans have a mean speed of 5 m/s; 10 m/s is reached twice.
+    joules = drawn(10.0) * 96 + drawn(5.0) * 4 + 2 * 0.5 * 2.4 * 10**2 / 0.8
+    used = consumption(QUAD, times, points, stops)
     assert used.energy_wh * 3600 == pytest.approx(joules, rel=1e-9)
-    assert used.peak_w == pytest.approx(used.spans_w[0])
+    assert used.spans_w[[0, 50]] == pytest.approx([used.peak_w, used.peak_w])
 
 
 def test_a_climb_is_flown_in_thinner_and_thinner_air() -> None:
-    low = consumption(QUAD, np.array([0.0, 60.0]), np.array([[0, 0, 0], [0, 0, 180.0]]))
-    high = consumption(QUAD, np.array([0.0, 60.0]), np.array([[0, 0, 0], [0, 0, 180.0]]), altitude_amsl=2500.0)
-    assert high.energy_wh > 1.05 * low.energy_wh
+    times, points, speeds = np.array([0.0, 60.0]), np.array([[0, 0, 0], [0, 0, 180.0]]), np.array([3.0, 3.0])
+    low = consumption(QUAD, times, points, speeds)
+    assert low.mean_w == pytest.approx(drawn(0.0, 3.0), rel=0.01)
+    assert consumption(QUAD, times, points, speeds, altitude_amsl=2500.0).energy_wh > 1.05 * low.energy_wh
 
 
 def test_wind_is_reckoned_as_airspeed() -> None:
-    times, points = np.array([0.0, 100.0]), np.array([[0, 0, 0], [500.0, 0, 0]])
-    assert consumption(QUAD, times, points, wind=6.0).mean_w - drawn(11.0) == pytest.approx(
-        0.5 * 2.4 * 25 / 0.8 / 100, rel=1e-6
-    )
+    assert consumption(QUAD, *cruise(5.0, 100), wind=6.0).mean_w == pytest.approx(drawn(11.0))
+
+
+def test_a_jump_in_position_costs_nothing() -> None:
+    times, points, speeds = cruise(10.0, 100)
+    jumpy = points.copy()
+    jumpy[50:, 0] -= 0.7
+    assert consumption(QUAD, times, jumpy, speeds).energy_wh == consumption(QUAD, times, points, speeds).energy_wh
 
 
 def test_a_moment_that_is_told_twice_counts_once() -> None:
     times = np.array([0.0, 0.0, 10.0, 10.0, 20.0])
-    points = np.zeros((5, 3))
-    assert consumption(QUAD, times, points).energy_wh * 3600 == pytest.approx(20 * drawn(0.0))
+    assert consumption(QUAD, times, np.zeros((5, 3)), np.zeros(5)).energy_wh * 3600 == pytest.approx(20 * drawn(0.0))
 
 
 @given(st.lists(st.integers(1, 99), min_size=1, max_size=6, unique=True))
 def test_cutting_a_straight_flight_into_spans_changes_nothing(cuts: list[int]) -> None:
     ends = np.array([[0.0, 0, 0], [300.0, 200.0, 0.0]])
     fractions = np.array([0, *sorted(cuts), 100]) / 100
-    whole = consumption(QUAD, np.array([0.0, 50.0]), ends)
-    pieces = consumption(QUAD, 50 * fractions, ends[0] + fractions[:, None] * (ends[1] - ends[0]))
+    whole = consumption(QUAD, np.array([0.0, 50.0]), ends, np.full(2, 7.2))
+    points = ends[0] + fractions[:, None] * (ends[1] - ends[0])
+    pieces = consumption(QUAD, 50 * fractions, points, np.full(len(points), 7.2))
     assert pieces.energy_wh == pytest.approx(whole.energy_wh, rel=1e-9)
 
 
 @pytest.mark.parametrize("times", [[0.0, 2.0, 1.0], [0.0, 0.0, 0.0], [0.0, 1.0]])
 def test_a_track_that_does_not_go_on_is_refused(times: list[float]) -> None:
-    with pytest.raises(BadInput, match="track: expected as many times as points, and times that grow"):
-        consumption(QUAD, np.array(times), np.zeros((3, 3)))
+    with pytest.raises(BadInput, match="track: expected as many times and speeds as points, and times that grow"):
+        consumption(QUAD, np.array(times), np.zeros((3, 3)), np.zeros(3))
 
 
 def used(energy_wh: float) -> Consumption:

@@ -69,7 +69,7 @@ def test_mistakes_are_named(line: str, words: str) -> None:
 
 
 AIRFRAME = "mass_kg = 2.4, rotors = 6, rotor_diameter = 0.3"
-MINUTE = np.array([0.0, 60.0]), np.zeros((2, 3))
+MINUTE = np.array([0.0, 60.0]), np.zeros((2, 3)), np.zeros(2)
 
 
 def test_without_an_airframe_no_energy_is_said() -> None:
