@@ -114,6 +114,49 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
     )
 
 
+def table_8(rows: Sequence[Row]) -> Table:
+    """The campus: length, turn, distance to obstacles and flight time, ours and printed, each with its place."""
+    names = list(dict.fromkeys(row.trial.algorithm for row in rows))
+    lines = []
+    for measure, printed_as, label in (
+        ("distance", "distance", "Distance [m]"),
+        ("turn", "turn", "Turn [°]"),
+        ("dis_obs", "dis_obs", "Dis-obs [m]"),
+        ("time", "time", "Time flown [s]"),
+        ("estimate", "time", "Time estimated [s]"),
+        ("time_landed", "", "Take-off to landing, flown [s]"),
+        ("estimate_landed", "", "Take-off to landing, estimated [s]"),
+        ("clearance", "", "Least clearance [m]"),
+    ):
+        ours = [float(np.mean(_known(rows, name, measure) or [np.nan])) for name in names]
+        place = places([o if np.isfinite(o) else np.inf for o in ours])
+        cells = [f"{o:.2f} ({p})" if np.isfinite(o) else "-" for o, p in zip(ours, place, strict=True)]
+        if printed_as:
+            theirs = published.TABLE_8[printed_as]
+            for k, (t, q) in enumerate(zip(theirs, places(theirs), strict=True)):
+                cells[k] += f" · {t:g} ({q})"
+        lines.append([label, *cells])
+    count = {name: len(_known(rows, name, "distance")) for name in names}
+    lines.append(["collision-free", *(f"{sum(_known(rows, n, 'feasible')) / count[n]:.0%}" for n in names)])
+    lines.append(["flown", *(f"{sum(_known(rows, n, 'flyable')):.0f} of {count[n]}" for n in names)])
+    return Table(
+        f"Table 8. The campus, {_runs(rows)} runs. Each cell: our mean (place) · printed, on another campus (place).",
+        ["", *(name.upper() if name in published.ALGORITHMS else name for name in names)],
+        lines,
+        [
+            "A path that touches a building is not flown; times are means of those flown. Time is from the first "
+            "waypoint to the last, by the built-in ArduPilot with its own limits of acceleration and jerk; the paper's "
+            "times are little more than length over 15 m/s."
+        ],
+    )
+
+
+def _known(rows: Sequence[Row], algorithm: str, measure: str) -> list[float]:
+    """A measure of all runs that have it."""
+    found = [row.measures[measure] for row in rows if row.trial.algorithm == algorithm and measure in row.measures]
+    return [value for value in found if not isinstance(value, list)]
+
+
 def table_improvements() -> Table:
     """The improvements that the text claims, beside those that follow from its own tables."""
     lines = []

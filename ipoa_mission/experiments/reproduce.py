@@ -7,11 +7,13 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.experiments import figures, map_figures, paper, paper_maps
+from ipoa_mission.experiments.campus import campus_scenario
 from ipoa_mission.experiments.executors import open_executor
 from ipoa_mission.experiments.maps import map_scenario
 from ipoa_mission.experiments.page import findings
 from ipoa_mission.experiments.runs import Row, measure
 from ipoa_mission.experiments.series import (
+    CAMPUS,
     CEC_ABLATION,
     CEC_BEYOND,
     CEC_D10,
@@ -50,6 +52,10 @@ ITEMS: dict[str, Item] = {
         [CEC_D20, CEC_D10], lambda rows: paper.dimension_of_the_print(rows[CEC_D20.name], rows[CEC_D10.name])
     ),
     "contradictions": Item([], lambda _: paper.contradictions()),
+    "table-8": Item([CAMPUS], lambda rows: paper_maps.table_8(rows[CAMPUS.name])),
+    "figure-11": Item(
+        [CAMPUS], lambda rows: map_figures.paths_on_maps(rows[CAMPUS.name], {"campus": campus_scenario()})
+    ),
     "improvements": Item([], lambda _: paper_maps.table_improvements()),
     "beyond": Item([CEC_D20, CEC_BEYOND], lambda rows: paper.table_beyond(rows[CEC_BEYOND.name], rows[CEC_D20.name])),
     "table-5": Item([MAPS_PAPER], lambda rows: paper_maps.table_5(rows[MAPS_PAPER.name])),

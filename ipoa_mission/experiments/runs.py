@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.experiments.campus import campus_problem
 from ipoa_mission.experiments.cec2022 import cec2022
 from ipoa_mission.experiments.maps import map_problem
 from ipoa_mission.experiments.problem import Measures, Problem
@@ -31,7 +32,7 @@ CHECKPOINTS = np.linspace(0, 1, 26)
 
 
 #: Each makes a problem of a trial's case and dimension.
-PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map": map_problem}
+PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map": map_problem, "campus": campus_problem}
 
 
 @dataclass(frozen=True)

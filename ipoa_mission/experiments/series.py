@@ -85,3 +85,8 @@ WEIGHTED = tuple(f"map-8-1/{experiment}" for experiment in WEIGHTS)
 MAPS_PAPER = Series("maps", 10, _maps([*WEIGHTED, *MAPS], [(name, {}) for name in ALGORITHMS]))
 MAPS_BEYOND = Series("maps-beyond", 10, _maps(list(MAPS), [(name, {}) for name in BEYOND], BUDGET))
 MAPS_ABLATION = Series("maps-ablation", 10, _maps(list(MAPS), [("ipoa", settings) for settings in ABLATION.values()]))
+
+#: The six on the campus, and the variant of ours beside them.
+CAMPUS = Series(
+    "campus", 20, [Trial("campus", "campus", 3 * INNER, name, "{}", 0, 0) for name in (*ALGORITHMS, BEYOND[0])]
+)

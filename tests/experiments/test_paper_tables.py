@@ -35,7 +35,15 @@ def _row(trial: Trial, cost: float) -> Row:
     if trial.problem != "cec2022":
         control = np.linspace([5, 5, 60], [95, 95, 60], 10).ravel().tolist()
         measures = {"distance": 100 * cost, "turn": 10.0, "dis_obs": 20.0, "iterations": 30.0, "feasible": 1.0}
-        measures |= {"time": 20.0, "estimate": 21.0, "clearance": 1.0, "control": control}
+        measures |= {
+            "time": 20.0,
+            "estimate": 21.0,
+            "time_landed": 30.0,
+            "clearance": 1.0,
+            "estimate_landed": 31.0,
+            "flyable": 1.0,
+            "control": control,
+        }
     return Row(trial, cost, 100, 0.5, tuple([cost] * len(CHECKPOINTS)), measures, "2024-10-21", "numpy=2")
 
 

@@ -129,11 +129,11 @@ def test_a_row_that_makes_no_sense_is_named_by_its_line(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     measure(TRIALS[:2], path, Here())
     lines = path.read_text().splitlines(keepends=True)
-    path.write_text(lines[0] + lines[1] + lines[2].replace("f2", "f2,oops"))
+    path.write_text(lines[0] + lines[1] + lines[2].replace(",10,", ",ten,", 1))
     with pytest.raises(BadInput, match=r"rows\.csv:3: expected \d+ cells of a run"):
         read_rows(path)
 
 
 def test_a_problem_that_does_not_exist_is_refused() -> None:
-    with pytest.raises(BadInput, match=r"^problem: expected cec2022 or map, not 'cec2021'$"):
+    with pytest.raises(BadInput, match=r"^problem: expected cec2022 or map or campus, not 'cec2021'$"):
         run_trial(Trial("cec2021", "f1", 10, "poa", "{}", 0, 0))

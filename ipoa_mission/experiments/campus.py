@@ -1,0 +1,99 @@
+"""Table 8: the flight over the campus, planned as the paper plans, flown by the built-in autopilot, and estimated.
+
+The paper flies on RflySim over a model of Dalian University that is not published; this is `missions/campus.toml`, a
+campus of our own with start and goal as far apart, at the same 15 m/s.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.experiments.maps import path_problem
+from ipoa_mission.experiments.problem import Measures, Problem
+from ipoa_mission.mission.assemble import assemble
+from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.mission.route import NoRoute
+from ipoa_mission.optimize.search import Optimum
+from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.proof import prove_curve
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.simulator.fly import fly
+from ipoa_mission.timing.estimate import estimate
+
+SCENARIO = Path(__file__).parents[2] / "missions" / "campus.toml"
+
+
+def campus_scenario() -> Scenario:
+    """The campus, to be planned by the paper's method: absolute coordinates, cost over nodes, no polish.
+
+    Raises:
+        MissionError: the package is not run from its repository, which has the scenario.
+    """
+    if not SCENARIO.exists():
+        raise MissionError(
+            f"{SCENARIO}: the scenario of Table 8 is not there", hint="run from a clone of the repository"
+        )
+    scenario = read_scenario(SCENARIO)
+    return scenario.model_copy(
+        update={
+            "planning": scenario.planning.model_copy(update={"planner": "paper"}),
+            "cost": scenario.cost.model_copy(update={"form": "nodes"}),
+        }
+    )
+
+
+def campus_problem(case: str, dimension: int) -> Problem:
+    """The planning problem of Table 8; what is found is flown and estimated if it touches nothing.
+
+    Raises:
+        BadInput: the case is not "campus", or the dimension is not three an inner control point.
+    """
+    if case != "campus":
+        raise BadInput(f"case: expected campus, not {case!r}")
+    scenario = campus_scenario()
+    if dimension != 3 * scenario.planning.control_points:
+        raise BadInput(f"dimension: expected {3 * scenario.planning.control_points}, not {dimension}")
+    problem = path_problem(scenario)
+
+    def measure(found: Optimum) -> Measures:
+        measures = problem.measure(found)
+        if measures["feasible"]:
+            control = np.array(measures["control"], dtype=np.float64).reshape(-1, 3)
+            measures |= flown(Spline(control), scenario, found)
+        return measures
+
+    return Problem(problem.cost, problem.box, measure)
+
+
+def flown(curve: Spline, scenario: Scenario, found: Optimum) -> Measures:
+    """How long the path takes from its first waypoint to its last [s], flown (`time`) and estimated beforehand.
+
+    The safety distance is not asked of the legs between waypoints, for the search kept it at its nodes only; where even
+    so no choice of waypoints is clear, `flyable` is 0 and there are no times.
+    """
+    close = scenario.model_copy(update={"safety_distance": 0.0})
+    plan = Plan(curve, curve_cost(curve, close), prove_curve(curve, close), "", 0, found.evaluations, found.history)
+    try:
+        mission = assemble(plan, close)
+    except NoRoute:
+        return {"flyable": 0.0}
+    record, predicted = fly(mission), estimate(mission)
+    first, last = _waypoints(mission)
+    done = {item.seq: item.done_s for item in predicted.items}
+    return {
+        "flyable": 1.0,
+        "waypoints": float(sum(item.command == Command.NAV_WAYPOINT for item in mission.items)),
+        "time": round(record.item_reached_s[last] - record.item_reached_s[first], 3),
+        "estimate": round(done[last + 1] - done[first + 1], 3),
+        "time_landed": round(record.total_s, 3),
+        "estimate_landed": round(predicted.total_s, 3),
+    }
+
+
+def _waypoints(mission: Mission) -> tuple[int, int]:
+    """Index of the item that begins the path (the last before it: take-off or speed) and of its last waypoint."""
+    route = [k for k, item in enumerate(mission.items) if item.command == Command.NAV_WAYPOINT]
+    return route[0] - 1, route[-1]
