@@ -10,6 +10,7 @@ from log_writers import WRITERS, Flown, write_dataflash, write_ulog
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.flight_log import read_flight
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
+from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -117,3 +118,18 @@ def test_a_log_that_breaks_off_gives_what_is_in_it(name: str, share: float, flow
     flight = read_flight(whole, mission_for(Autopilot.ARDUPILOT if name.startswith("ardupilot") else Autopilot.PX4))
     assert not flight.completed
     assert flight.item_reached_s.items() <= {k: pytest.approx(v, abs=0.002) for k, v in flown.done.items()}.items()
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_the_log_of_a_flight_on_the_built_in_autopilot_tells_that_flight(autopilot: Autopilot, tmp_path: Path) -> None:
+    log = tmp_path / "flight.tlog"
+    mission = mission_for(autopilot)
+    seen = fly(mission, log=log)
+    told = read_flight(log, mission)
+    assert told.completed
+    assert told.item_reached_s == pytest.approx(seen.item_reached_s, abs=0.11)  # positions come ten times a second
+    assert told.total_s == pytest.approx(seen.total_s, abs=0.11)
+    last = told.path[-1]
+    assert (last.latitude_deg, last.longitude_deg) == pytest.approx(
+        (seen.path[-1].latitude_deg, seen.path[-1].longitude_deg), abs=2e-7
+    )
