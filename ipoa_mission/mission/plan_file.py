@@ -33,7 +33,7 @@ def write_plan(mission: Mission, path: Path) -> None:
     """Write a mission with its fence and rally points; the same mission gives the same bytes.
 
     Raises:
-        BadInput: the file cannot be written, or the mission holds what no `.plan` can: an altitude that is no number, a
+        BadInput: the file cannot be written, or the mission holds what no `.plan` can: a place that is no number, a
             jump to nowhere.
     """
     text = json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False)
@@ -79,7 +79,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
         "firmwareType": FIRMWARE_TYPE[mission.autopilot],
         "globalPlanAltitudeMode": next(iter(modes), RELATIVE) if len(modes) < 2 else MIXED,
         "items": [_simple_item(number, item) for number, item in enumerate(items, start=1)],
-        "plannedHomePosition": _place(mission.home),
+        "plannedHomePosition": _place(mission.home, "home"),
         "vehicleType": QUADROTOR,
         "version": 2,
     }
@@ -92,7 +92,10 @@ def _plan(mission: Mission) -> dict[str, Any]:
         "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
         "groundStation": "QGroundControl",
         "mission": header,
-        "rallyPoints": {"points": [_place(place) for place in mission.rally], "version": 2},
+        "rallyPoints": {
+            "points": [_place(place, f"rally[{n}]") for n, place in enumerate(mission.rally)],
+            "version": 2,
+        },
         "version": 1,
     }
 
@@ -139,8 +142,11 @@ def _polygon(part: FencePolygon) -> dict[str, Any]:
     return {"inclusion": part.inclusion, "polygon": ring, "version": 1}
 
 
-def _place(place: Geodetic) -> list[float | int | None]:
-    return [_tidy(place.latitude_deg), _tidy(place.longitude_deg), _tidy(place.altitude)]
+def _place(place: Geodetic, what: str) -> list[float | int | None]:
+    numbers = (place.latitude_deg, place.longitude_deg, place.altitude)
+    if not all(map(math.isfinite, numbers)):
+        raise BadInput(f"{what}: expected latitude, longitude and altitude, not {numbers}")
+    return [_tidy(number) for number in numbers]
 
 
 def _tidy(value: float) -> float | int | None:

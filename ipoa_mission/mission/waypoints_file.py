@@ -32,7 +32,7 @@ def write_waypoints(mission: Mission, path: Path) -> tuple[str, ...]:
         BadInput: the file cannot be written, or an altitude is above terrain or no number.
     """
     items = settle_frames(mission.items, mission.autopilot)
-    for number, item in enumerate(items, start=1):
+    for number, item in enumerate((home_item(mission.home), *items)):
         _check(number, item)
     if mission.autopilot is Autopilot.ARDUPILOT:
         items = tuple(map(_without_nan, items))
@@ -72,7 +72,7 @@ def read_waypoints(path: Path, autopilot: Autopilot = Autopilot.PX4) -> Mission:
 
 
 def _check(number: int, item: Item) -> None:
-    where = f"item {number} ({command_name(item.command)})"
+    where = f"item {number} ({command_name(item.command)})" if number else "home"
     if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT):
         raise BadInput(
             f"{where}: expected an altitude above home or AMSL, not above terrain: "

@@ -176,3 +176,8 @@ def test_a_return_point_of_the_fence_is_reported_as_not_kept(tmp_path: Path, cap
     path.write_text(json.dumps(plan))
     read_plan(path)
     assert caplog.messages == [f"{path}: geoFence.breachReturn: a return point is not kept"]
+
+
+def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match=r"^home: expected latitude, longitude and altitude, not "):
+        write_plan(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.file")

@@ -135,3 +135,8 @@ def test_recorded_missions_are_read_and_written_back(name: str, tmp_path: Path) 
     write_waypoints(mission, path)
     assert same(read_waypoints(path), mission)
     assert len(mission.items) == len(source.read_text().splitlines()) - 2
+
+
+def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match=r"^home: expected a finite position"):
+        write_waypoints(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.file")
