@@ -73,14 +73,16 @@ class Spline:
         return Spline(control)
 
 
+@lru_cache(maxsize=64)
+def even_basis(n: int, count: int, order: int = 0) -> NDArray[np.float64]:
+    """`basis` at `count` parameters evenly from 0 to 1, (count, n), remembered and not to be written to."""
+    values = basis(n, np.linspace(0.0, 1.0, count), order)
+    values.flags.writeable = False
+    return values
+
+
 def basis(n: int, u: Vector, order: int = 0) -> NDArray[np.float64]:
-    """Values at u (k,) of the n basis functions, or of their derivatives of the given order, (k, n)."""
-    return _basis(n, np.ascontiguousarray(u, float).tobytes(), order)
-
-
-@lru_cache(maxsize=256)
-def _basis(n: int, parameters: bytes, order: int) -> NDArray[np.float64]:
-    u = np.frombuffer(parameters)
+    """Values at u (k,) of the n basis functions, eq. (12), or of their derivatives of the given order, (k, n)."""
     knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
     span = np.clip(np.searchsorted(knots, u, side="right") - 1, DEGREE, n - 1)
     values = np.zeros((len(u), len(knots) - 1))
@@ -93,5 +95,4 @@ def _basis(n: int, parameters: bytes, order: int) -> NDArray[np.float64]:
             values = (u[:, None] - knots[: -k - 1]) * left + (knots[k + 1 :] - u[:, None]) * right
         else:  # the last steps of the recursion, differentiated
             values = k * (left - right)
-    values.flags.writeable = False
     return values

@@ -120,6 +120,10 @@ class Airspace:
         """The least height above ground of the legs between consecutive points (n, 3)."""
         return _clearance(points, "terrain", *self.terrain.least_height(points))
 
+    def height_reached(self, points: Points) -> Clearance:
+        """The greatest height above ground of the legs between consecutive points (n, 3)."""
+        return _clearance(points, "the ground", *self.terrain.greatest_height(points))
+
     def near(self, points: Points, reach: float) -> Iterator[tuple[Obstacle, NDArray[np.intp], Vector]]:
         """Each obstacle within `reach` [m] of any of the points (n, 3): which points (k,), and their distances (k,)."""
         if not self.obstacles:

@@ -1,0 +1,101 @@
+"""`check` and `estimate`: what a mission file is worth before it flies."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ipoa_mission.cli.options import (
+    AutopilotOption,
+    FileArgument,
+    JsonOption,
+    ParameterFileOption,
+    ParameterOption,
+    read_parameter_options,
+)
+from ipoa_mission.cli.telling import tell, tell_json, tell_table
+
+if TYPE_CHECKING:
+    from ipoa_mission.timing.estimate import Estimate
+
+
+def check(
+    file: FileArgument,
+    scenario: Annotated[
+        Path | None,
+        typer.Option("--scenario", metavar="SCENARIO", help="Check clearance, bounds and heights against it."),
+    ] = None,
+    autopilot: AutopilotOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
+
+    Exit code 1 when something would go wrong in flight.
+
+    Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
+    """
+    from ipoa_mission.mission.check import Severity, check_mission
+    from ipoa_mission.mission.files import read_mission
+    from ipoa_mission.scenario import read_scenario
+
+    mission = read_mission(file, autopilot)
+    findings = check_mission(mission, None if scenario is None else read_scenario(scenario))
+    errors = sum(finding.severity is Severity.ERROR for finding in findings)
+    if as_json:
+        rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message} for f in findings]
+        tell_json({"ok": not errors, "findings": rows})
+    else:
+        tell(*(str(finding) for finding in findings))
+        counts = f"{errors} errors, {len(findings) - errors} warnings, {len(mission.items)} items"
+        tell(f"{file}: {counts} for {mission.autopilot}")
+    if errors:
+        raise typer.Exit(1)
+
+
+def estimate(
+    file: FileArgument,
+    autopilot: AutopilotOption = None,
+    param: ParameterOption = None,
+    param_file: ParameterFileOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
+
+    Time zero is armed in the mission mode on the ground.
+
+    Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
+    """
+    from ipoa_mission.mission.files import read_mission
+    from ipoa_mission.timing.estimate import estimate as predict
+
+    mission = read_mission(file, autopilot)
+    found = predict(mission, read_parameter_options(param, param_file))
+    if as_json:
+        tell_json(estimate_as_json(found))
+        return
+    rows = [
+        (
+            str(item.seq),
+            f"{item.done_s:.1f}",
+            f"{item.duration_s:.1f}",
+            f"{item.length:.1f}",
+            f"{item.peak_speed:.1f}",
+            item.reason,
+        )
+        for item in found.items
+    ]
+    tell_table(f"{file.name} on {mission.autopilot}", ["item", "done s", "takes s", "m", "peak m/s", "why slow"], rows)
+    tell(*found.remarks, f"estimated {found.total_s:.1f} s ({found.low_s:.0f} to {found.high_s:.0f})")
+    tell(f"QGroundControl would say {found.qgroundcontrol_s:.1f} s")
+
+
+def estimate_as_json(found: "Estimate") -> dict[str, Any]:
+    """An estimate for machines; items are numbered as in the file, where home is 0."""
+    return {
+        "total_s": round(found.total_s, 3),
+        "low_s": round(found.low_s, 3),
+        "high_s": round(found.high_s, 3),
+        "qgroundcontrol_s": round(found.qgroundcontrol_s, 3),
+        "items": [{"seq": item.seq, "done_s": round(item.done_s, 3), "reason": item.reason} for item in found.items],
+        "remarks": list(found.remarks),
+    }

@@ -1,0 +1,52 @@
+"""`new`: a first scenario from a few answers, or from a map."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ipoa_mission.cli.telling import tell
+
+GivenOption = Annotated[
+    list[str] | None, typer.Option("--answer", metavar="KEY=VALUE", help="Answer a question beforehand. Repeatable.")
+]
+
+
+def new(
+    target: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file to write (.toml).")],
+    buildings: Annotated[
+        Path | None,
+        typer.Option("--buildings", metavar="FILE", help="GeoJSON as OpenStreetMap exports give it, or KML."),
+    ] = None,
+    elevation: Annotated[
+        Path | None, typer.Option("--elevation", metavar="FILE", help="Elevation model: GeoTIFF or SRTM .hgt.")
+    ] = None,
+    answer: GivenOption = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="Ask nothing: take what the map and the defaults say.")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Write over a file that is there.")] = False,
+) -> None:
+    """Write a commented scenario file, from a few questions or from a map.
+
+    Example: `ipoa-mission new town.toml --buildings town.geojson --yes`
+    """
+    from ipoa_mission.errors import BadInput
+    from ipoa_mission.files import write_atomically
+    from ipoa_mission.scenario.new import QUESTIONS, new_scenario, suggest_answers
+
+    if target.exists() and not force:
+        raise BadInput(f"{target}: there is such a file already", hint="--force writes over it")
+    answers = suggest_answers(buildings, elevation)
+    for text in answer or ():
+        key, equals, value = text.partition("=")
+        if not equals:
+            raise BadInput(f"--answer {text}: expected KEY=VALUE")
+        answers[key] = value
+    if not yes:
+        for question in QUESTIONS:
+            if question.key not in answers:
+                answers[question.key] = typer.prompt(f"{question.words} ({question.form})", default=question.default)
+                question.check(question.key, answers[question.key])
+    write_atomically(target, new_scenario(answers, target, buildings, elevation))
+    tell(f"written: {target}", f"plan it: ipoa-mission plan {target}")

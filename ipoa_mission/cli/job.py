@@ -1,0 +1,116 @@
+"""The main job in order: scenario -> plan -> mission -> estimate -> files. `plan` and `fly` begin with it."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.cli.summary import summarise
+from ipoa_mission.cli.telling import progress_bar
+from ipoa_mission.energy.flight import Consumption
+from ipoa_mission.files import write_atomically
+from ipoa_mission.mission.assemble import assemble
+from ipoa_mission.mission.check import check_mission
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.mission.unsafe import refuse_errors
+from ipoa_mission.mission.waypoints_file import write_waypoints
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.scenario.budget import flight_energy
+from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.vehicle import Autopilot, Parameters
+
+
+@dataclass(frozen=True)
+class Job:
+    """A mission ready to fly; `remarks` are what its user should know."""
+
+    name: str
+    mission: Mission
+    parameters: Parameters
+    estimate: Estimate
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PlannedJob(Job):
+    """A job that began with a scenario."""
+
+    scenario: Scenario
+    plan: Plan
+    energy: Consumption | None
+
+    def summary(self) -> dict[str, Any]:
+        """What it is like, for machines."""
+        return summarise(self.scenario, self.plan, self.mission, self.estimate, self.energy, self.remarks)
+
+
+def prepare(
+    source: Path,
+    seed: int = 0,
+    autopilot: Autopilot | None = None,
+    optimizer: str | None = None,
+    parameters: Mapping[str, float] | None = None,
+) -> Job:
+    """A job from a scenario (`.toml`) or a mission file.
+
+    Raises:
+        BadInput: the file is wrong.
+        NoPath, NoRoute: no safe way was found.
+        Unsafe: the mission fails a check.
+        NotEnoughBattery: it would not come home with its reserve.
+    """
+    if source.suffix == ".toml":
+        return plan_mission(adapt_scenario(source, optimizer, autopilot=autopilot), seed, parameters)
+    mission = read_mission(source, autopilot)
+    warnings = refuse_errors(check_mission(mission))
+    remarks = tuple(finding.message for finding in warnings)
+    return Job(source.stem, mission, parameters or {}, estimate(mission, parameters or {}), remarks)
+
+
+def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] | None = None) -> PlannedJob:
+    """Plan, assemble, check, estimate, and see that the battery lasts; what fails does not come out."""
+    with progress_bar("planning") as show:
+        plan = plan_path(scenario, seed, show)
+    mission = assemble(plan, scenario)
+    warnings = refuse_errors(check_mission(mission, scenario))
+    known = {**scenario.vehicle.autopilot_parameters(), **(parameters or {})}
+    found = estimate(mission, known)
+    track = found.track
+    energy = flight_energy(scenario, track.times, track.points, track.speeds)
+    remarks = (*(finding.message for finding in warnings), *scenario.remarks)
+    return PlannedJob(scenario.name, mission, known, found, remarks, scenario, plan, energy)
+
+
+def adapt_scenario(
+    path: Path,
+    optimizer: str | None = None,
+    planner: str | None = None,
+    polish: bool = True,
+    autopilot: Autopilot | None = None,
+) -> Scenario:
+    """The scenario in a file, with what the command line says in its place."""
+    scenario = read_scenario(path)
+    changes: dict[str, Any] = {}
+    planning = ({"planner": planner} if planner else {}) | ({} if polish else {"polish": False})
+    if planning:
+        changes["planning"] = scenario.planning.model_copy(update=planning)
+    if optimizer is not None and optimizer != scenario.optimizer.name:
+        changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
+    if autopilot is not None:
+        changes["vehicle"] = scenario.vehicle.model_copy(update={"autopilot": autopilot})
+    return scenario.model_copy(update=changes)
+
+
+def write_files(job: PlannedJob, folder: Path) -> list[Path]:
+    """NAME.plan, NAME.waypoints and NAME.json in `folder`, which is made if it is not there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    plan, waypoints, summary = (folder / f"{job.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
+    write_plan(job.mission, plan)
+    write_waypoints(job.mission, waypoints)
+    write_atomically(summary, json.dumps(job.summary(), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    return [plan, waypoints, summary]

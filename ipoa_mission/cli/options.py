@@ -1,0 +1,79 @@
+"""Options that several verbs share, each said once."""
+
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.vehicle import Autopilot
+
+ScenarioArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML).")]
+FileArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="FILE", help="Mission file: .plan or .waypoints.")]
+FileOrScenario: TypeAlias = Annotated[
+    Path,
+    typer.Argument(metavar="SCENARIO|FILE", help="Scenario (.toml) to plan first, or mission (.plan, .waypoints)."),
+]
+OutOption: TypeAlias = Annotated[
+    Path, typer.Option("--out", metavar="DIR", help="Folder for the files; made if absent.")
+]
+SeedOption: TypeAlias = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Same seed, same bytes.")]
+OptimizerOption: TypeAlias = Annotated[
+    str | None, typer.Option("--optimizer", metavar="NAME", help="Search by this optimiser: ipoa, poa, dbo, ...")
+]
+PlannerOption: TypeAlias = Annotated[
+    str | None, typer.Option("--planner", metavar="NAME", help="default, or paper: the algorithm as printed.")
+]
+PolishOption: TypeAlias = Annotated[bool, typer.Option("--polish/--no-polish", help="Refine the best paths found.")]
+AutopilotOption: TypeAlias = Annotated[
+    Autopilot | None,
+    typer.Option("--autopilot", help="Firmware that flies it; left out, what the file says (.waypoints: px4)."),
+]
+ParameterOption: TypeAlias = Annotated[
+    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="A parameter of the autopilot. Repeatable.")
+]
+ParameterFileOption: TypeAlias = Annotated[
+    Path | None, typer.Option("--param-file", metavar="FILE", help="Parameters of the autopilot: .parm or .params.")
+]
+LinkOption: TypeAlias = Annotated[
+    str,
+    typer.Option("--link", metavar="URL", help="udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD."),
+]
+SystemOption: TypeAlias = Annotated[
+    int | None,
+    typer.Option("--system", metavar="N", min=1, max=255, help="The vehicle's system id, if there are several."),
+]
+LogOption: TypeAlias = Annotated[
+    Path | None, typer.Option("--log", metavar="FILE", help="Where the .tlog goes; left out, beside the mission file.")
+]
+KeyOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option("--key", metavar="FILE", envvar="IPOA_MISSION_KEY", help="Sign MAVLink with the key in this file."),
+]
+AnywayOption: TypeAlias = Annotated[
+    bool, typer.Option("--anyway", help="Send a mission that fails the checks. You have been told.")
+]
+ReportOption: TypeAlias = Annotated[bool, typer.Option("--report", help="Also write NAME.html, a page that shows it.")]
+JsonOption: TypeAlias = Annotated[bool, typer.Option("--json", help="Print the result as JSON, for machines.")]
+
+
+def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:
+    """Parameters from a file, then those named on the command line, which win.
+
+    Raises:
+        BadInput: what is not NAME=VALUE with a number, or a file that cannot be read.
+    """
+    parameters: dict[str, float] = {}
+    if file is not None:
+        from ipoa_mission.timing.parameters import read_parameters
+
+        parameters.update(read_parameters(file))
+    for text in given or ():
+        name, equals, value = text.partition("=")
+        try:
+            if not (name.strip() and equals):
+                raise ValueError
+            parameters[name.strip()] = float(value)
+        except ValueError:
+            raise BadInput(f"--param {text}: expected NAME=VALUE with a number, like WPNAV_ACCEL=250") from None
+    return parameters

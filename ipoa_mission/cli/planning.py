@@ -1,0 +1,57 @@
+"""`plan` and `schema`: from a scenario file to mission files."""
+
+from pathlib import Path
+
+from ipoa_mission.cli.options import (
+    AutopilotOption,
+    JsonOption,
+    OptimizerOption,
+    OutOption,
+    PlannerOption,
+    PolishOption,
+    ReportOption,
+    ScenarioArgument,
+    SeedOption,
+)
+from ipoa_mission.cli.telling import tell, tell_json
+
+
+def plan(
+    scenario: ScenarioArgument,
+    out: OutOption = Path(),
+    seed: SeedOption = 0,
+    optimizer: OptimizerOption = None,
+    planner: PlannerOption = None,
+    polish: PolishOption = True,
+    autopilot: AutopilotOption = None,
+    report: ReportOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Plan a scenario and write its mission: NAME.plan (QGroundControl), NAME.waypoints, and NAME.json about it.
+
+    Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
+    """
+    from ipoa_mission.cli.job import adapt_scenario, plan_mission, write_files
+    from ipoa_mission.cli.summary import describe
+
+    job = plan_mission(adapt_scenario(scenario, optimizer, planner, polish, autopilot), seed)
+    files = write_files(job, out)
+    if report:
+        from ipoa_mission.report.page import write_report
+
+        files.append(out / f"{job.name}.html")
+        write_report(files[-1], job.scenario, job.plan, job.mission, job.estimate, remarks=job.remarks)
+    if as_json:
+        tell_json(job.summary())
+    else:
+        tell(*describe(job), f"written: {', '.join(map(str, files))}")
+
+
+def schema() -> None:
+    """Print the JSON Schema of scenario files, so that editors complete and check them.
+
+    Example: `ipoa-mission schema > scenario.schema.json`
+    """
+    from ipoa_mission.scenario import Scenario
+
+    tell_json(Scenario.model_json_schema())

@@ -1,0 +1,40 @@
+"""`reproduce`: the paper's tables and figures, measured again."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ipoa_mission.cli.telling import progress_bar, tell
+
+
+def reproduce(
+    what: Annotated[str, typer.Argument(metavar="WHAT", help="table-3, figure-7, ablation, ..., or all.")],
+    runs: Annotated[
+        int | None, typer.Option("--runs", metavar="N", min=1, help="Runs of each; left out, as many as the paper.")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where runs, tables and figures are kept.")] = Path(
+        "reproduction"
+    ),
+    jobs: Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Processes.")] = 2,
+    executor: Annotated[
+        str | None, typer.Option("--executor", metavar="URL", help="A Dask scheduler, as tcp://HOST:PORT.")
+    ] = None,
+) -> None:
+    """Measure a table or figure of the paper again and write it; runs that are there are not repeated.
+
+    Example: `ipoa-mission reproduce table-3 --runs 3`
+    """
+    from ipoa_mission.experiments.reproduce import reproduce as measure
+
+    out.mkdir(parents=True, exist_ok=True)
+    with progress_bar("measuring") as show:
+        files = measure(
+            what,
+            runs,
+            out,
+            jobs,
+            executor,
+            lambda name, done, total: show(done / max(total, 1), f"{name}: {done} of {total}"),
+        )
+    tell(*(f"written: {file}" for file in files))

@@ -1,0 +1,86 @@
+"""What a planned mission is like: in a few lines for a human, and as NAME.json for machines."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ipoa_mission.energy.flight import Consumption
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.proof import Proof, prove
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.timing.estimate import Estimate
+
+if TYPE_CHECKING:
+    from ipoa_mission.cli.job import PlannedJob
+
+
+def describe(job: "PlannedJob") -> list[str]:
+    """The plan in a few lines."""
+    least = prove(waypoints(job.mission, job.scenario), job.scenario).clearance
+    required = job.scenario.vehicle.radius + job.scenario.safety_distance
+    lines = [
+        f"{job.name}: {job.plan.cost.length:.1f} m, {len(job.mission.items)} items, for {job.mission.autopilot}",
+        f"least clearance {least.distance:.2f} m, to {least.what}; {required:.2f} m required; proved, leg by leg",
+        f"estimated {job.estimate.total_s:.1f} s; QGroundControl would say {job.estimate.qgroundcontrol_s:.0f} s",
+    ]
+    if job.energy is not None:
+        lines.append(f"energy {job.energy.energy_wh:.1f} Wh, {job.energy.mean_w:.0f} W on average")
+    return [*lines, *(f"note: {remark}" for remark in job.remarks)]
+
+
+def summarise(
+    scenario: Scenario,
+    plan: Plan,
+    mission: Mission,
+    estimate: Estimate,
+    energy: Consumption | None,
+    remarks: Sequence[str],
+) -> dict[str, Any]:
+    """Metres, seconds, degrees; the same plan gives the same numbers. `legs` are those that will be flown."""
+    legs = prove(waypoints(mission, scenario), scenario)
+    return {
+        "name": scenario.name,
+        "version": version("ipoa-mission"),
+        "seed": plan.seed,
+        "optimizer": plan.optimizer,
+        "evaluations": int(plan.evaluations[-1]),
+        "cost": {name: _rounded(value) for name, value in asdict(plan.cost).items()},
+        "clearance": {"curve": _clearance(plan.proof), "legs": _clearance(legs)},
+        "limits": [
+            {"limit": c.limit, "found": _rounded(c.found.distance), "required": _rounded(c.required), "unit": c.unit}
+            for c in legs.checks
+            if math.isfinite(c.found.distance)
+        ],
+        "control_points": [[_rounded(value) for value in point] for point in plan.curve.control],
+        "items": len(mission.items),
+        "estimate": {
+            "total_s": _rounded(estimate.total_s),
+            "qgroundcontrol_s": _rounded(estimate.qgroundcontrol_s),
+        },
+        "energy_wh": None if energy is None else _rounded(energy.energy_wh),
+        "remarks": list(remarks),
+    }
+
+
+def waypoints(mission: Mission, scenario: Scenario) -> Points:
+    """The places that the mission flies through from its start to its goal, (k, 3) in the local frame."""
+    flown = [item for item in mission.items if item.has_position and item.command != Command.NAV_LAND]
+    latitude, longitude, height = (
+        np.array([getattr(item, name) for item in flown]) for name in ("latitude_deg", "longitude_deg", "altitude")
+    )
+    return scenario.frame.to_local(latitude, longitude, mission.home.altitude + height)
+
+
+def _clearance(proof: Proof) -> dict[str, Any]:
+    least = proof.clearance
+    return {"least": _rounded(least.distance), "to": least.what, "at": [_rounded(value) for value in least.place]}
+
+
+def _rounded(value: float) -> float:
+    return round(float(value), 6)

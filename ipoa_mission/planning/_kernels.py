@@ -1,0 +1,440 @@
+"""What must be fast, compiled: the cost of many candidate paths, and the model from which one path is polished.
+
+Each has a plain NumPy twin that the tests hold it against. Obstacles, ground and weights come as `Chart` and `Rules`;
+what is called at every node is handed single arrays and rasters, because handing on a chart counts references to it.
+"""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+
+import numpy as np
+from numba import njit
+
+from ipoa_mission.planning.chart import CYLINDER, FENCE, LEAST, SPHERE, STEEP
+
+FAST = {"reassoc", "contract", "arcp", "nsz"}  # lets sums be vectorised
+
+
+def _arctangent(terms: int) -> tuple[float, ...]:
+    """Coefficients of t, t^3, ... of arctan on [0, 1]: its Chebyshev series."""
+    series = np.zeros(2 * terms)
+    k = np.arange(terms)
+    series[1::2] = 2 * (-1.0) ** k * (math.sqrt(2) - 1) ** (2 * k + 1) / (2 * k + 1)
+    return tuple(float(c) for c in np.polynomial.chebyshev.cheb2poly(series)[1::2])
+
+
+A0, A1, A2, A3, A4, A5, A6, A7, A8, A9 = _arctangent(10)  # good to 2e-9 rad
+
+
+@njit(inline="always")
+def _angle(cross, dot, product):
+    """The angle between two vectors from |cross|, dot and the product of their lengths: half-angle and a series."""
+    t = abs(cross) / (product + abs(dot) + 1e-300)
+    s = t * t
+    series = A0 + s * (A1 + s * (A2 + s * (A3 + s * (A4 + s * (A5 + s * (A6 + s * (A7 + s * (A8 + s * A9))))))))
+    half = 2.0 * t * series
+    return half if dot >= 0.0 else math.pi - half
+
+
+@njit(inline="always")
+def _ground(raster, heights, x, y):
+    """Bilinear height of the ground, and its slopes along east and north."""
+    u, v = (x - raster.east) * raster.per_metre, (y - raster.north) * raster.per_metre
+    u, v = min(max(u, 0.0), raster.columns - 1.0), min(max(v, 0.0), raster.rows - 1.0)
+    i, j = min(int(u), raster.columns - 2), min(int(v), raster.rows - 2)
+    u, v = u - i, v - j
+    south, north = heights[j, i + 1] - heights[j, i], heights[j + 1, i + 1] - heights[j + 1, i]
+    low, high = heights[j, i] + u * south, heights[j + 1, i] + u * north
+    return low + v * (high - low), ((1.0 - v) * south + v * north) * raster.per_metre, (high - low) * raster.per_metre
+
+
+@njit(inline="always")
+def _cell(raster, x, y):
+    """The number of the cell at a place; beyond the map the nearest one."""
+    u, v = (x - raster.east) * raster.per_metre, (y - raster.north) * raster.per_metre
+    row, column = np.floor(min(max(v, 0.0), raster.rows - 1.0)), np.floor(min(max(u, 0.0), raster.columns - 1.0))
+    return np.int32(row * raster.columns + column)
+
+
+@njit(inline="always")
+def _least_height(low_zones, height, x, y):
+    """The height above ground that is required here."""
+    for k in range(low_zones.shape[0]):
+        if (x - low_zones[k, 0]) ** 2 + (y - low_zones[k, 1]) ** 2 <= low_zones[k, 2] ** 2:
+            height = min(height, low_zones[k, 3])
+    return height
+
+
+@njit(inline="always")
+def _aside(kind, shape, edges, body, x, y):
+    """Signed distance to an upright obstacle's outline in the plane, and its direction (east, north)."""
+    if kind[body] == CYLINDER:
+        e, n = x - shape[body, 0], y - shape[body, 1]
+        r = math.sqrt(e * e + n * n) + 1e-12
+        aside = r - shape[body, 2]
+    else:
+        e, n, nearest, inside = 0.0, 0.0, 1e300, False
+        for k in range(int(shape[body, 0]), int(shape[body, 1])):
+            e0, n0, e1, n1 = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
+            share = ((x - e0) * (e1 - e0) + (y - n0) * (n1 - n0)) / ((e1 - e0) ** 2 + (n1 - n0) ** 2)
+            share = min(max(share, 0.0), 1.0)
+            away_e, away_n = x - e0 - share * (e1 - e0), y - n0 - share * (n1 - n0)
+            square = away_e * away_e + away_n * away_n
+            if square < nearest:
+                nearest, e, n = square, away_e, away_n
+            if (n0 > y) != (n1 > y) and x < e0 + (y - n0) / (n1 - n0) * (e1 - e0):
+                inside = not inside
+        r = math.sqrt(nearest) + 1e-12
+        if inside != (kind[body] == FENCE):  # within a prism, or beyond a fence
+            r = -r
+        aside = r
+    return aside, e / r, n / r
+
+
+@njit(inline="always")
+def _distance(kind, shape, edges, body, x, y, z):
+    """Signed distance to an obstacle, and the direction in which it grows (east, north, up)."""
+    if kind[body] == SPHERE:
+        e, n, u = x - shape[body, 0], y - shape[body, 1], z - shape[body, 2]
+        r = math.sqrt(e * e + n * n + u * u) + 1e-12
+        distance, e, n, u = r - shape[body, 3], e / r, n / r, u / r
+    else:
+        distance, e, n = _aside(kind, shape, edges, body, x, y)
+        under, over = shape[body, 3] - z, z - shape[body, 4]
+        above, u = max(under, over), 0.0
+        if distance > 0.0 and above > 0.0:  # over a rim
+            r = math.sqrt(distance * distance + above * above)
+            e, n, u = e * distance / r, n * distance / r, (above if over > under else -above) / r
+            distance = r
+        elif above > distance:
+            distance, e, n, u = above, 0.0, 0.0, 1.0 if over > under else -1.0
+    return distance, e, n, u
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def path_costs(points, chart, rules):
+    """Cost of each of many paths; `points` is (m, 3, n): east, north, up of n nodes.
+
+    A path that breaks a limit costs its length, `rules.collision`, and more the deeper and the longer it does.
+    """
+    count, _, n = points.shape
+    costs = np.empty(count)
+    level, leg, rise = np.empty(n - 1), np.empty(n - 1), np.empty(n - 1)
+    steps_e, steps_n, cell = np.empty(n - 1), np.empty(n - 1), np.empty(n, np.int32)
+    near = max(rules.clearance, rules.d_safe + rules.radius)
+    raster, first, listed, top, kind, shape, edges = (
+        chart.cells,
+        chart.first,
+        chart.listed,
+        chart.top,
+        chart.kind,
+        chart.shape,
+        chart.edges,
+    )
+    around, heights, low_zones = chart.around, chart.heights, chart.low_zones
+    (west, south, low), (east, north, high) = chart.lower, chart.upper
+    for c in range(count):
+        x, y, z = points[c, 0], points[c, 1], points[c, 2]
+        length, depth = 0.0, 0.0
+        for i in range(n - 1):
+            e, n_, u = x[i + 1] - x[i], y[i + 1] - y[i], z[i + 1] - z[i]
+            steps_e[i], steps_n[i], rise[i] = e, n_, u
+            level[i] = math.sqrt(e * e + n_ * n_)
+            leg[i] = math.sqrt(e * e + n_ * n_ + u * u)
+            length += leg[i]
+        if min(rules.climb, rules.descent) < STEEP:
+            for i in range(n - 1):
+                depth += max(rise[i] - rules.climb * level[i], -rise[i] - rules.descent * level[i], 0.0)
+        outside = 0.0
+        for i in range(n):
+            cell[i] = _cell(raster, x[i], y[i])
+            outside += max(west - x[i], x[i] - east, 0.0) + max(south - y[i], y[i] - north, 0.0)
+            outside += max(low - z[i], z[i] - high, 0.0)
+        depth += outside * length / (n - 1)
+
+        threat = 0.0
+        for i in range(n):
+            share = 0.5 * ((leg[i - 1] if i > 0 else 0.0) + (leg[i] if i < n - 1 else 0.0))
+            if z[i] < top[cell[i]]:
+                height = z[i] - _ground(chart.ground, heights, x[i], y[i])[0]
+                depth += share * max(
+                    _least_height(low_zones, rules.height, x[i], y[i]) - height, height - rules.ceiling, 0.0
+                )
+            for k in range(first[cell[i]], first[cell[i] + 1]):
+                body = listed[k]
+                if not around[body, 3] < z[i] < around[body, 4]:
+                    continue
+                if (x[i] - around[body, 0]) ** 2 + (y[i] - around[body, 1]) ** 2 > around[body, 2]:
+                    continue
+                distance = _distance(kind, shape, edges, body, x[i], y[i], z[i])[0]
+                if kind[body] == FENCE:
+                    depth += share * max(-distance, 0.0)
+                elif distance < near:
+                    depth += share * max(rules.clearance - distance, 0.0)
+                    distance -= rules.radius
+                    if distance < rules.d_safe:
+                        threat += (1.0 if rules.per_node else share) / max(distance, LEAST)
+        costs[c] = rules.length * length
+        if depth > 0.0:
+            costs[c] += rules.collision + rules.depth * depth
+            continue
+
+        turning, climbing = 0.0, 0.0
+        for i in range(n - 2):
+            a, b, c_, d = steps_e[i], steps_n[i], steps_e[i + 1], steps_n[i + 1]
+            turning += _angle(a * d - b * c_, a * c_ + b * d, level[i] * level[i + 1])
+            a, b, c_, d = level[i], rise[i], level[i + 1], rise[i + 1]
+            climbing += _angle(a * d - b * c_, a * c_ + b * d, leg[i] * leg[i + 1])
+        costs[c] += rules.turning * turning + rules.climbing * climbing + rules.threat * threat
+    return costs
+
+
+@njit(inline="always")
+def _add(gradient, hessian, window, i, base, pull, slope, curvature):
+    """Adds a term that changes by `pull` (3, 3) with the nodes before, at and after i.
+
+    Its first derivative is `slope`, its second `curvature`; both are handed on to the five control points.
+    """
+    for a in range(15):
+        k, axis = a // 3, a % 3
+        here = window[i, 0, k] * pull[0, axis] + window[i, 1, k] * pull[1, axis] + window[i, 2, k] * pull[2, axis]
+        pull[3 + a // 3, axis] = here
+        gradient[base + a] += slope * here
+    if curvature > 0.0:
+        for a in range(15):
+            here = curvature * pull[3 + a // 3, a % 3]
+            if here != 0.0:
+                for b in range(a + 1):
+                    hessian[base + a, base + b] += here * pull[3 + b // 3, b % 3]
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def path_model(nodes, first, window, count, chart, rules, soft):
+    """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
+
+    `nodes` (n, 3) depend on `count` control points: node i - 1, i and i + 1 on those from `first[i]` with the
+    coefficients `window[i]` (3, 5). Returns the value, (3 count,) and (3 count, 3 count). The model is Gauss-Newton's:
+    what bends downwards is left out, absolute values are re-weighted squares.
+    """
+    n = len(nodes)
+    raster, listed_from, listed, around = chart.cells, chart.first, chart.listed, chart.around
+    kind, shape, edges, heights, low_zones = chart.kind, chart.shape, chart.edges, chart.heights, chart.low_zones
+    value, gradient, hessian = 0.0, np.zeros(3 * count), np.zeros((3 * count, 3 * count))
+    step, level, leg, danger = np.zeros((n, 3)), np.zeros(n), np.zeros(n), np.zeros(n)
+    pull = np.zeros((8, 3))
+    for i in range(n - 1):
+        for axis in range(3):
+            step[i, axis] = nodes[i + 1, axis] - nodes[i, axis]
+        level[i] = math.sqrt(step[i, 0] ** 2 + step[i, 1] ** 2) + 1e-9
+        leg[i] = math.sqrt(level[i] ** 2 + step[i, 2] ** 2)
+    even = leg.sum() / (n - 1)
+    stiffness = soft.stiffness * even
+
+    # Obstacles, ground and bounds at each node
+    for i in range(n):
+        x, y, z, base = nodes[i, 0], nodes[i, 1], nodes[i, 2], 3 * first[i]
+        pull[0], pull[2] = 0.0, 0.0
+        share = 0.5 * ((leg[i - 1] if i > 0 else 0.0) + leg[i])
+        cell = _cell(raster, x, y)
+        if z < chart.top[cell] + soft.above:
+            ground, pull[1, 0], pull[1, 1] = _ground(chart.ground, heights, x, y)
+            pull[1, 2] = -1.0
+            broken = _least_height(low_zones, rules.height + soft.above, x, y) - (z - ground)
+            if broken > 0.0:
+                value += 0.5 * stiffness * broken**2
+                _add(gradient, hessian, window, i, base, pull, stiffness * broken, stiffness)
+            broken = z - ground - (rules.ceiling - soft.above)
+            if broken > 0.0:
+                value += 0.5 * stiffness * broken**2
+                _add(gradient, hessian, window, i, base, pull, -stiffness * broken, stiffness)
+        for axis in range(3):
+            broken = max(chart.lower[axis] - nodes[i, axis], nodes[i, axis] - chart.upper[axis])
+            if broken > 0.0:
+                pull[1] = 0.0
+                pull[1, axis] = 1.0 if nodes[i, axis] > chart.upper[axis] else -1.0
+                value += 0.5 * stiffness * broken**2
+                _add(gradient, hessian, window, i, base, pull, stiffness * broken, stiffness)
+        for k in range(listed_from[cell], listed_from[cell + 1]):
+            body = listed[k]
+            if not around[body, 3] < z < around[body, 4]:
+                continue
+            if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:
+                continue
+            distance, pull[1, 0], pull[1, 1], pull[1, 2] = _distance(kind, shape, edges, body, x, y, z)
+            slope, curvature = 0.0, 0.0
+            broken = (0.0 if kind[body] == FENCE else rules.clearance) + soft.aside - distance
+            if broken > 0.0:
+                value += 0.5 * stiffness * broken**2
+                slope, curvature = -stiffness * broken, stiffness
+            hull = distance - rules.radius
+            if hull < rules.d_safe + soft.edge and kind[body] != FENCE:
+                near = max(hull, LEAST)
+                threat = rules.threat / near
+                change, bend = (-threat / near, 2.0 * threat / near**2) if hull > LEAST else (0.0, 0.0)
+                if hull > rules.d_safe:  # fades out
+                    t = (hull - rules.d_safe) / soft.edge
+                    fade, fading, flex = 1.0 - t * t * (3.0 - 2.0 * t), -6.0 * t * (1.0 - t) / soft.edge, 12.0 * t - 6.0
+                    bend = bend * fade + 2.0 * change * fading + threat * flex / soft.edge**2
+                    change = change * fade + threat * fading
+                    threat *= fade
+                weight = 1.0 if rules.per_node else share
+                danger[i] += 0.0 if rules.per_node else threat
+                value += weight * threat
+                slope += weight * change
+                curvature += weight * max(bend, 0.0)
+            if slope != 0.0 or curvature > 0.0:
+                _add(gradient, hessian, window, i, base, pull, slope, curvature)
+
+    # Length of each leg (which threats make dearer), even spacing, climb limits
+    for i in range(n - 1):
+        base = 3 * first[i]
+        price = rules.length + 0.5 * (danger[i] + danger[i + 1])
+        value += rules.length * leg[i] + 0.5 * soft.evenness / even * (leg[i] - even) ** 2
+        pull[0] = 0.0
+        for axis in range(3):
+            pull[2, axis] = step[i, axis] / leg[i]
+            pull[1, axis] = -pull[2, axis]
+        _add(
+            gradient,
+            hessian,
+            window,
+            i,
+            base,
+            pull,
+            price + soft.evenness / even * (leg[i] - even),
+            soft.evenness / even,
+        )
+        for across in range(2):  # the two directions in which a longer leg is a bent one
+            if across == 0:
+                pull[2, 0], pull[2, 1], pull[2, 2] = -step[i, 1] / level[i], step[i, 0] / level[i], 0.0
+            else:
+                for axis in range(2):
+                    pull[2, axis] = -step[i, 2] / leg[i] * step[i, axis] / level[i]
+                pull[2, 2] = level[i] / leg[i]
+            for axis in range(3):
+                pull[1, axis] = -pull[2, axis]
+            _add(gradient, hessian, window, i, base, pull, 0.0, price / leg[i])
+        for sign, limit in ((1.0, rules.climb), (-1.0, rules.descent)):
+            broken = sign * step[i, 2] - limit * level[i]
+            if broken > 0.0:
+                for axis in range(2):
+                    pull[2, axis] = -limit * step[i, axis] / level[i]
+                pull[2, 2] = sign
+                for axis in range(3):
+                    pull[1, axis] = -pull[2, axis]
+                value += 0.5 * soft.stiffness / even * broken**2
+                _add(gradient, hessian, window, i, base, pull, soft.stiffness / even * broken, soft.stiffness / even)
+
+    # Turning and climbing at each inner node
+    for i in range(1, n - 1):
+        base = 3 * first[i]
+        for upwards in range(2):
+            if upwards:
+                rate = rules.climbing
+                angle = math.atan2(step[i, 2], level[i]) - math.atan2(step[i - 1, 2], level[i - 1])
+                for side, row in ((i - 1, 0), (i, 2)):
+                    for axis in range(2):
+                        pull[row, axis] = -step[side, 2] / leg[side] ** 2 * step[side, axis] / level[side]
+                    pull[row, 2] = level[side] / leg[side] ** 2
+            else:
+                rate = rules.turning
+                angle = math.atan2(
+                    step[i - 1, 0] * step[i, 1] - step[i - 1, 1] * step[i, 0],
+                    step[i - 1, 0] * step[i, 0] + step[i - 1, 1] * step[i, 1],
+                )
+                for side, row in ((i - 1, 0), (i, 2)):
+                    pull[row, 0], pull[row, 1] = -step[side, 1] / level[side] ** 2, step[side, 0] / level[side] ** 2
+                    pull[row, 2] = 0.0
+            for axis in range(3):  # the leg before ends here, the leg after begins here: both directions count
+                pull[1, axis] = -pull[0, axis] - pull[2, axis]
+            smooth = math.sqrt(angle * angle + soft.bend**2)
+            value += rate * (smooth - soft.bend)
+            _add(gradient, hessian, window, i, base, pull, rate * angle / smooth, rate / smooth)
+
+    for a in range(3 * count):
+        for b in range(a):
+            hessian[b, a] = hessian[a, b]
+    return value, gradient, hessian
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def survey(points, chart, rules):
+    """For each point (n, 3) how much it has more than required of everything solid [m], and the threat there per metre.
+
+    Obstacles farther than the chart's reach count as at its edge.
+    """
+    n = len(points)
+    raster, listed_from, listed, around = chart.cells, chart.first, chart.listed, chart.around
+    kind, shape, edges, heights, low_zones = chart.kind, chart.shape, chart.edges, chart.heights, chart.low_zones
+    slack, threat = np.empty(n), np.zeros(n)
+    for i in range(n):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        ground = _ground(chart.ground, heights, x, y)[0]
+        spare = min(z - ground - _least_height(low_zones, rules.height, x, y), rules.ceiling - (z - ground))
+        spare = min(spare, chart.reach - rules.clearance)
+        for axis in range(3):
+            if not chart.lower[axis] <= points[i, axis] <= chart.upper[axis]:
+                spare = -np.inf
+        cell = _cell(raster, x, y)
+        for k in range(listed_from[cell], listed_from[cell + 1]):
+            body = listed[k]
+            if not around[body, 3] < z < around[body, 4]:
+                continue
+            if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:
+                continue
+            distance = _distance(kind, shape, edges, body, x, y, z)[0]
+            if kind[body] == FENCE:
+                spare = min(spare, distance)
+                continue
+            spare = min(spare, distance - rules.clearance)
+            if distance - rules.radius < rules.d_safe:
+                threat[i] += rules.threat / max(distance - rules.radius, LEAST)
+        slack[i] = spare
+    return slack, threat
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def spread(price, spacing, source):
+    """Least cost from one lattice node to every other, and the node before it on the way, by Dijkstra's algorithm.
+
+    `price` (nx, ny, nz) is the cost per metre at each node, infinite where none may go; a step to one of 26 neighbours
+    costs its length times the mean of both ends. Nodes are numbered flat; returns (nodes,) and (nodes,).
+    """
+    nx, ny, nz = price.shape
+    flat, total = price.ravel(), nx * ny * nz
+    cost, before = np.full(total, np.inf), np.full(total, -1, np.int64)
+    keys, nodes, size = np.empty(4 * total + 64), np.empty(4 * total + 64, np.int64), 1
+    cost[source], keys[0], nodes[0] = 0.0, 0.0, source
+    while size > 0:
+        key, here = keys[0], nodes[0]
+        size -= 1
+        last_key, last, hole = keys[size], nodes[size], 0
+        while True:  # sift the last entry down from the top
+            child = 2 * hole + 1
+            if child >= size:
+                break
+            if child + 1 < size and keys[child + 1] < keys[child]:
+                child += 1
+            if keys[child] >= last_key:
+                break
+            keys[hole], nodes[hole], hole = keys[child], nodes[child], child
+        keys[hole], nodes[hole] = last_key, last
+        if key > cost[here]:
+            continue
+        i, j, k = here // (ny * nz), here // nz % ny, here % nz
+        for a in range(max(i - 1, 0), min(i + 2, nx)):
+            for b in range(max(j - 1, 0), min(j + 2, ny)):
+                for c in range(max(k - 1, 0), min(k + 2, nz)):
+                    there = (a * ny + b) * nz + c
+                    step = ((a - i) * spacing[0]) ** 2 + ((b - j) * spacing[1]) ** 2 + ((c - k) * spacing[2]) ** 2
+                    trial = key + math.sqrt(step) * 0.5 * (flat[here] + flat[there])
+                    if trial < cost[there] and size < len(keys):
+                        cost[there], before[there] = trial, here
+                        hole = size
+                        size += 1
+                        while hole > 0 and keys[(hole - 1) // 2] > trial:
+                            keys[hole], nodes[hole] = keys[(hole - 1) // 2], nodes[(hole - 1) // 2]
+                            hole = (hole - 1) // 2
+                        keys[hole], nodes[hole] = trial, there
+    return cost, before

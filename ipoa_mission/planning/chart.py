@@ -1,0 +1,210 @@
+"""The airspace as flat arrays, so that the kernels can look up in one step what is near a point.
+
+A grid of cells over the map lists, for each cell, the obstacles that could matter to a point in it, and the height
+above which its ground cannot; a path's cost then hardly depends on how many obstacles there are. An analytic surface
+is resampled here, for speed: the proof looks at the surface itself.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Vector
+from ipoa_mission.planning.limits import Limits
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
+from ipoa_mission.world.terrain import Flat, Grid, Terrain
+
+SPHERE, CYLINDER, PRISM, FENCE = range(4)  # a fence is the flight area's outline, seen from inside
+LEAST = 0.05  # threats nearer than this count as being here [m]
+STEEP = 1e9  # stands for the slope, or the ceiling, that is not limited
+ENDLESS = 1e9  # base and top of a fence [m]
+RESAMPLED = 400  # nodes along the longer side of an analytic surface
+
+
+class Raster(NamedTuple):
+    """A regular grid on the map: its south-western corner [m], steps per metre, and number of rows and columns."""
+
+    east: float
+    north: float
+    per_metre: float
+    rows: int
+    columns: int
+
+
+class Chart(NamedTuple):
+    """An airspace for kernels. `shape` rows: sphere east, north, up, radius; cylinder east, north, radius, base, top;
+    prism or fence first edge, end of edges, nothing, base, top. Edges: east, north, east, north.
+    """
+
+    cells: Raster  # their arrays are flat, row by row
+    first: NDArray[np.int32]  # (cells + 1,): where a cell's list begins in `listed`; the next one ends it
+    listed: NDArray[np.int32]  # numbers of obstacles
+    top: NDArray[np.float64]  # (cells,): above this the ground is no concern [m]
+    around: NDArray[np.float64]  # (k, 5): who is beyond reach of it: east, north, radius squared, lowest, highest
+    kind: NDArray[np.int8]  # (k,)
+    shape: NDArray[np.float64]  # (k, 5)
+    edges: NDArray[np.float64]  # (m, 4)
+    ground: Raster  # of heights
+    heights: NDArray[np.float64]  # (rows, columns)
+    lower: Vector  # (3,) bounds
+    upper: Vector
+    reach: float  # obstacles are listed wherever they are within this [m]
+    low_zones: NDArray[np.float64]  # (z, 4): east, north, radius, height
+
+
+class Rules(NamedTuple):
+    """Limits and weights for kernels; limits that are not set are very large."""
+
+    clearance: float  # from obstacles [m]
+    height: float  # above ground [m]
+    ceiling: float  # above ground [m]
+    climb: float  # height over distance
+    descent: float
+    radius: float  # of the vehicle [m]: threats are measured from its hull
+    d_safe: float  # [m]
+    length: float  # cost per metre
+    turning: float  # cost per radian
+    climbing: float  # cost per radian
+    threat: float  # cost per metre (or node) at one metre
+    per_node: bool
+    collision: float  # what breaking any limit costs, and per square metre of how deep along how far
+    depth: float
+
+
+class Soft(NamedTuple):
+    """How a polish rounds off what is not smooth; it begins soft and ends hard."""
+
+    bend: float  # angles much smaller than this count squared [rad]
+    edge: float  # the threat fades out over this beyond d_safe [m]
+    stiffness: float  # cost per metre of path and squared metre of a broken limit
+    evenness: float  # how much nodes are drawn to be evenly spaced
+    aside: float  # kept in addition to the required clearance [m]
+    above: float  # kept in addition to the required height [m]
+
+
+def chart_of(airspace: Airspace, limits: Limits, reach: float) -> Chart:
+    """The chart on which obstacles are listed wherever they are within `reach` [m], and ground within that height."""
+    lower, upper = np.asarray(airspace.bounds.lower, float), np.asarray(airspace.bounds.upper, float)
+    size = upper[:2] - lower[:2]
+    cell = float(size.max()) / np.clip(4 * np.sqrt(len(airspace.obstacles)), 64, 512)
+    columns, rows = np.ceil(size / cell).astype(int)
+    ground = _heights(airspace.terrain, lower, upper)
+    kind, shape, edges = _shapes(airspace)
+    first, listed = _lists(airspace, lower, cell, int(rows), int(columns), reach)
+    concern = np.inf if np.isfinite(limits.ceiling_above_ground) else limits.height_above_ground + reach
+    return Chart(
+        cells=Raster(float(lower[0]), float(lower[1]), 1 / cell, int(rows), int(columns)),
+        first=first,
+        listed=listed,
+        top=_highest(ground, lower, cell, int(rows), int(columns)).ravel() + concern,
+        around=_around(airspace, reach),
+        kind=kind,
+        shape=shape,
+        edges=edges,
+        ground=Raster(float(ground.east), float(ground.north), 1 / ground.spacing, *ground.heights.shape),
+        heights=np.ascontiguousarray(ground.heights, float),
+        lower=lower,
+        upper=upper,
+        reach=reach,
+        low_zones=np.array([(z.east, z.north, z.radius, z.height) for z in limits.low_zones]).reshape(-1, 4),
+    )
+
+
+def _heights(terrain: Terrain, lower: Vector, upper: Vector) -> Grid:
+    """The ground as a grid: itself, or resampled over the bounds."""
+    if isinstance(terrain, Grid):
+        return terrain
+    size = upper[:2] - lower[:2]
+    spacing = float(size.max()) / (1 if isinstance(terrain, Flat) else RESAMPLED)
+    columns, rows = np.ceil(size / spacing).astype(int) + 1
+    east, north = np.meshgrid(lower[0] + spacing * np.arange(columns), lower[1] + spacing * np.arange(rows))
+    heights = terrain.height(np.column_stack([east.ravel(), north.ravel()]))
+    return Grid(float(lower[0]), float(lower[1]), spacing, heights.reshape(rows, columns))
+
+
+def _highest(ground: Grid, lower: Vector, cell: float, rows: int, columns: int) -> NDArray[np.float64]:
+    """The highest ground in each cell, (rows, columns)."""
+    heights = ground.heights
+    for axis, (count, origin, start) in enumerate(((rows, lower[1], ground.north), (columns, lower[0], ground.east))):
+        last = heights.shape[axis] - 1
+        edge = (origin + cell * np.arange(count + 1) - start) / ground.spacing
+        low = np.clip(np.floor(edge[:-1]), 0, last).astype(int)
+        high = np.clip(np.ceil(edge[1:]), 0, last).astype(int)
+        strips = [heights.take(range(a, b + 1), axis).max(axis=axis) for a, b in zip(low, high, strict=True)]
+        heights = np.stack(strips, axis=axis)
+    return heights
+
+
+def _shapes(airspace: Airspace) -> tuple[NDArray[np.int8], NDArray[np.float64], NDArray[np.float64]]:
+    kind, shape, edges = [], [], [np.zeros((0, 4))]
+    for obstacle in airspace.obstacles:
+        match obstacle:
+            case Sphere():
+                kind.append(SPHERE)
+                shape.append([*obstacle.center, obstacle.radius, 0.0])
+            case Cylinder(_, east, north, radius, base, top):
+                kind.append(CYLINDER)
+                shape.append([east, north, radius, base, top])
+            case Prism():
+                start = sum(map(len, edges))
+                edges.append(np.hstack([obstacle.footprint.starts, obstacle.footprint.ends]))
+                kind.append(PRISM)
+                shape.append([start, start + len(edges[-1]), 0.0, obstacle.base, obstacle.top])
+            case _:
+                raise TypeError(f"{obstacle.name}: no such kind of obstacle on charts: {type(obstacle).__name__}")
+    if (area := airspace.bounds.footprint) is not None:
+        start = sum(map(len, edges))
+        edges.append(np.hstack([area.starts, area.ends]))
+        kind.append(FENCE)
+        shape.append([start, start + len(edges[-1]), 0.0, -ENDLESS, ENDLESS])
+    return np.array(kind, np.int8), np.array(shape, float).reshape(-1, 5), np.vstack(edges)
+
+
+def _lists(
+    airspace: Airspace, lower: Vector, cell: float, rows: int, columns: int, reach: float
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """For each cell the obstacles that may be within `reach` of it: (cells + 1,) and their numbers."""
+    boxes = np.array([_box(obstacle, reach) for obstacle in airspace.obstacles]).reshape(-1, 2, 2)
+    if airspace.bounds.footprint is not None:
+        boxes = np.concatenate([boxes, [[lower[:2], lower[:2] + cell * np.array([columns, rows])]]])
+    low = np.clip(np.floor((boxes[:, 0] - lower[:2]) / cell), 0, (columns - 1, rows - 1)).astype(int)
+    high = np.clip(np.floor((boxes[:, 1] - lower[:2]) / cell), 0, (columns - 1, rows - 1)).astype(int)
+    extent = high - low + 1
+    count = extent.prod(axis=1)
+    body = np.repeat(np.arange(len(boxes)), count)
+    within = np.arange(len(body)) - np.repeat(np.cumsum(count) - count, count)
+    column, row = low[body, 0] + within % extent[body, 0], low[body, 1] + within // extent[body, 0]
+    near = _round(airspace)[body] + reach + 0.71 * cell
+    middle = boxes.mean(axis=1)[body] - lower[:2] - cell * (np.column_stack([column, row]) + 0.5)
+    keep = (middle**2).sum(axis=1) <= near**2
+    number, body = (row * columns + column)[keep], body[keep]
+    order = np.argsort(number, kind="stable")
+    first = np.concatenate([[0], np.cumsum(np.bincount(number, minlength=rows * columns))])
+    return first.astype(np.int32), body[order].astype(np.int32)
+
+
+def _round(airspace: Airspace) -> Vector:
+    """The radius of a circle round each obstacle's outline, infinite for a fence, (k,)."""
+    radii = [o.radius if isinstance(o, Sphere | Cylinder) else _half_diagonal(o) for o in airspace.obstacles]
+    return np.array(radii + [np.inf] * (airspace.bounds.footprint is not None))
+
+
+def _around(airspace: Airspace, reach: float) -> NDArray[np.float64]:
+    boxes = np.array([obstacle.bounds for obstacle in airspace.obstacles]).reshape(-1, 2, 3)
+    if airspace.bounds.footprint is not None:
+        boxes = np.concatenate([boxes, [[[0.0, 0.0, -ENDLESS], [0.0, 0.0, ENDLESS]]]])
+    middle = boxes[:, :, :2].mean(axis=1)
+    heights = boxes[:, :, 2] + np.array([-reach, reach])
+    return np.column_stack([middle, (_round(airspace) + reach) ** 2, heights])
+
+
+def _half_diagonal(obstacle: Obstacle) -> float:
+    lower, upper = obstacle.bounds
+    return float(np.hypot(*(upper - lower)[:2])) / 2
+
+
+def _box(obstacle: Obstacle, reach: float) -> NDArray[np.float64]:
+    (west, south, _), (east, north, _) = obstacle.bounds
+    return np.array([[west - reach, south - reach], [east + reach, north + reach]])

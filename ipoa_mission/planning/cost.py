@@ -1,0 +1,128 @@
+"""What a path costs, eqs. (4)-(10): its length, its turns, and how near it comes to obstacles.
+
+By default the threat is integrated over arc length, so that cost does not depend on how many nodes a path is given;
+`form = "nodes"` sums over nodes as the paper does. Angles count in degrees, as in the paper's tables.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
+from ipoa_mission.planning.chart import LEAST, STEEP, Rules
+from ipoa_mission.planning.limits import Limits
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Airspace
+
+FINE = 0.05  # the step at which a plan's cost is integrated [m]
+
+
+@dataclass(frozen=True)
+class CostTerms:
+    """The terms of eq. (10) before they are weighted, and the weighted sum."""
+
+    length: float
+    """W1 [m]."""
+    turning_deg: float
+    """Sum of the turning angles of W2."""
+    climbing_deg: float
+    """Sum of the changes in climb angle of W2."""
+    threat: float
+    """W3."""
+    total: float
+
+
+def path_cost(nodes: Points, scenario: Scenario) -> CostTerms:
+    """The cost of a path given by its nodes (n, 3): a sum over nodes, or a trapezoidal integral over its legs."""
+    turning, climbing = turning_angles(nodes), np.diff(climb_angles(nodes))
+    threat = float(threats(nodes, scenario) @ node_weights(nodes, scenario.cost.form == "nodes"))
+    w1, w2, w3 = scenario.cost.omega
+    length, turning_deg = float(leg_lengths(nodes).sum()), float(np.degrees(turning.sum()))
+    climbing_deg = float(np.degrees(np.abs(climbing).sum()))
+    turns = scenario.cost.a1 * turning_deg + scenario.cost.a2 * climbing_deg
+    return CostTerms(length, turning_deg, climbing_deg, threat, w1 * length + w2 * turns + w3 * threat)
+
+
+def curve_cost(curve: Spline, scenario: Scenario) -> CostTerms:
+    """The cost of a curve: over `planning.samples` nodes even in its parameter, or the integral in fine steps."""
+    if scenario.cost.form == "nodes":
+        return path_cost(curve.points(np.linspace(0.0, 1.0, scenario.planning.samples)), scenario)
+    return path_cost(curve.sample(int(np.clip(curve.length / FINE, 1000, 8000))), scenario)
+
+
+def threats(nodes: Points, scenario: Scenario) -> Vector:
+    """The summand of eq. (9) at each node, over all obstacles, (n,): lambda / d where the hull is within d_safe."""
+    cost, radius = scenario.cost, scenario.vehicle.radius
+    total = np.zeros(len(nodes))
+    for _, which, distance in scenario.airspace.near(nodes, cost.d_safe + radius):
+        hull = distance - radius
+        total[which] += np.where(hull < cost.d_safe, cost.lambda_obs / np.maximum(hull, LEAST), 0.0)
+    return total
+
+
+def node_weights(nodes: Points, per_node: bool) -> Vector:
+    """What each node counts for: 1, or half the legs beside it [m]; (n,)."""
+    if per_node:
+        return np.ones(len(nodes))
+    legs = leg_lengths(nodes)
+    return np.asarray((np.append(0.0, legs) + np.append(legs, 0.0)) / 2)
+
+
+def rules_of(scenario: Scenario, limits: Limits) -> Rules:
+    """Limits and weights as the kernels take them.
+
+    Breaking a limit costs ten times the way, and more with depth: a search can still climb out.
+    """
+    cost, direct = scenario.cost, float(np.linalg.norm(scenario.goal_point - scenario.start_point))
+    length, turning, threat = cost.omega
+    return Rules(
+        clearance=limits.obstacle_distance,
+        height=limits.height_above_ground,
+        ceiling=min(limits.ceiling_above_ground, STEEP),
+        climb=_slope(limits.climb_angle),
+        descent=_slope(limits.descent_angle),
+        radius=scenario.vehicle.radius,
+        d_safe=cost.d_safe,
+        length=length,
+        turning=float(np.degrees(turning * cost.a1)),
+        climbing=float(np.degrees(turning * cost.a2)),
+        threat=threat * cost.lambda_obs,
+        per_node=cost.form == "nodes",
+        collision=100.0 + 10.0 * direct,
+        depth=10.0,
+    )
+
+
+def path_costs(paths: NDArray[np.float64], airspace: Airspace, rules: Rules, limits: Limits) -> Vector:
+    """The kernel of this name in plain NumPy: cost of many paths (m, 3, n), those that break limits included, (m,)."""
+    return np.array([_search_cost(path.T, airspace, rules, limits) for path in paths])
+
+
+def _search_cost(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits) -> float:
+    legs, step = leg_lengths(nodes), np.diff(nodes, axis=0)
+    cost, share = rules.length * legs.sum(), node_weights(nodes, per_node=False)
+    level = np.hypot(step[:, 0], step[:, 1])
+    excess = np.maximum(step[:, 2] - rules.climb * level, 0.0) + np.maximum(-step[:, 2] - rules.descent * level, 0.0)
+    lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
+    outside = np.maximum(lower - nodes, 0.0) + np.maximum(nodes - upper, 0.0)
+    height = nodes[:, 2] - airspace.ground(nodes)
+    broken = np.maximum(np.maximum(limits.required_height(nodes) - height, height - rules.ceiling), 0.0)
+    if airspace.bounds.footprint is not None:
+        broken += np.maximum(airspace.bounds.footprint.distance(nodes[:, :2]), 0.0)
+    threat = np.zeros(len(nodes))
+    for _, which, distance in airspace.near(nodes, max(rules.clearance, rules.d_safe + rules.radius)):
+        broken[which] += np.maximum(rules.clearance - distance, 0.0)
+        hull = distance - rules.radius
+        threat[which] += np.where(hull < rules.d_safe, 1 / np.maximum(hull, LEAST), 0.0)
+    depth = excess.sum() + outside.sum() * legs.mean() + share @ broken
+    if depth > 0:
+        return float(cost + rules.collision + rules.depth * depth)
+    cost += rules.turning * turning_angles(nodes).sum()
+    cost += rules.climbing * np.abs(np.diff(climb_angles(nodes))).sum()
+    return float(cost + rules.threat * threat @ node_weights(nodes, rules.per_node))
+
+
+def _slope(angle: float) -> float:
+    return float(np.tan(angle)) if angle < np.pi / 2 else STEEP

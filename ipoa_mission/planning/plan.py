@@ -1,0 +1,23 @@
+"""What planning comes to: a curve, what it costs, and the proof that it may be flown."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.planning.cost import CostTerms
+from ipoa_mission.planning.proof import Proof
+from ipoa_mission.planning.spline import Spline
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A path that may be flown. `history[i]` was the best cost known after `evaluations[i]` evaluations."""
+
+    curve: Spline
+    cost: CostTerms
+    proof: Proof
+    optimizer: str
+    seed: int
+    evaluations: NDArray[np.int64]
+    history: NDArray[np.float64]

@@ -1,0 +1,155 @@
+"""Proof that a path keeps its limits: exact least distances of straight legs, or of a curve by its chords.
+
+Nothing here is sampled. A curve is replaced by chords that it leaves by no more than a known distance, which is then
+taken off every clearance; what is reported is what the curve has at least.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, climb_angles
+from ipoa_mission.planning.limits import Limits, limits_of
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Airspace, Clearance
+
+CHORD = 5e-4  # how far a curve may be from the chords that stand for it [m]
+TOUCHING = 1e-3  # a millimetre: what a bound may be short of the truth
+
+
+@dataclass(frozen=True)
+class Check:
+    """One limit: what was found, and how much was required, both in `unit`; `at_most` turns the comparison round."""
+
+    limit: str
+    found: Clearance
+    required: float
+    at_most: bool = False
+    unit: str = "m"
+
+    @property
+    def slack(self) -> float:
+        """How much is left; negative if the limit is broken."""
+        return self.required - self.found.distance if self.at_most else self.found.distance - self.required
+
+    @property
+    def holds(self) -> bool:
+        """Whether the limit is kept, to a millimetre (or a thousandth of a degree)."""
+        return self.slack >= -TOUCHING
+
+    def words(self) -> str:
+        """The finding in a sentence without a full stop."""
+        east, north, up = self.found.place
+        where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+        if self.limit == "bounds" and self.slack < 0:
+            return f"{-self.found.distance:.2f} m beyond {self.found.what} {where}"
+        if self.limit == "obstacles" and self.found.distance < 0:
+            return f"{-self.found.distance:.2f} m inside {self.found.what} {where}"
+        if self.limit == "ground" and self.found.distance < 0:
+            return f"{-self.found.distance:.2f} m under the ground {where}"
+        bound = "at most" if self.at_most else "at least"
+        measure = {
+            "obstacles": f"from {self.found.what}",
+            "bounds": f"inside {self.found.what}",
+            "ground": "above the ground",
+            "ceiling": "above the ground",
+        }
+        told = measure.get(self.limit, self.found.what)
+        return f"{self.found.distance:.2f} {self.unit} {told} {where}, {bound} {self.required:.2f} {self.unit} required"
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Every limit with what was found; the path may be flown if all hold."""
+
+    checks: tuple[Check, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether all limits are kept."""
+        return all(check.holds for check in self.checks)
+
+    @property
+    def worst(self) -> Check:
+        """The limit with the least slack."""
+        return min(self.checks, key=lambda check: check.slack)
+
+    @property
+    def clearance(self) -> Clearance:
+        """The least distance to anything solid, obstacle or ground, with place and name."""
+        solid = [check.found for check in self.checks if check.limit in ("obstacles", "ground")]
+        return min(solid, key=lambda found: found.distance)
+
+    def words(self) -> str:
+        """The worst finding in a sentence without a full stop."""
+        return self.worst.words()
+
+
+def prove(legs: Points, scenario: Scenario) -> Proof:
+    """What the straight legs between waypoints (n, 3) keep of the scenario's limits, exactly."""
+    return _prove(legs, scenario.airspace, limits_of(scenario), 0.0)
+
+
+def prove_curve(curve: Spline, scenario: Scenario) -> Proof:
+    """What a curve keeps of the scenario's limits: never more than it has, and less by two millimetres at most."""
+    airspace = scenario.airspace
+    tolerance = CHORD / (1 + airspace.terrain.steepness)
+    return _prove(curve.points(curve.chords(tolerance)), airspace, limits_of(scenario), tolerance)
+
+
+def _prove(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Proof:
+    """`stray`: how far the path may be from its legs [m]; over sloping ground that is more in height."""
+    vertical = stray * (1 + airspace.terrain.steepness)
+    checks = [
+        Check("obstacles", _less(airspace.obstacle_clearance(legs), stray), limits.obstacle_distance),
+        Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0),
+    ]
+    heights: dict[float, Clearance] = {}
+    for required, run, first_leg in _runs(legs, limits):
+        found = airspace.terrain_clearance(run)
+        if required not in heights or found.distance < heights[required].distance:
+            heights[required] = replace(found, distance=found.distance - vertical, leg=first_leg + found.leg)
+    checks += [Check("ground", found, required) for required, found in heights.items()]
+    if np.isfinite(limits.ceiling_above_ground):
+        found = airspace.height_reached(legs)
+        checks.append(Check("ceiling", _less(found, -vertical), limits.ceiling_above_ground, at_most=True))
+    for limit, sign, angle in (("climb", 1.0, limits.climb_angle), ("descent", -1.0, limits.descent_angle)):
+        if np.isfinite(angle):
+            slopes = np.degrees(sign * climb_angles(legs))
+            steepest = int(np.argmax(slopes))
+            east, north, up = legs[steepest]
+            found = Clearance(float(slopes[steepest]), (float(east), float(north), float(up)), f"of {limit}", steepest)
+            checks.append(Check(limit, found, float(np.degrees(angle)), at_most=True, unit="deg"))
+    return Proof(tuple(checks))
+
+
+def _less(found: Clearance, stray: float) -> Clearance:
+    return replace(found, distance=found.distance - stray)
+
+
+def _runs(legs: Points, limits: Limits) -> Iterator[tuple[float, Points, int]]:
+    """The legs cut where they enter or leave a low zone: required height, polyline, and the number of its first leg.
+
+    The number is right to a leg or two in a run that was cut out of the middle of a leg.
+    """
+    cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]
+    for zone in limits.low_zones:
+        step, away = np.diff(legs[:, :2], axis=0), legs[:-1, :2] - (zone.east, zone.north)
+        square, half = (step**2).sum(axis=1), (step * away).sum(axis=1)
+        root = np.sqrt(np.maximum(half**2 - square * ((away**2).sum(axis=1) - zone.radius**2), 0.0))
+        for side in (-root, root):
+            fraction = np.divide(side - half, square, out=np.zeros_like(half), where=square > 0)
+            inside = (fraction > 0) & (fraction < 1)
+            cuts.append((np.nonzero(inside)[0], fraction[inside]))
+    leg, fraction = (np.concatenate(column) for column in zip(*cuts, strict=True))
+    order = np.lexsort((fraction, leg))
+    leg, fraction = leg[order], fraction[order]
+    following = legs[np.minimum(leg + 1, len(legs) - 1)]
+    points = legs[leg] + fraction[:, None] * (following - legs[leg])
+    required = limits.required_height((points[:-1] + points[1:]) / 2)
+    starts = np.concatenate([[0], np.nonzero(np.diff(required))[0] + 1, [len(required)]])
+    for first, last in pairwise(starts.tolist()):
+        yield float(required[first]), points[first : last + 1], int(leg[first])

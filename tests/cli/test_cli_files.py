@@ -1,0 +1,111 @@
+"""Verbs that read and write files: what they print, and how they end."""
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.cli.app import app
+
+RECORDED = Path(__file__).parent.parent / "mission" / "files" / "hold-px4.waypoints"
+Run = Callable[[str], object]
+
+
+@pytest.fixture
+def mission(tmp_path: Path) -> str:
+    return str(shutil.copy(RECORDED, tmp_path / "hold.waypoints"))
+
+
+def test_every_verb_explains_itself_with_an_example(run) -> None:
+    names = [command.name or command.callback.__name__ for command in app.registered_commands]
+    assert {"plan", "check", "estimate", "upload", "download", "fly", "mock", "schema"} <= set(names)
+    for name in names:
+        help_text = run(f"{name} --help")
+        assert help_text.code == 0
+        assert f"ipoa-mission {name}" in help_text.out.split("Example:")[1]
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys; sys.argv = ['ipoa-mission', '--help']\n"
+        "from ipoa_mission.cli.app import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'numpy', 'scipy', 'numba', 'pyproj', 'pydantic', 'pymavlink', 'shapely'} & set(sys.modules)))"
+    )
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert said.stdout.splitlines()[-1] == "[]"
+
+
+def test_estimate_for_machines_numbers_items_as_in_the_file(run, mission: str) -> None:
+    found = json.loads(run(f"estimate {mission} --autopilot px4 --json").out)
+    assert [item["seq"] for item in found["items"]] == list(range(1, 18))
+    assert found["total_s"] == found["items"][-1]["done_s"] > found["qgroundcontrol_s"] > 0
+
+
+def test_a_parameter_changes_the_estimate(run, mission: str) -> None:
+    slow, usual = (
+        json.loads(run(f"estimate {mission} --autopilot ardupilot --json {option}").out)["total_s"]
+        for option in ("--param WPNAV_SPEED_UP=50", "")
+    )
+    assert slow > usual + 20  # 35 m at 0.5 m/s in place of 2.5 m/s
+
+
+def test_a_parameter_that_is_no_number_is_bad_input(run, mission: str) -> None:
+    ended = run(f"estimate {mission} --param WPNAV_SPEED=fast")
+    assert ended.code == 2
+    assert "--param WPNAV_SPEED=fast: expected NAME=VALUE with a number" in ended.err
+
+
+def test_a_file_that_is_not_there_is_bad_input_without_a_traceback(run) -> None:
+    for verb in ("check", "estimate", "show"):
+        ended = run(f"{verb} nothing.plan")
+        assert (ended.code, ended.out) == (2, "")
+        assert "error: nothing.plan: cannot be read: No such file or directory" in ended.err
+        assert "Traceback" not in ended.err
+
+
+def test_check_passes_a_mission_that_flew(run, mission: str) -> None:
+    ended = run(f"check {mission} --autopilot px4")
+    assert ended.code == 0
+    assert "0 errors" in ended.out
+
+
+def test_check_fails_a_mission_that_would_crash(run, mission: str) -> None:
+    path = Path(mission)
+    path.write_text(path.read_text().replace("39.10110843", "0.00000000").replace("121.82017930", "0.00000000"))
+    ended = run(f"check {mission} --json")
+    assert ended.code == 1
+    found = json.loads(ended.out)
+    assert not found["ok"]
+    assert 4 in {finding["seq"] for finding in found["findings"] if finding["severity"] == "error"}
+
+
+def test_show_prints_each_item_with_its_leg(run, mission: str) -> None:
+    rows = json.loads(run(f"show {mission} --json").out)
+    assert rows[3]["seq"] == 3
+    assert rows[5]["length"] == pytest.approx(19.7, abs=0.1)
+    assert "NAV_TAKEOFF" in run(f"show {mission}").out
+
+
+@pytest.mark.parametrize("suffix", ["kml", "geojson", "csv", "gpx", "plan"])
+def test_export_writes_what_the_suffix_says(run, mission: str, suffix: str) -> None:
+    assert run(f"export {mission} out.{suffix}").code == 0
+    assert Path(f"out.{suffix}").stat().st_size > 500
+
+
+def test_schema_is_a_json_schema_of_the_scenario(run) -> None:
+    schema = json.loads(run("schema").out)
+    assert schema["required"] == ["home", "start", "goal"]
+
+
+def test_new_writes_a_scenario_and_never_over_one(run) -> None:
+    words = "new first.toml --yes --answer 'home=47.3977, 8.5456' --answer 'goal=47.3987, 8.5470'"
+    assert run(words).code == 0
+    ended = run(words)
+    assert ended.code == 2
+    assert "--force" in ended.err

@@ -1,0 +1,93 @@
+"""The main job: a scenario goes in; files, an estimate and a flown time come out, the same each time."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Item
+
+SCENARIOS = ("campus", "mountains", "downtown", "sitl")
+
+
+def test_fly_plans_writes_uploads_flies_and_compares(run, missions: Path) -> None:
+    ended = run(f"fly {missions / 'sitl.toml'} --out out --seed 3 --report")
+    assert ended.code == 0, ended.err
+    assert "least clearance" in ended.out
+    words = ended.out.splitlines()[-1]
+    assert words.startswith("estimated ")
+    assert "flown" in words
+    assert "QGroundControl would have said" in words
+    assert {path.name for path in Path("out").iterdir()} == {
+        f"sitl.{suffix}" for suffix in ("plan", "waypoints", "json", "tlog", "html")
+    }
+
+
+def test_fly_tells_machines_when_each_item_was_done(run, missions: Path) -> None:
+    ended = run(f"fly {missions / 'sitl.toml'} --out out --autopilot ardupilot --json")
+    found = json.loads(ended.out)
+    assert found["completed"]
+    assert found["flown_items"][-1]["seq"] <= len(read_mission(Path("out/sitl.plan")).items)
+    assert found["flown_s"] > found["estimate"]["qgroundcontrol_s"]
+
+
+def test_a_mission_file_flies_without_its_scenario(run, missions: Path) -> None:
+    run(f"plan {missions / 'sitl.toml'} --out out")
+    ended = run("fly out/sitl.plan --out flown --loss 0.2")
+    assert ended.code == 0, ended.err
+    assert [path.name for path in Path("flown").iterdir()] == ["sitl.tlog"]
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_the_same_scenario_and_seed_give_the_same_bytes(run, missions: Path, name: str) -> None:
+    for folder in ("one", "two"):
+        assert run(f"plan {missions / name}.toml --out {folder} --seed 5").code == 0
+    for suffix in ("plan", "waypoints", "json"):
+        assert Path(f"one/{name}.{suffix}").read_bytes() == Path(f"two/{name}.{suffix}").read_bytes()
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_both_formats_hold_the_same_mission_and_it_passes_the_checks(run, missions: Path, name: str) -> None:
+    run(f"plan {missions / name}.toml --out out")
+    plan = read_mission(Path(f"out/{name}.plan"))
+    lines = read_mission(Path(f"out/{name}.waypoints"), plan.autopilot)
+    assert [_essence(item) for item in lines.items] == [_essence(item) for item in plan.items]
+    ended = run(f"check out/{name}.plan --scenario {missions / name}.toml")
+    assert ended.code == 0, ended.out
+
+
+def test_a_goal_inside_a_building_is_refused_and_nothing_is_written(run, missions: Path) -> None:
+    text = (missions / "sitl.toml").read_text(encoding="utf-8")
+    Path("inside.toml").write_text(text.replace("east = 120.0\nnorth = 90.0", "east = 45.0\nnorth = 30.0"))
+    ended = run("plan inside.toml --out out")
+    assert ended.code == 1
+    assert "mast" in ended.err
+    assert not Path("out").exists()
+
+
+def test_a_scenario_that_is_wrong_is_told_by_place(run, missions: Path) -> None:
+    text = (missions / "sitl.toml").read_text(encoding="utf-8")
+    Path("wrong.toml").write_text(text.replace("radius = 6.0", "radius = -6.0"))
+    ended = run("fly wrong.toml")
+    assert ended.code == 2
+    assert "wrong.toml: obstacles[0].radius: expected a number greater than 0, not -6.0" in ended.err
+    assert "Traceback" not in ended.err
+
+
+def test_an_unknown_optimiser_is_bad_input(run, missions: Path) -> None:
+    ended = run(f"plan {missions / 'sitl.toml'} --optimizer ipao")
+    assert ended.code == 2
+    assert "did you mean 'ipoa'" in ended.err
+
+
+def _essence(item: Item) -> tuple[float, ...]:
+    return (item.command, item.frame, item.latitude_deg, item.longitude_deg, item.altitude, *item.params[:3])
+
+
+def test_compare_holds_the_log_of_a_flight_against_the_estimate(run, missions: Path) -> None:
+    flown = json.loads(run(f"fly {missions / 'sitl.toml'} --out out --json").out)
+    held = json.loads(run("compare out/sitl.plan out/sitl.tlog --json --picture both.svg").out)
+    assert held["flown_s"] == pytest.approx(flown["flown_s"], abs=0.5)
+    assert len(held["legs"]) >= 4
+    assert Path("both.svg").stat().st_size > 2000

@@ -1,0 +1,47 @@
+"""Waypoints stay where they were promised and are as few as may be: held against shapely and plain geometry."""
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.mission.route import corridor, every
+from ipoa_mission.planning.spline import Spline
+
+RNG = np.random.default_rng(4)
+CURVES = [Spline(np.cumsum(RNG.normal((12, 5, 0.5), (6, 9, 2), (n, 3)), axis=0)) for n in (4, 7, 10, 14, 20)]
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda c: f"{len(c.control)} control points")
+@pytest.mark.parametrize("tolerance", [0.3, 1.0, 3.0])
+def test_legs_of_a_corridor_stay_within_the_tolerance_of_the_curve(curve: Spline, tolerance: float) -> None:
+    waypoints = corridor(curve, tolerance)
+    level, legs = curve.sample(3000) * (1, 1, 0), shapely.LineString(waypoints[:, :2])
+    assert shapely.distance(legs, shapely.points(level[:, :2])).max() <= tolerance * 1.02
+    np.testing.assert_allclose(waypoints[[0, -1]], curve.control[[0, -1]], atol=1e-9)
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda c: f"{len(c.control)} control points")
+@pytest.mark.parametrize("tolerance", [0.3, 1.0, 3.0])
+def test_a_corridor_needs_no_more_waypoints_than_douglas_and_peucker(curve: Spline, tolerance: float) -> None:
+    flat = Spline(curve.control * (1, 1, 0))
+    simplified = shapely.simplify(shapely.LineString(flat.sample(400)[:, :2]), tolerance)
+    assert len(corridor(flat, tolerance)) <= len(simplified.coords)
+
+
+def test_a_straight_curve_is_two_waypoints() -> None:
+    assert len(corridor(Spline(np.linspace((0, 0, 10), (200, 100, 30), 8)), 0.5)) == 2
+
+
+def test_a_quarter_circle_takes_as_many_legs_as_geometry_says() -> None:
+    angle = np.linspace(0, np.pi / 2, 40)
+    circle = Spline(100 * np.column_stack([np.sin(angle), 1 - np.cos(angle), 0 * angle]))
+    widest = 2 * np.arccos(1 - 1.0 / 100)  # a chord over this angle is a metre from its arc
+    assert len(corridor(circle, 1.0)) - 1 == int(np.ceil(np.pi / 2 / widest))
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda c: f"{len(c.control)} control points")
+def test_even_waypoints_are_equally_far_apart_and_no_farther_than_asked(curve: Spline) -> None:
+    waypoints = every(curve, 5.0)
+    arcs = curve.length / (len(waypoints) - 1)
+    assert arcs <= 5.0
+    assert np.linalg.norm(np.diff(waypoints, axis=0), axis=1).max() <= arcs * 1.001
