@@ -1,4 +1,4 @@
-"""The legs of a mission against the world of a scenario: clearance, heights and bounds along every leg, exactly."""
+"""The legs of a mission against the world of a scenario, by the same proof that the planner's path went through."""
 
 from collections.abc import Iterator
 
@@ -7,17 +7,36 @@ import numpy as np
 from ipoa_mission.mission.finding import Finding, Severity, error, warning
 from ipoa_mission.mission.items import Command, Mission
 from ipoa_mission.mission.legs import Leg, Phase
+from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.scenario import Scenario
 
-ROUNDING = 0.02  # [m] that rounding positions to 1e-7 degrees may cost
+#: What rounding positions to 1e-7 degrees and to millimetres may cost, by unit.
+ROUNDING = {"m": 0.02, "deg": 0.5}
 SAME_HOME = 1.0  # [m]
+
+#: The index of obstacles finds nothing beside a leg that is exactly vertical, a line without length on the map [m].
+SWAY = 1e-6
+
+#: The limits that each kind of leg is held against; a climb or a descent is steep, and begins or ends on the ground.
+LIMITS = {
+    Phase.CRUISE: {"obstacles", "ground", "ceiling", "bounds", "climb", "descent"},
+    Phase.RETURN: {"obstacles", "ground", "ceiling", "bounds"},
+    Phase.TAKEOFF: {"obstacles"},
+    Phase.LANDING: {"obstacles"},
+}
+NAMES = {
+    Phase.CRUISE: "the leg to it",
+    Phase.RETURN: "the way home",
+    Phase.TAKEOFF: "the climb",
+    Phase.LANDING: "the descent",
+}
 
 
 def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) -> Iterator[Finding]:
     """Findings about home, then about each leg.
 
-    Between waypoints a leg must keep the scenario's clearance and bounds. On the climb, on the way home and on the
-    landing, which no planner chose, coming nearer is a warning, and touching something an error.
+    Between waypoints a leg must keep the scenario's limits. On the climb, on the way home and on the landing, which no
+    planner chose, breaking one is a warning, and touching something an error.
     """
     offset = np.abs(scenario.frame.local(mission.home))
     if offset.max() > SAME_HOME:
@@ -27,56 +46,19 @@ def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) 
         message = "the mission: curves between spline waypoints are checked as straight legs"
         yield Finding(Severity.WARNING, None, message)
     for leg in legs:
-        yield from _clearance(mission, scenario, leg)
-        if leg.phase in (Phase.CRUISE, Phase.RETURN):
-            yield from _ground(mission, scenario, leg)
-            yield from _bounds(mission, scenario, leg)
+        for broken in _broken(leg, scenario):
+            say = error if leg.phase is Phase.CRUISE or _touches(broken, scenario) else warning
+            yield say(leg.seq, mission.items[leg.seq - 1], f"{NAMES[leg.phase]}: {broken.words()}")
 
 
-def _clearance(mission: Mission, scenario: Scenario, leg: Leg) -> Iterator[Finding]:
-    hull = scenario.vehicle.radius
-    required = hull + scenario.safety_distance
-    nearest = scenario.airspace.obstacle_clearance(leg.points)
-    if nearest.distance >= required - ROUNDING:
-        return
-    say = error if leg.phase is Phase.CRUISE or nearest.distance < hull - ROUNDING else warning
-    message = f"{_the_leg(leg)} comes too near: {nearest}: expected {required:g} m (safety distance and radius)"
-    yield say(leg.seq, mission.items[leg.seq - 1], message)
+def _broken(leg: Leg, scenario: Scenario) -> list[Check]:
+    """The limits that a leg breaks by more than rounding."""
+    points = leg.points.copy()
+    points[::2, 0] += SWAY
+    checks = prove(points, scenario).checks
+    return [c for c in checks if c.limit in LIMITS[leg.phase] and c.slack < -ROUNDING[c.unit]]
 
 
-def _ground(mission: Mission, scenario: Scenario, leg: Leg) -> Iterator[Finding]:
-    hull, asked = scenario.vehicle.radius, scenario.planning.min_height_above_ground
-    required = hull + scenario.safety_distance if asked is None else asked
-    lowest = scenario.airspace.terrain_clearance(leg.points)
-    item = mission.items[leg.seq - 1]
-    if lowest.distance < required - ROUNDING:
-        say = error if leg.phase is Phase.CRUISE or lowest.distance < hull - ROUNDING else warning
-        below = "goes below the ground" if lowest.distance < 0 else "comes too near to the ground"
-        yield say(leg.seq, item, f"{_the_leg(leg)} {below}: {lowest}: expected {required:g} m")
-    highest = scenario.planning.max_height_above_ground
-    if highest is not None:
-        heights = leg.points[:, 2] - scenario.airspace.ground(leg.points)
-        if heights.max() > highest + ROUNDING:
-            say = error if leg.phase is Phase.CRUISE else warning
-            yield say(
-                leg.seq, item, f"{_the_leg(leg)} rises to {heights.max():.2f} m above ground: expected {highest:g} m"
-            )
-
-
-def _bounds(mission: Mission, scenario: Scenario, leg: Leg) -> Iterator[Finding]:
-    margin = scenario.airspace.bounds_margin(leg.points)
-    if margin.distance < -ROUNDING:
-        east, north, up = margin.place
-        where = f"east {east:.2f}, north {north:.2f}, up {up:.2f} m"
-        say = error if leg.phase is Phase.CRUISE else warning
-        message = f"{_the_leg(leg)} leaves the bounds: {-margin.distance:.2f} m beyond {margin.what} at {where}"
-        yield say(leg.seq, mission.items[leg.seq - 1], message)
-
-
-def _the_leg(leg: Leg) -> str:
-    return {
-        Phase.CRUISE: "the leg to it",
-        Phase.TAKEOFF: "the climb",
-        Phase.RETURN: "the way home",
-        Phase.LANDING: "the descent",
-    }[leg.phase]
+def _touches(broken: Check, scenario: Scenario) -> bool:
+    solid = broken.limit in ("obstacles", "ground")
+    return solid and broken.found.distance < scenario.vehicle.radius - ROUNDING["m"]
