@@ -6,14 +6,8 @@ sentence is chosen by the numbers.
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from ipoa_mission.experiments import published
-from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.experiments.paper import errors, mean_log_error
-from ipoa_mission.experiments.runs import Row, settings_text
-from ipoa_mission.experiments.series import BEYOND, CEC_ABLATION, CEC_BEYOND, CEC_D10, CEC_D20
-from ipoa_mission.experiments.statistics import places
+from ipoa_mission.experiments.in_short import in_short
+from ipoa_mission.experiments.runs import Row
 from ipoa_mission.experiments.tables import Table
 
 Made = Mapping[str, Table | str]
@@ -38,7 +32,7 @@ def findings(made: Made, rows: Rows, folder: str) -> str:
             "",
             "## What came out, in short",
             "",
-            *(f"* {line}" for line in _in_short(rows)),
+            *(f"* {line}" for line in in_short(rows)),
             "",
             "## Table 3: the six algorithms on CEC2022",
             "",
@@ -108,56 +102,6 @@ def _measured(rows: Rows) -> str:
         lines.append(f"| {name} | {len(series)} | {when} | {versions} | {minutes:.1f} min |")
     seeds = "The seed of a run is its number, with the problem and its dimension: the same for all algorithms."
     return "\n".join([*lines, "", seeds])
-
-
-def _in_short(rows: Rows) -> list[str]:
-    table, beyond = rows[CEC_D20.name], rows[CEC_BEYOND.name]
-    firsts = sum(places([errors(table, f, name).mean() for name in published.ALGORITHMS])[0] == 1 for f in FUNCTIONS)
-    printed_firsts = sum(places(published.TABLE_3[f]["mean"])[0] == 1 for f in FUNCTIONS)
-    off = {
-        name: float(
-            np.mean(
-                [
-                    abs(np.log(errors(table, f, name).mean() / (published.TABLE_3[f]["mean"][k] - optimum)))
-                    for f, optimum in zip(FUNCTIONS, OPTIMA, strict=True)
-                ]
-            )
-        )
-        for k, name in enumerate(published.ALGORITHMS)
-    }
-    score = {name: mean_log_error(beyond, name) for name in BEYOND}
-    ours, ipoa = score[BEYOND[0]], mean_log_error(table, "ipoa")
-    six = {name: mean_log_error(table, name) for name in published.ALGORITHMS}
-    better_than_ipoa = [name.upper() for name, value in six.items() if value < six["ipoa"]]
-    ten = rows[CEC_D10.name]
-    f4 = {d: errors(some, "f4", "poa").mean() + 800 for d, some in ((20, table), (10, ten))}
-    literal = mean_log_error(rows[CEC_ABLATION.name], "ipoa", settings_text(reading="literal"))
-    return [
-        f"**IPOA's mean is the best of the six on {firsts} of 12 functions here; in the print on {printed_firsts}.** "
-        + (
-            f"By mean log10 error IPOA ({six['ipoa']:.2f}) comes after {' and '.join(better_than_ipoa)}"
-            f" ({', '.join(f'{six[n.lower()]:.2f}' for n in better_than_ipoa)})."
-            if better_than_ipoa
-            else f"By mean log10 error IPOA ({six['ipoa']:.2f}) leads the six."
-        )
-        + " MPOA is our inference of an algorithm whose formulas we did not have, so its column proves nothing about "
-        "the authors' own MPOA.",
-        "IPOA does improve on POA, the algorithm that it is made from: mean log10 error "
-        f"{six['ipoa']:.2f} against {six['poa']:.2f}. It also spends half as many evaluations again.",
-        "**No column of Table 3 could be reproduced.** The mean of |ln(our mean error / the printed one)| is "
-        + ", ".join(f"{name.upper()} {value:.2f}" for name, value in off.items())
-        + " (0 would be a match, 0.69 is a factor of two). POA is the telling one: its authors' code leaves nothing to "
-        "read into it, our POA agrees with an independent implementation, and still the column is not met.",
-        f"The printed f4 values look like D = 10: POA, {published.TABLE_3['f4']['mean'][2]} in print, gives "
-        f"{f4[20]:.1f} at D = 20 and {f4[10]:.1f} at D = 10.",
-        "Table 4 contradicts Table 3: pairs whose printed means lie many standard errors apart have printed p values "
-        "far above 0.05.",
-        f"Read as printed (the Levy factor on the whole position), IPOA comes to {literal:.2f}, far behind its other "
-        f"reading ({ipoa:.2f}) that is the default here.",
-        f"On these functions none of the six is near the state of the art: restarted CMA-ES {score['rcmaes']:.2f}, "
-        f"L-SHADE {score['lshade']:.2f}, scipy's differential evolution {score['de']:.2f}, and our variant "
-        f"`{BEYOND[0]}` {ours:.2f}, against {ipoa:.2f} of IPOA: one unit is a factor of ten in the error.",
-    ]
 
 
 _HOW_TO_READ = (
