@@ -23,6 +23,8 @@ def draw_comparison(comparison: Comparison, planned: Points, flown: Points | Non
         left, right = figure.subplots(1, 2, width_ratios=(1, 1.5))
         _draw_paths(left, planned, flown)
         _draw_legs(right, comparison)
+        words = ["path estimated", *(["path flown"] if flown is not None else []), "time estimated", "time flown"]
+        figure.legend([*left.lines, *right.containers], words, loc="outside lower center", ncols=4, frameon=False)
         if title:
             figure.suptitle(title, fontsize=10)
         settle(figure)
@@ -38,7 +40,6 @@ def _draw_paths(axes: Axes, planned: Points, flown: Points | None) -> None:
     axes.set(xlabel="east [m]", ylabel="north [m]", title="from above")
     axes.set_aspect("equal", adjustable="datalim")
     axes.grid(color="#E3E3E3", linewidth=0.5)
-    axes.legend(frameon=False)
 
 
 def _draw_legs(axes: Axes, comparison: Comparison) -> None:
@@ -58,7 +59,6 @@ def _draw_legs(axes: Axes, comparison: Comparison) -> None:
     step = max(1, -(-len(legs) // MOST_LABELS))
     axes.set_xticks(at[::step], [str(leg.seq) for leg in legs[::step]])
     axes.set(xlabel="item", ylabel="time for the leg [s]", title=_words(comparison))
-    axes.legend(frameon=False)
 
 
 def _words(comparison: Comparison) -> str:

@@ -7,10 +7,11 @@ import numpy as np
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Command, Item, Mission, command_name
+from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate, ItemTime
 from ipoa_mission.timing.prediction import Track
-from ipoa_mission.world.airspace import Airspace, Clearance
+from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 SAMPLES = 800
@@ -63,8 +64,10 @@ def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Course:
 
 @dataclass(frozen=True)
 class Stop:
-    """One item as it is flown, for the table and the map: `place` is where it lies (None: nowhere), `leg` how it is
-    reached: length [m], heading [rad clockwise from north, NaN: straight up], climb [m] and least clearance.
+    """One item as it is flown, for the table and the map: `place` is where it lies (None: nowhere), and the leg to it.
+
+    `heading` is in radians clockwise from north (NaN: straight up); `proof` tells what the leg keeps of the limits
+    (None: it is not flown straight between two waypoints).
     """
 
     item: Item
@@ -75,11 +78,11 @@ class Stop:
     length: float
     heading: float
     climb: float
-    clearance: Clearance | None
+    proof: Proof | None
 
 
 def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Stop, ...]:
-    """Every item in the order flown, with the leg that leads to it; a leg's clearance is exact."""
+    """Every item in the order flown, with the leg that leads to it."""
     found, airspace = [], scenario.airspace
     before, flying = np.zeros(3), False
     for time in estimate.items:
@@ -87,25 +90,29 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
         place = item_place(item, mission, scenario)
         leg = (place if place is not None else before) - before
         run = float(np.hypot(*leg[:2]))
-        flown = place is not None and flying and item.command in MOVING
+        straight = place is not None and flying and item.command in MOVING
         found.append(
             Stop(
                 item=item,
                 time=time,
                 name=_words(item),
                 place=place,
-                above_ground=math.nan
-                if place is None
-                else float(place[2] - scenario.airspace.ground(place[None, :])[0]),
+                above_ground=math.nan if place is None else float(place[2] - airspace.ground(place[None, :])[0]),
                 length=float(np.linalg.norm(leg)),
                 heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > HERE else math.nan,
                 climb=float(leg[2]),
-                clearance=airspace.leg_clearance(before, place) if flown and place is not None else None,
+                proof=prove(np.array([before, place]), scenario) if straight and np.linalg.norm(leg) > 0 else None,
             )
         )
         if place is not None:
             before, flying = place, True
     return tuple(found)
+
+
+def route(found: tuple[Stop, ...]) -> Points:
+    """The waypoints, take-off included, between which the mission flies straight, (n, 3)."""
+    places = [stop.place for stop in found if stop.place is not None and stop.item.command in MOVING]
+    return np.array(places).reshape(-1, 3)
 
 
 def item_place(item: Item, mission: Mission, scenario: Scenario) -> Vector | None:
@@ -119,15 +126,6 @@ def item_place(item: Item, mission: Mission, scenario: Scenario) -> Vector | Non
         ground = float(scenario.airspace.ground(place[None, :])[0])
         place[2] = ground if item.command == Command.NAV_LAND else ground + item.altitude
     return place
-
-
-def least_clearance(found: tuple[Stop, ...]) -> Clearance | None:
-    """The least of the legs' clearances, with the number of the item that the leg leads to as `leg`."""
-    legs = [(s.clearance, s.time.seq) for s in found if s.clearance is not None]
-    if not legs:
-        return None
-    nearest, seq = min(legs, key=lambda leg: leg[0].distance)
-    return Clearance(nearest.distance, nearest.place, nearest.what, seq)
 
 
 def dangers(course: Course, airspace: Airspace, required: float) -> list[str]:

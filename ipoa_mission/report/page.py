@@ -5,6 +5,7 @@ All is drawn here as HTML and SVG; the script on the page links the views and tu
 
 from collections.abc import Sequence
 from html import escape
+from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -14,13 +15,17 @@ import numpy as np
 from ipoa_mission.files import write_atomically
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.planning.limits import limits_of
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.proof import prove
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.course import Stop, dangers, follow, least_clearance, stops
+from ipoa_mission.report.course import Stop, dangers, follow, route, stops
 from ipoa_mission.report.extent import extent_of
 from ipoa_mission.report.panels.flown import done_in_flight, flown_panel
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
 from ipoa_mission.report.panels.legs import legs
+from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.scene import page_data
 from ipoa_mission.scenario import Scenario
@@ -33,43 +38,46 @@ AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
 def write_report(
     path: Path,
     scenario: Scenario,
+    plan: Plan | None,
     mission: Mission,
     estimate: Estimate,
     flight: FlightRecord | None = None,
     remarks: Sequence[str] = (),
 ) -> None:
-    """Write the report on a mission, and on its flight if there was one, to `path`.
+    """Write the report on a mission to `path`: on how it was planned if `plan` is there, and flown if `flight` is.
 
     `remarks` (what a check found, say) are shown first, with the estimate's own.
 
     Raises:
         BadInput: the folder may not be written.
     """
-    write_atomically(path, report_html(scenario, mission, estimate, flight, remarks))
+    write_atomically(path, report_html(scenario, plan, mission, estimate, flight, remarks))
 
 
 def report_html(
     scenario: Scenario,
+    plan: Plan | None,
     mission: Mission,
     estimate: Estimate,
     flight: FlightRecord | None = None,
     remarks: Sequence[str] = (),
 ) -> str:
     """The whole page."""
-    airspace, required = scenario.airspace, scenario.safety_distance + scenario.vehicle.radius
+    airspace, required = scenario.airspace, limits_of(scenario).obstacle_distance
     found = stops(mission, estimate, scenario)
     course = follow(estimate.track, airspace)
     track = None if flight is None else flown_track(mission, flight)
     flown = None if track is None else follow(track, airspace)
     places = np.array([stop.place for stop in found if stop.place is not None])
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
-    least = least_clearance(found)
+    waypoints = route(found)
+    proof = prove(waypoints, scenario) if len(waypoints) > 1 else None
     comparison = None if flight is None else compare_flight(mission, estimate, flight)
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
-        "verdict": verdict(least, required),
-        "figures": figures(estimate, least, required, float(course.along[-1]), _waypoints(found), comparison),
+        "verdict": verdict(proof),
+        "figures": figures(estimate, proof, float(course.along[-1]), _waypoints(found), comparison),
         "warnings": warnings([*dangers(course, airspace, required), *remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, found, course, flown),
         "legend": legend(scenario, extent, flown is not None),
@@ -80,10 +88,11 @@ def report_html(
         "speed": speed_profile(course, found, flown),
         "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),
-        "legs": legs(found, required, None if flight is None else done_in_flight(found, flight.item_reached_s)),
+        "legs": legs(found, None if flight is None else done_in_flight(found, flight.item_reached_s)),
         "legs_note": LEGS_NOTE,
-        "search": "",
-        "footer": "",
+        "limits": "" if proof is None else limits_table(proof),
+        "search": "" if plan is None else search_panel(plan, scenario),
+        "footer": _footer(scenario, plan, mission),
         "css": _asset("page.css"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),
@@ -101,6 +110,21 @@ LEGS_NOTE = (
 def _subtitle(scenario: Scenario, mission: Mission) -> str:
     words = f"Mission for {AUTOPILOT_NAMES[mission.autopilot]}, {len(mission.items)} items"
     return f"{words}, cruise {scenario.vehicle.cruise_speed:g} m/s"
+
+
+def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
+    """What the report was made from, so that it can be made again."""
+    home, changed = mission.home, scenario.vehicle.autopilot_parameters()
+    rows = {
+        "home": f"{home.latitude_deg:.7f}, {home.longitude_deg:.7f}, {home.altitude:g} m above mean sea level",
+        "vehicle": f"radius {scenario.vehicle.radius:g} m, safety distance {scenario.safety_distance:g} m",
+        "parameters": ", ".join(f"{name} {value:g}" for name, value in changed.items()) or "the autopilot's defaults",
+        "world": f"{len(scenario.airspace.obstacles)} obstacles, {scenario.terrain.kind} terrain",
+        **({"planned by": f"{plan.optimizer}, seed {plan.seed}"} if plan is not None else {}),
+        "made by": f"ipoa-mission {version('ipoa-mission')}",
+    }
+    body = "".join(f"<dt>{name}</dt><dd>{escape(words)}</dd>" for name, words in rows.items())
+    return f"<dl>{body}</dl>"
 
 
 def _waypoints(found: Sequence[Stop]) -> int:

@@ -7,6 +7,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
+from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.proof import prove_curve
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.report.course import route, stops
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
 
@@ -31,3 +36,17 @@ def bowed(missions: Path) -> Callable[[str], Flight]:
         return scenario, mission, estimate(mission, scenario.vehicle.autopilot_parameters())
 
     return fly
+
+
+@pytest.fixture
+def planned(bowed: Callable[[str], Flight]) -> Callable[[str], tuple[Scenario, Plan, Mission, Estimate]]:
+    """The same with a plan: a curve along the arc, and a search that came there."""
+
+    def plan(name: str) -> tuple[Scenario, Plan, Mission, Estimate]:
+        scenario, mission, timed = bowed(name)
+        curve = Spline(route(stops(mission, timed, scenario)))
+        history = np.array([9e4, 900.0, 500.0, 420.0, 401.5])
+        cost, proof = curve_cost(curve, scenario), prove_curve(curve, scenario)
+        return scenario, Plan(curve, cost, proof, "ipoa", 7, np.arange(1, 6) * 60, history), mission, timed
+
+    return plan

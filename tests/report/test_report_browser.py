@@ -29,13 +29,13 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture
-def open_page(browser: Any, bowed: Callable[[str], tuple], tmp_path: Path) -> Iterator[Callable[..., Any]]:
+def open_page(browser: Any, planned: Callable[[str], tuple], tmp_path: Path) -> Iterator[Callable[..., Any]]:
     """Open the report on a scenario; at the end nothing may have been complained about or asked for."""
     complaints: list[str] = []
 
     def visit(name: str = "campus.toml", width: int = 1280, scheme: str = "light") -> Any:
         file = tmp_path / "report.html"
-        write_report(file, *bowed(name))
+        write_report(file, *planned(name))
         page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
         page.on("console", lambda message: complaints.append(message.text))
         page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -63,7 +63,15 @@ def shown(page: Any, selector: str) -> str:
 @pytest.mark.parametrize("name", ["campus.toml", "downtown.toml", "sitl.toml"])
 def test_every_view_is_drawn(open_page: Callable[..., Any], name: str) -> None:
     page = open_page(name)
-    for selector in (".map svg", ".space canvas", "#profile svg", "#apart svg", "#speed svg", "#legs"):
+    for selector in (
+        ".map svg",
+        ".space canvas",
+        "#profile svg",
+        "#apart svg",
+        "#speed svg",
+        "#legs",
+        "#convergence svg",
+    ):
         box = page.locator(selector).bounding_box()
         assert box["width"] > 300
         assert box["height"] > 60

@@ -12,7 +12,7 @@ import pytest
 
 from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.report.chart import Axis, axis_over
-from ipoa_mission.report.course import follow, least_clearance, stops
+from ipoa_mission.report.course import follow, route, stops
 from ipoa_mission.report.page import report_html, write_report
 from ipoa_mission.report.panels.profile import _near
 from ipoa_mission.report.words import metres, number, seconds, share
@@ -54,8 +54,8 @@ class Reader(HTMLParser):
 
 
 @pytest.mark.parametrize("name", ["campus.toml", "downtown.toml", "sitl.toml"])
-def test_the_page_is_whole_and_asks_for_nothing_from_outside(bowed: Callable[[str], tuple], name: str) -> None:
-    page = report_html(*bowed(name))
+def test_the_page_is_whole_and_asks_for_nothing_from_outside(planned: Callable[[str], tuple], name: str) -> None:
+    page = report_html(*planned(name))
     read = Reader(page)
     for _, attrs in read.elements:
         assert not {"src", "href", "action", "srcset"} & set(attrs), attrs
@@ -65,9 +65,9 @@ def test_the_page_is_whole_and_asks_for_nothing_from_outside(bowed: Callable[[st
     assert "Infinity" not in read.texts["body"]
 
 
-def test_the_same_mission_gives_the_same_page(bowed: Callable[[str], tuple], tmp_path: Path) -> None:
+def test_the_same_mission_gives_the_same_page(planned: Callable[[str], tuple], tmp_path: Path) -> None:
     for name in "ab":
-        write_report(tmp_path / name, *bowed("sitl.toml"))
+        write_report(tmp_path / name, *planned("sitl.toml"))
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
@@ -76,14 +76,14 @@ def test_names_from_files_cannot_become_markup(bowed: Callable[[str], tuple]) ->
     evil = '</script><script>alert(1)</script><b title="x" on=\''
     text = scenario.model_dump(mode="json")
     text["obstacles"][0]["name"] = evil
-    page = report_html(Scenario.model_validate(text), mission, replace(timed, remarks=(evil,)), remarks=[evil])
+    page = report_html(Scenario.model_validate(text), None, mission, replace(timed, remarks=(evil,)), remarks=[evil])
     assert "<script>alert" not in page
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
 
 
 def test_waypoints_stand_on_the_map_where_they_are(bowed: Callable[[str], tuple]) -> None:
     scenario, mission, timed = bowed("campus.toml")
-    read = Reader(report_html(scenario, mission, timed))
+    read = Reader(report_html(scenario, None, mission, timed))
     box = read.having("class", "map")[0]
     west, south, width, height = (float(box[f"data-{key}"]) for key in ("west", "south", "width", "height"))
     shown = []
@@ -101,7 +101,7 @@ def test_waypoints_stand_on_the_map_where_they_are(bowed: Callable[[str], tuple]
 
 def test_the_table_has_every_item_with_its_own_time(bowed: Callable[[str], tuple]) -> None:
     scenario, mission, timed = bowed("campus.toml")
-    page = report_html(scenario, mission, timed)
+    page = report_html(scenario, None, mission, timed)
     rows = re.findall(r'<tr data-stop="(\d+)".*?<i>(\d+)</i>.*?<b>([\d.]+)</b>', page)
     assert [(int(seq), float(done)) for _, seq, done in rows] == [
         (item.seq, round(item.done_s, 1)) for item in timed.items
@@ -110,7 +110,7 @@ def test_the_table_has_every_item_with_its_own_time(bowed: Callable[[str], tuple
 
 def test_the_script_is_given_the_world_as_it_is(bowed: Callable[[str], tuple]) -> None:
     scenario, mission, timed = bowed("sitl.toml")
-    data = json.loads(re.search(r'id="data">(.*?)</script>', report_html(scenario, mission, timed))[1])
+    data = json.loads(re.search(r'id="data">(.*?)</script>', report_html(scenario, None, mission, timed))[1])
     mast, hangar, balloon = data["world"]["bodies"]
     assert (mast["round"], mast["base"], mast["top"]) == (True, 0.0, 60.0)
     assert len(hangar["rings"][0]) == 4
@@ -124,14 +124,22 @@ def test_the_script_is_given_the_world_as_it_is(bowed: Callable[[str], tuple]) -
 def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Callable[[str], tuple]) -> None:
     scenario, mission, timed = bowed("downtown.toml")
     found = stops(mission, timed, scenario)
-    least = least_clearance(found)
-    assert least is not None
+    least = scenario.airspace.polyline_clearance(route(found))
     assert least.distance < 0  # an arc through a city does not miss its towers
-    places = np.array([stop.place for stop in found if stop.place is not None])[:-1]
-    assert least.distance == pytest.approx(scenario.airspace.polyline_clearance(places).distance)
-    page = report_html(scenario, mission, timed)
-    assert '<p class="verdict bad">' in page
-    assert f"runs into {least.what}" in page
+    page = report_html(scenario, None, mission, timed)
+    assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
+    assert f'title="{-least.distance:.2f} m inside {least.what}' in page  # in the table, at the leg
+    hits = [stop.time.seq for stop in found if stop.proof is not None and not stop.proof.holds]
+    assert page.count('<span class="bad" title=') == len(hits) > 3
+
+
+def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, timed = bowed("campus.toml")
+    least = scenario.airspace.polyline_clearance(route(stops(mission, timed, scenario)))
+    page = report_html(scenario, None, mission, timed)
+    assert f'class="verdict good"><b aria-hidden="true">✓</b> Clear by {least.distance:.2f}' in page
+    assert "nearest thing is teaching block A; 2.60" in page
+    assert 'class="bad"' not in page
 
 
 def test_a_way_home_through_a_hill_is_a_warning(bowed: Callable[[str], tuple]) -> None:
@@ -141,9 +149,19 @@ def test_a_way_home_through_a_hill_is_a_warning(bowed: Callable[[str], tuple]) -
         "terrain": {"kind": "analytic", "peaks": [{"height": 70, "east": 115, "north": 80, "a": 20, "b": 20}]},
     }
     home = replace(mission, items=(*mission.items[:-1], return_to_launch()))
-    over_it = report_html(Scenario.model_validate(hill), home, estimate(home))
+    over_it = report_html(Scenario.model_validate(hill), None, home, estimate(home))
     assert "runs into the ground after" in over_it
-    assert "Before you fly" not in report_html(scenario, mission, timed)
+    assert "Before you fly" not in report_html(scenario, None, mission, timed)
+
+
+def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Callable[[str], tuple]) -> None:
+    scenario, plan, mission, timed = planned("campus.toml")
+    page = report_html(scenario, plan, mission, timed)
+    cells = re.findall(r"<td>([\d.]+)</td><td class=\"words share\">.*?<span>(\d+) %", page)
+    assert sum(float(cost) for cost, _ in cells) == pytest.approx(plan.cost.total, abs=0.03)
+    assert sum(int(part) for _, part in cells) == pytest.approx(100, abs=2)
+    assert float(cells[0][0]) == pytest.approx(0.7 * plan.curve.length, rel=1e-4)
+    assert "ipoa, seed 7" in page
 
 
 def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Callable[[str], tuple]) -> None:

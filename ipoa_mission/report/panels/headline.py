@@ -4,31 +4,26 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.words import metres, seconds, share
 from ipoa_mission.timing.estimate import Estimate
-from ipoa_mission.world.airspace import Clearance
 
 
-def verdict(least: Clearance | None, required: float) -> str:
+def verdict(proof: Proof | None) -> str:
     """One line in words and with a sign: clear of everything, or not."""
-    if least is None:
+    if proof is None:
         return '<p class="verdict">No leg between waypoints to judge.</p>'
-    if least.distance >= required:
-        words = f"Clear by {metres(least.distance)}: the nearest thing is {escape(least.what)}"
-        return f'<p class="verdict good"><b aria-hidden="true">✓</b> {words}; {metres(required)} are required.</p>'
-    how = "runs into" if least.distance < 0 else f"comes within {metres(least.distance)} of"
-    words = f"The leg to item {least.leg} {how} {escape(least.what)}; {metres(required)} are required"
-    return f'<p class="verdict bad"><b aria-hidden="true">✕</b> {words}.</p>'
+    if not proof.holds:
+        return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {escape(proof.words())}.</p>'
+    least = proof.clearance
+    required = min(c.required for c in proof.checks if c.found is least or c.found.distance == least.distance)
+    words = f"Clear by {metres(least.distance)}: the nearest thing is {escape(least.what)}; {metres(required)} required"
+    return f'<p class="verdict good"><b aria-hidden="true">✓</b> {words}.</p>'
 
 
 def figures(
-    estimate: Estimate,
-    least: Clearance | None,
-    required: float,
-    length: float,
-    waypoints: int,
-    comparison: Comparison | None,
+    estimate: Estimate, proof: Proof | None, length: float, waypoints: int, comparison: Comparison | None
 ) -> str:
     """The headline numbers."""
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}"
@@ -37,10 +32,9 @@ def figures(
         cards.append(_flown(comparison))
     against = f"{share(estimate.qgroundcontrol_s, estimate.total_s)} against the estimate"
     cards.append(_card("QGroundControl says", seconds(estimate.qgroundcontrol_s), against))
-    if least is not None:
-        words = f"to {least.what}, leg to item {least.leg}"
-        look = "" if least.distance >= required else "bad"
-        cards.append(_card("least clearance", metres(least.distance), words, look))
+    if proof is not None:
+        look = "" if proof.holds else "bad"
+        cards.append(_card("least clearance", metres(proof.clearance.distance), f"to {proof.clearance.what}", look))
     cards.append(_card("path", metres(length, 0), f"{waypoints} waypoints"))
     return f'<dl class="figures">{"".join(cards)}</dl>'
 

@@ -8,7 +8,7 @@ from ipoa_mission.report.course import Stop
 from ipoa_mission.report.words import number, signed
 
 HEAD = (
-    ("", "item"),
+    ("item", ""),
     ("east", "m"),
     ("north", "m"),
     ("up", "m"),
@@ -23,25 +23,25 @@ HEAD = (
 )
 
 
-def legs(found: Sequence[Stop], required: float, flown_done: Mapping[int, float] | None) -> str:
+def legs(found: Sequence[Stop], flown_done: Mapping[int, float] | None) -> str:
     """The table; `flown_done` has the times at which items were done in flight, by their place in `found`."""
     flown_head = (("flown", "s"), ("off by", "s")) if flown_done is not None else ()
     head = "".join(f'<th scope="col">{name}<small>{unit}</small></th>' for name, unit in (*HEAD, *flown_head))
-    rows = "".join(_row(n, stop, required, flown_done) for n, stop in enumerate(found))
+    rows = "".join(_row(n, stop, flown_done) for n, stop in enumerate(found))
     return (
         f'<div class="scroll" tabindex="0"><table id="legs"><thead><tr>{head}<th scope="col" class="words">slow because'
         f"</th></tr></thead><tbody>{rows}</tbody></table></div>"
     )
 
 
-def _row(n: int, stop: Stop, required: float, flown_done: Mapping[int, float] | None) -> str:
+def _row(n: int, stop: Stop, flown_done: Mapping[int, float] | None) -> str:
     time, place = stop.time, stop.place
     heading = number(math.degrees(stop.heading) % 360, 0)
     cells = [
         *((number(float(v), 1) for v in place) if place is not None else ("", "", "")),
         number(stop.above_ground, 1),
         *((number(stop.length, 1), heading, number(stop.climb, 1)) if place is not None else ("", "", "")),
-        _clearance(stop, required),
+        _clearance(stop),
         f"<b>{number(time.done_s, 1)}</b>",
         number(time.duration_s, 1) if time.duration_s > 0 else "",
         number(time.mean_speed, 1) if time.mean_speed > 0 else "",
@@ -56,9 +56,10 @@ def _row(n: int, stop: Stop, required: float, flown_done: Mapping[int, float] | 
     )
 
 
-def _clearance(stop: Stop, required: float) -> str:
-    if stop.clearance is None:
+def _clearance(stop: Stop) -> str:
+    if stop.proof is None:
         return ""
-    words, bad = number(stop.clearance.distance, 2), stop.clearance.distance < required
-    where = f'title="to {escape(stop.clearance.what)}"'
-    return f'<span class="bad" {where}>✕ {words}</span>' if bad else f"<span {where}>{words}</span>"
+    least = stop.proof.clearance
+    if not stop.proof.holds:
+        return f'<span class="bad" title="{escape(stop.proof.words())}">✕ {number(least.distance, 2)}</span>'
+    return f'<span title="to {escape(least.what)}">{number(least.distance, 2)}</span>'
