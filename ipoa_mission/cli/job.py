@@ -16,7 +16,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.unsafe import refuse_errors
-from ipoa_mission.mission.waypoints_file import write_waypoints
+from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.scenario import Scenario, read_scenario
@@ -82,7 +82,7 @@ def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] 
     found = estimate(mission, known)
     track = found.track
     energy = flight_energy(scenario, track.times, track.points, track.speeds)
-    remarks = (*(finding.message for finding in warnings), *scenario.remarks)
+    remarks = (*(finding.message for finding in warnings), *scenario.remarks, *left_out(mission))
     return PlannedJob(scenario.name, mission, known, found, remarks, scenario, plan, energy)
 
 
@@ -107,7 +107,10 @@ def adapt_scenario(
 
 
 def write_files(job: PlannedJob, folder: Path) -> list[Path]:
-    """NAME.plan, NAME.waypoints and NAME.json in `folder`, which is made if it is not there."""
+    """NAME.plan, NAME.waypoints and NAME.json in `folder`, which is made if it is not there.
+
+    A `.waypoints` file holds neither fence nor rally points; the remarks of the job say so.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     plan, waypoints, summary = (folder / f"{job.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
     write_plan(job.mission, plan)

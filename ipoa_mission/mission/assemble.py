@@ -37,7 +37,7 @@ def assemble(plan: Plan, scenario: Scenario) -> Mission:
     first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route, frame)]
     if first[1] < LEAST_TAKEOFF_HEIGHT:
         raise BadInput(
-            f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, where the take-off ends, not {first[1]:.1f} m"
+            f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         )
     over_home = bool(np.hypot(*route[0, :2]) < 0.5)
     items: list[Item] = [

@@ -142,6 +142,8 @@ class Airspace:
         middles, least = (starts + ends) / 2, NOTHING_NEAR
         reach = float(self.obstacle_distance(points).min()) + ROUNDING  # the least distance is at most this
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
+        upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
+        tracks[upright] = shapely.points(starts[upright, :2])
         for body, legs in _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0))):
             obstacle = self.obstacles[body]
             floor = obstacle.distance(middles[legs]) - half[legs]  # distance changes by a metre a metre at most

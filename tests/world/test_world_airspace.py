@@ -87,3 +87,10 @@ def test_a_flight_area_is_kept_to_along_the_whole_leg() -> None:
 def test_bounds_turned_inside_out_are_refused() -> None:
     with pytest.raises(BadInput, match="bounds: expected lower below upper"):
         Bounds((0.0, 0.0, 0.0), (1.0, -1.0, 1.0))
+
+
+def test_a_vertical_leg_beside_an_obstacle_is_as_near_as_its_points() -> None:
+    tower = Cylinder("tower", 0.0, 0.0, 5.0, 0.0, 30.0)
+    airspace = Airspace(Bounds((-50, -50, -10), (50, 50, 100)), Flat(0.0), (tower,))
+    found = airspace.obstacle_clearance(np.array([[8.0, 0.0, 1.0], [8.0, 0.0, 60.0]]))
+    assert (found.distance, found.what) == (pytest.approx(3.0), "tower")
