@@ -26,7 +26,7 @@ def findings(made: Made, rows: Rows, folder: str) -> str:
             "# The paper, reproduced",
             "",
             "*Made by `ipoa-mission reproduce all`; every number on this page comes from the rows in "
-            f"[`{folder}/`]({folder}/), and can be made again from them or from nothing.*",
+            f"[`{folder}/rows/`]({folder}/rows/), and can be made again from them or from nothing.*",
             "",
             _measured(rows),
             "",

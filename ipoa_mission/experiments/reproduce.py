@@ -82,9 +82,9 @@ def reproduce(
 ) -> list[Path]:
     """Measure and write one of `ITEMS`, or "all" of them and the page of findings; returns the files written.
 
-    Runs are kept in `out`, one CSV file a series, and not repeated. Tables are written there as Markdown and CSV,
-    figures as SVG; the page of findings is written beside `out`, under its name with `.md`. `runs` is how many of each
-    (None: as many as the paper). `jobs` processes run them, or the workers of the Dask scheduler at `executor`.
+    Runs are kept in `out`/rows, one CSV file a series, and not repeated. Tables are written to `out` as Markdown and
+    CSV, figures as SVG; the page of findings is written beside `out`, under its name with `.md`. `runs` is how many of
+    each (None: as many as the paper). `jobs` processes run them, or the workers of the Dask scheduler at `executor`.
     `progress(series, done, all)` is called after each run.
 
     Raises:
@@ -130,7 +130,7 @@ def _measure(
                 if progress is not None:
                     progress(name, done, every)
 
-            rows[name] = measure(one.trials(runs), out / f"{name}.csv", executor, tell)
+            rows[name] = measure(one.trials(runs), out / "rows" / f"{name}.csv", executor, tell)
     return rows
 
 

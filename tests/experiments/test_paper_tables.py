@@ -1,6 +1,6 @@
 """Tables, figures and the page are functions of rows: made-up rows say what must be in them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +11,8 @@ from ipoa_mission.experiments import figures, paper, paper_maps
 from ipoa_mission.experiments.cec2022 import FUNCTIONS
 from ipoa_mission.experiments.page import findings
 from ipoa_mission.experiments.published import TABLE_3
-from ipoa_mission.experiments.reproduce import ITEMS, reproduce
-from ipoa_mission.experiments.runs import CHECKPOINTS, Row, Trial
+from ipoa_mission.experiments.reproduce import ITEMS, Item, reproduce
+from ipoa_mission.experiments.runs import CHECKPOINTS, Row, Trial, settings_text
 from ipoa_mission.experiments.series import CEC_D20, MAPS_PAPER, Series
 from ipoa_mission.experiments.tables import Table, number
 
@@ -118,6 +118,29 @@ def test_reproduce_writes_tables_in_both_forms(tmp_path: Path) -> None:
     written = reproduce("contradictions", None, tmp_path / "out", 1, None)
     assert [path.name for path in written] == ["contradictions.md", "contradictions.csv"]
     assert all(path.read_text(encoding="utf-8") for path in written)
+
+
+def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("minionpy")
+    small = settings_text(population=6, iterations=3)
+    tiny = Series("tiny", 2, [Trial("cec2022", "f1", 10, name, small, 0, 0) for name in ("poa", "ipoa")])
+    told: list[tuple[str, int, int]] = []
+
+    def make(rows: Mapping[str, Sequence[Row]]) -> Table:
+        return Table("tiny", ["cost"], [[number(row.cost)] for row in rows["tiny"]])
+
+    monkeypatch.setitem(ITEMS, "tiny", Item([tiny], make))
+    for runs in (None, 3, None):
+        reproduce("tiny", runs, tmp_path / "out", 1, None, lambda *progress: told.append(progress))
+    assert told == [("tiny", done, 4) for done in range(5)] + [
+        ("tiny", 4, 6),
+        ("tiny", 5, 6),
+        ("tiny", 6, 6),
+        ("tiny", 4, 4),
+    ]
+    assert len((tmp_path / "out" / "rows" / "tiny.csv").read_text().splitlines()) == 1 + 6
 
 
 @pytest.mark.parametrize(
