@@ -74,8 +74,8 @@ class Overheard:
 
 def offer(
     items: Sequence[Item], kind: int, opening: type[Ask] | type[Tell] = Ask, progress: Progress = silent
-) -> Dialogue[bool]:
-    """Offer a list. Returns whether its receipt was acknowledged: False when silence followed the last item.
+) -> Dialogue[int | None]:
+    """Offer a list. Returns ACCEPTED, or what else followed the last item: None for silence, a doubtful refusal.
 
     With `opening` Ask we are the client: the vehicle pulls one item at a time, in order, so a request for an earlier
     item is a late duplicate and stays unanswered. With Tell we are the vehicle, and the client may ask for any item.
@@ -93,10 +93,10 @@ def offer(
         try:
             heard = yield step
         except NoAnswer as silence:
+            if asked == len(items) - 1 and items:
+                return doubt
             if doubt is not None:
                 raise MissionRefused(doubt, kind, max(asked, 0), str(overheard)) from None
-            if asked == len(items) - 1 and items:
-                return False
             raise NoAnswer(f"{silence} after {max(asked, 0)} of {len(items)} items of the {list_name(kind)}") from None
         step = None
         match heard:
@@ -108,7 +108,7 @@ def offer(
             case Ack(Result.ACCEPTED, k) if k == kind:
                 if asked == len(items) - 1 or not in_order:
                     progress(len(items), len(items))
-                    return True
+                    return Result.ACCEPTED
             case Ack(Result.INVALID_SEQUENCE, k) if k == kind:
                 doubt = Result.INVALID_SEQUENCE
             case Ack(Result.ERROR, k) if k == kind:
@@ -117,6 +117,8 @@ def offer(
             case Ack(result, k) if k == kind:
                 yield from _listen_for_words(overheard)
                 raise MissionRefused(result, kind, max(asked, 0), str(overheard))
+            case None if asked == len(items) - 1 and items:
+                return doubt
             case None:  # the grace is over, and no request came
                 raise MissionRefused(doubt or Result.ERROR, kind, max(asked, 0), str(overheard))
             case _:

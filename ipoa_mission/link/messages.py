@@ -328,13 +328,6 @@ class AutopilotVersion(Message):
 
 
 @dataclass(frozen=True)
-class ProtocolVersion(Message):
-    """PROTOCOL_VERSION: 200 is MAVLink 2."""
-
-    version: int = 200
-
-
-@dataclass(frozen=True)
 class HomePosition(Message):
     """HOME_POSITION: altitude AMSL [m]."""
 

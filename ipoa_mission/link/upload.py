@@ -94,10 +94,12 @@ def _store(job: Upload, progress: Progress) -> Dialogue[None]:
         furthest = max(furthest, done)
         progress(done, total)
 
-    for attempt in range(1, ATTEMPTS + 1):
+    attempt = 0
+    while True:
+        attempt += 1
         before, furthest = furthest, -1
         try:
-            yield from offer(job.items, job.kind, progress=note)
+            ending = yield from offer(job.items, job.kind, progress=note)
             stored = yield from download(job.kind)
         except NoAnswer as silence:
             if attempt == ATTEMPTS or max(before, furthest) < 0:
@@ -114,6 +116,8 @@ def _store(job: Upload, progress: Progress) -> Dialogue[None]:
             difference = compare(job.items, stored, job.autopilot) if not _both_empty(job, stored) else None
             if difference is None:
                 return
+            if attempt >= 2 and ending in DOUBTFUL:
+                raise MissionRefused(ending, job.kind, len(job.items) - 1)
             if attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
 

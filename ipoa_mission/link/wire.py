@@ -329,12 +329,6 @@ _LAYOUTS: tuple[Layout[Any], ...] = (
         lambda raw: m.AutopilotVersion(raw.capabilities, raw.flight_sw_version, raw.uid),
     ),
     Layout(
-        "PROTOCOL_VERSION",
-        m.ProtocolVersion,
-        lambda p: {"version": p.version, "min_version": 100, "max_version": p.version},
-        lambda raw: m.ProtocolVersion(raw.version),
-    ),
-    Layout(
         "HOME_POSITION",
         m.HomePosition,
         _write_home,

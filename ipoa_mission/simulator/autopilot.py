@@ -203,8 +203,6 @@ class Autopilot:
             case "AUTOPILOT_VERSION":
                 bits = CAPABILITIES | (0x20000 if self.habits.home_is_item_0 else 16)
                 return m.AutopilotVersion(bits, self.habits.version, uid=1)
-            case "PROTOCOL_VERSION":
-                return m.ProtocolVersion()
             case str() as name:
                 return self._stream(name)
         raise KeyError(number)
@@ -212,7 +210,7 @@ class Autopilot:
     def can_tell(self, number: float) -> bool:
         """Whether command 512 can have this message."""
         name = message_name(_whole(number))
-        return name in {"AUTOPILOT_VERSION", "PROTOCOL_VERSION", *streams.INTERVALS_S, *streams.FROM_FLIGHT}
+        return name in {"AUTOPILOT_VERSION", *streams.INTERVALS_S, *streams.FROM_FLIGHT}
 
     def set_interval(self, number: float, interval_us: float) -> CommandResult:
         """Command 511."""

@@ -19,7 +19,7 @@ from ipoa_mission.world.frame import Geodetic
 T = TypeVar("T")
 HOME = Geodetic(47.4, 8.5, 400.0)
 CLIENT, STRANGER = Target(245, 190), Target(255, 190)
-LIMIT_S = 3600.0
+LIMIT_S = 6 * 3600.0
 
 
 def items_of(autopilot: Autopilot, count: int, shift: float = 0.0) -> tuple[Item, ...]:

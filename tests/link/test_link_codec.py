@@ -1,0 +1,220 @@
+"""Frames and messages, held against pymavlink's own encoder and parser."""
+
+import dataclasses
+import math
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pymavlink.dialects.v20 import ardupilotmega as dialect
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.link import messages as m
+from ipoa_mission.link import wire
+from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames, message_name, message_number
+from ipoa_mission.link.signing import Signer
+from ipoa_mission.mission.items import Item
+
+NOW = 1_767_225_600.0
+FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}
+KINDS = sorted({layout.kind for layout in wire._LAYOUTS}, key=lambda kind: kind.__name__)
+
+
+def example(kind: type[m.Message]) -> m.Message:
+    """Some message of a kind, each field with a value of its type that the wire can hold exactly."""
+    special = {
+        m.ItemAt: m.ItemAt(7, Item(16, 3, (1.0, 2.0, 3.0, 4.0), 39.1234567, 121.7654321, 12.5), 1, 1),
+        m.CommandLong: m.CommandLong(400, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0), 2),
+        m.CommandInt: m.CommandInt(192, 6, (1.0, 2.0, 3.0, 4.0), 391234567, -10, 50.0),
+        m.Position: m.Position(12.345, 39.1, -121.5, 400.25, 30.5, (1.25, -2.5, 0.5), math.pi / 2),
+        m.LocalPosition: m.LocalPosition(1.0, (1.0, 2.0, -3.0), (0.5, 0.25, -0.125)),
+        m.FileTransfer: m.FileTransfer(bytes(range(251))),
+        m.SystemTime: m.SystemTime(NOW, 5.0),
+    }
+    if kind in special:
+        return special[kind]
+    types = {field.name: field.type for field in dataclasses.fields(kind)}
+    return kind(**{name: FIRST_GUESS.get(hint, False) for name, hint in types.items()})
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_every_message_survives_the_wire(kind: type[m.Message]) -> None:
+    message = example(kind)
+    (frame,) = frames(Codec(245, 190).encode(message, Target(1, 1), NOW))
+    heard = Codec(1, 1).decode(frame)
+    assert heard is not None
+    assert (heard.system, heard.component) == (245, 190)
+    for field in dataclasses.fields(message):
+        told, sent = getattr(heard.message, field.name), getattr(message, field.name)
+        assert told == (sent if isinstance(sent, str | bytes | Item) else pytest.approx(sent, abs=1e-6)), field.name
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind is not m.Event], ids=lambda kind: kind.__name__)
+def test_pymavlink_reads_our_frames_byte_for_byte(kind: type[m.Message]) -> None:
+    message = example(kind)
+    frame = Codec(245, 190).encode(message, Target(1, 1), NOW)
+    name, fields = wire.write(message)
+    (theirs,) = dialect.MAVLink(None).parse_buffer(frame)
+    assert theirs.get_type() == name
+    assert (theirs.get_srcSystem(), theirs.get_srcComponent()) == (245, 190)
+    for field, value in fields.items():
+        if isinstance(value, float):
+            assert getattr(theirs, field) == pytest.approx(value, rel=1e-6)
+    voice = dialect.MAVLink(None, 245, 190)
+    assert theirs.pack(voice) == frame
+
+
+def test_pymavlink_s_frames_of_both_versions_are_read() -> None:
+    voice = dialect.MAVLink(None, 1, 1)
+    message = dialect.MAVLink_mission_count_message(245, 190, 12, 0)
+    for force_mavlink1 in (False, True):
+        (frame,) = Framer().feed(message.pack(voice, force_mavlink1=force_mavlink1))
+        heard = Codec(245, 190).decode(frame)
+        assert heard is not None
+        assert heard.message == m.Count(12)
+        assert heard.is_for(245, 190)
+        assert not heard.is_for(246, 190)
+        assert not heard.is_for(245, 191)
+
+
+@given(st.integers(-1_800_000_000, 1_800_000_000), st.sampled_from([0, 3, 5, 6, 10, 11]))
+def test_degrees_survive_to_the_last_unit(value: int, frame: int) -> None:
+    assert wire.coordinate(wire.degrees(value, frame), frame) == value
+
+
+@pytest.mark.parametrize(("frame", "value", "sent"), [(2, 7.0, 7), (1, 12.3456, 123456), (3, math.nan, 2**31 - 1)])
+def test_frames_have_their_own_scale(frame: int, value: float, sent: int) -> None:
+    assert wire.coordinate(value, frame) == sent
+    back = wire.degrees(sent, frame)
+    assert back == value or (math.isnan(back) and math.isnan(value))
+
+
+@pytest.mark.parametrize("value", [215.0, -215.0, math.inf, -math.inf])
+def test_what_does_not_fit_is_an_error_and_not_clamped(value: float) -> None:
+    with pytest.raises(BadInput, match="coordinate"):
+        wire.coordinate(value, 3)
+
+
+def test_a_nan_without_a_position_is_nothing() -> None:
+    assert wire.coordinate(math.nan, 2) == 0
+
+
+def stream(count: int) -> tuple[bytes, list[bytes]]:
+    codec = Codec(1, 1)
+    sent = [codec.encode(m.Text(3, f"words {n}"), EVERYONE, NOW) for n in range(count)]
+    return b"".join(sent), sent
+
+
+@given(st.lists(st.integers(1, 40), min_size=1, max_size=30))
+def test_frames_are_cut_from_a_stream_however_it_is_torn(sizes: list[int]) -> None:
+    data, sent = stream(20)
+    framer, got, at = Framer(), [], 0
+    while at < len(data):
+        for size in sizes:
+            got += framer.feed(data[at : at + size])
+            at += size
+    assert got == sent
+
+
+@given(st.binary(max_size=300), st.binary(max_size=300))
+def test_frames_are_found_between_any_garbage(before: bytes, between: bytes) -> None:
+    _, sent = stream(2)
+    got = list(frames(before + sent[0] + between + sent[1]))
+    assert [frame for frame in got if frame in sent] == sent
+
+
+def test_a_corrupt_length_costs_one_frame_and_not_its_neighbours() -> None:
+    _, sent = stream(3)
+    torn = bytearray(sent[0])
+    torn[1] = 255
+    framer = Framer()
+    got = [frame for chunk in (bytes(torn), *sent[1:], b"\0" * 300) for frame in framer.feed(chunk)]
+    assert got == sent[1:]
+
+
+@given(st.binary(max_size=2000))
+def test_no_bytes_hurt(data: bytes) -> None:
+    codec = Codec(1, 1)
+    for frame in [*frames(data), *Framer().feed(data)]:
+        codec.decode(frame)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_whole_frame_of_any_known_message_hurts(seed: int) -> None:
+    chance, codec, voice = random.Random(seed), Codec(1, 1), dialect.MAVLink(None, 9, 9)
+    for kind in dialect.mavlink_map.values():
+        payload = chance.randbytes(kind.unpacker.size)
+        message = kind.__new__(kind)
+        dialect.MAVLink_message.__init__(message, kind.id, kind.msgname)
+        frame = message._pack(voice, kind.crc_extra, payload)
+        (whole,) = frames(frame)
+        assert codec.decode(whole) is not None
+
+
+def test_a_framer_never_keeps_more_than_a_frame() -> None:
+    framer = Framer()
+    for _ in range(100):
+        list(framer.feed(b"\xfd\xff\x00" * 500))
+    assert len(framer._buffer) < 300
+
+
+def test_frames_with_unknown_flags_or_numbers_are_passed_over() -> None:
+    _, (frame,) = stream(1)
+    assert list(frames(frame[:2] + b"\x02" + frame[3:])) == []
+    assert list(frames(b"\xfd\x00\x00\x00\x00\x01\x01\xff\xff\xff\x00\x00")) == []
+
+
+def test_names_and_numbers_belong_together() -> None:
+    assert message_number("EVENT") == 410
+    assert message_name(message_number("HEARTBEAT")) == "HEARTBEAT"
+    assert message_name(999_999) is None
+
+
+# --- signing --------------------------------------------------------------------------------------------------------
+
+KEY = bytes(range(32))
+
+
+def test_pymavlink_accepts_our_signature_and_we_theirs() -> None:
+    ours = Codec(245, 190, Signer(KEY, link_id=3))
+    theirs = dialect.MAVLink(None, 1, 1)
+    theirs.signing.secret_key = KEY
+    theirs.signing.timestamp = round((NOW - 1_420_070_400) * 1e5)
+    (heard,) = theirs.parse_buffer(ours.encode(m.Count(5), Target(1, 1), NOW))
+    assert heard.get_type() == "MISSION_COUNT"
+    theirs.signing.sign_outgoing = True
+    frame = dialect.MAVLink_mission_ack_message(245, 190, 0, 0).pack(theirs)
+    told = ours.decode(frame)
+    assert told is not None
+    assert told.message == m.Ack(0)
+
+
+def test_strangers_replays_and_the_unsigned_are_not_heard() -> None:
+    judge = Codec(1, 1, Signer(KEY))
+    friend = Codec(245, 190, Signer(KEY))
+    frame = friend.encode(m.Count(5), Target(1, 1), NOW)
+    assert judge.decode(frame) is not None
+    assert judge.decode(frame) is None  # again
+    assert judge.decode(Codec(245, 190, Signer(bytes(32))).encode(m.Count(5), Target(1, 1), NOW + 1)) is None
+    assert judge.decode(Codec(245, 190).encode(m.Count(5), Target(1, 1), NOW)) is None
+    assert judge.decode(friend.encode(m.Count(5), Target(1, 1), NOW + 2)) is not None
+
+
+def test_a_forged_future_does_not_lock_the_friend_out() -> None:
+    judge, friend = Codec(1, 1, Signer(KEY)), Codec(245, 190, Signer(KEY))
+    forged = bytearray(friend.encode(m.Count(5), Target(1, 1), NOW + 1e6))
+    forged[-1] ^= 1
+    assert judge.decode(bytes(forged)) is None
+    assert judge.decode(friend.encode(m.Count(5), Target(1, 1), NOW)) is not None
+
+
+def test_a_new_stream_may_not_be_long_behind() -> None:
+    judge = Codec(1, 1, Signer(KEY))
+    assert judge.decode(Codec(245, 190, Signer(KEY)).encode(m.Count(1), Target(1, 1), NOW)) is not None
+    assert judge.decode(Codec(246, 190, Signer(KEY)).encode(m.Count(1), Target(1, 1), NOW - 61)) is None
+
+
+def test_the_radio_may_speak_unsigned() -> None:
+    judge = Codec(1, 1, Signer(KEY))
+    assert judge.decode(Codec(51, 68).encode(m.RadioStatus(100, 90), EVERYONE, NOW)) is not None

@@ -1,0 +1,311 @@
+"""Connection strings, sockets, routes, logs, several vehicles, signed links: the client's verbs over real loopback."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.link.address import Address, Transport, parse_address
+from ipoa_mission.link.channel import LinkDown, UdpChannel, open_channel
+from ipoa_mission.link.codec import EVERYONE, Codec, Target
+from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import Heartbeat, MissionType, Text
+from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
+from ipoa_mission.link.signing import Signer, key_of, persistent_signer, read_key
+from ipoa_mission.link.tlog import TlogWriter, read_tlog
+from ipoa_mission.link.vehicle import connect, meet, open_line, scan
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()))
+KEY = key_of("a passphrase")
+
+ADDRESSES = [
+    ("udpin:127.0.0.1:14550", Address(Transport.UDP_IN, "127.0.0.1", 14550)),
+    ("udpin://127.0.0.1:14550", Address(Transport.UDP_IN, "127.0.0.1", 14550)),
+    ("udp:0.0.0.0:14540", Address(Transport.UDP_IN, "0.0.0.0", 14540)),
+    ("udpout:10.0.0.2:14550", Address(Transport.UDP_OUT, "10.0.0.2", 14550)),
+    ("udpin::14550", Address(Transport.UDP_IN, "127.0.0.1", 14550)),
+    ("udpin://:14550/", Address(Transport.UDP_IN, "127.0.0.1", 14550)),
+    ("udpin:[::1]:14550", Address(Transport.UDP_IN, "::1", 14550)),
+    ("tcp:sitl.local:5760", Address(Transport.TCP_OUT, "sitl.local", 5760)),
+    ("tcpout://127.0.0.1:5760", Address(Transport.TCP_OUT, "127.0.0.1", 5760)),
+    ("tcpin:127.0.0.1:0", Address(Transport.TCP_IN, "127.0.0.1", 0)),
+    ("serial:/dev/ttyUSB0:921600", Address(Transport.SERIAL, device="/dev/ttyUSB0", baud=921600)),
+    ("serial:///dev/ttyACM0", Address(Transport.SERIAL, device="/dev/ttyACM0", baud=57600)),
+    ("serial:COM3:57600", Address(Transport.SERIAL, device="COM3", baud=57600)),
+]
+
+
+@pytest.mark.parametrize(("url", "address"), ADDRESSES, ids=[url for url, _ in ADDRESSES])
+def test_both_spellings_of_a_connection_are_understood(url: str, address: Address) -> None:
+    assert parse_address(url) == address
+    assert parse_address(str(address).replace("::1", "[::1]")) == address
+
+
+@pytest.mark.parametrize(
+    "url", ["", "udpin", "udpin:127.0.0.1", "http://x:80", "udpin:a:b", "tcp:1:2:3", "udpin:x:99999"]
+)
+def test_what_is_no_connection_is_said_with_an_example(url: str) -> None:
+    with pytest.raises(BadInput, match="link: expected"):
+        parse_address(url)
+
+
+def test_nobody_at_the_other_end_is_an_error_that_says_so() -> None:
+    with UdpChannelClosed() as port, pytest.raises(LinkDown, match="cannot be opened"):
+        open_channel(f"tcp:127.0.0.1:{port}")
+    with pytest.raises(LinkDown, match="no such device"):
+        open_channel("serial:/dev/no-such-port")
+
+
+class UdpChannelClosed:
+    """A port that nobody listens at."""
+
+    def __enter__(self) -> int:
+        channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
+        port = channel.port
+        channel.close()
+        return port
+
+    def __exit__(self, *about: object) -> None:
+        return None
+
+
+def test_a_port_in_use_is_an_error_with_a_hint() -> None:
+    channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
+    try:
+        with pytest.raises(LinkDown, match="cannot be opened") as down:
+            open_channel(f"udpin:127.0.0.1:{channel.port}")
+        assert down.value.hint == "is another ground station using it?"
+    finally:
+        channel.close()
+
+
+@pytest.mark.parametrize(
+    ("family", "transport", "url"),
+    [(Autopilot.PX4, "udpin", "udpout:127.0.0.1:{}"), (Autopilot.ARDUPILOT, "tcpin", "tcp:127.0.0.1:{}")],
+)
+def test_a_whole_session_over_real_sockets(
+    family: Autopilot, transport: str, url: str, run_mock: Callable[..., object], tmp_path: Path
+) -> None:
+    log = tmp_path / "session.tlog"
+    with (
+        run_mock(family, 50.0, transport) as running,  # type: ignore[attr-defined]
+        connect(url.format(running.port), log=log) as vehicle,
+    ):
+        assert vehicle.autopilot is family
+        vehicle.upload(replace(MISSION, items=MISSION.items[:2]))
+        assert len(vehicle.download().items) == 2
+        name = "WPNAV_SPEED" if family is Autopilot.ARDUPILOT else "MPC_XY_CRUISE"
+        assert vehicle.parameters([name, "NO_SUCH_NAME"]) == {name: running.mock.table.values[name]}
+        vehicle.arm()
+        vehicle.start()
+        record = vehicle.watch()
+        assert record.completed
+        vehicle.clear()
+    assert len(list(read_tlog(log))) > 50
+
+
+def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ipoa_mission.link.vehicle.PRESENCE_S", 0.2)
+    with pytest.raises(NoAnswer, match=r"udpin:127.0.0.1:0: no autopilot is heard"):
+        connect("udpin:127.0.0.1:0")
+
+
+# --- several vehicles -----------------------------------------------------------------------------------------------
+
+
+class Flock:
+    """Several vehicles at the far end of one loopback."""
+
+    def __init__(self, *stations: Station) -> None:
+        self._stations = stations
+
+    def receive(self, data: bytes, peer: object, now: float) -> None:
+        for station in self._stations:
+            station.receive(data, peer, now)  # type: ignore[arg-type]
+
+    def tick(self, now: float) -> None:
+        for station in self._stations:
+            station.tick(now)
+
+    def outgoing(self) -> list[tuple[bytes, object]]:
+        return [sent for station in self._stations for sent in station.outgoing()]
+
+    @property
+    def deadline(self) -> float:
+        return min(station.deadline for station in self._stations)
+
+
+def flock(*systems: int) -> Line:
+    families = list(Autopilot)
+    stations = [Station(Mock(families[n % 2], HOME), system) for n, system in enumerate(systems)]
+    return Line(Loopback(Flock(*stations)), Codec(245, 190))  # type: ignore[arg-type]
+
+
+def test_a_scan_finds_every_vehicle_on_the_link() -> None:
+    assert [(one.system, one.autopilot) for one in scan(flock(3, 1, 7))] == [
+        (1, Autopilot.ARDUPILOT),
+        (3, Autopilot.PX4),
+        (7, Autopilot.PX4),
+    ]
+
+
+def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
+    with pytest.raises(MissionError, match="several vehicles are heard: 1, 2"):
+        meet(flock(1, 2))
+    with pytest.raises(NoAnswer, match="system id 9 is heard; heard: 1, 2"):
+        meet(flock(1, 2), system=9)
+    line = flock(1, 2)
+    vehicle = meet(line, system=2)
+    vehicle.upload(MISSION)
+    held = [station.autopilot.transfers.listed(MissionType.MISSION) for station in line.channel.far._stations]
+    assert [len(items) for items in held] in ([0, 4], [0, 3], [3, 0], [4, 0])
+    assert held[0] == ()
+
+
+def test_ardupilot_is_given_time_to_start_up() -> None:
+    station = Station(Mock(Autopilot.ARDUPILOT, HOME, boot_s=45.0))
+    vehicle = meet(Line(Loopback(station), Codec(245, 190)))
+    vehicle.upload(MISSION)
+    assert vehicle.line.channel.now() >= 45.0
+
+
+# --- signed links ---------------------------------------------------------------------------------------------------
+
+
+def signed_pair(ours: bytes | None, theirs: bytes | None) -> Line:
+    station = Station(Mock(Autopilot.PX4, HOME), signer=Signer(theirs) if theirs else None)
+    return Line(Loopback(station), Codec(245, 190, Signer(ours) if ours else None))
+
+
+def test_a_mission_goes_over_a_signed_link() -> None:
+    meet(signed_pair(KEY, KEY)).upload(MISSION)
+
+
+@pytest.mark.parametrize(("ours", "theirs"), [(KEY, None), (KEY, bytes(32))])
+def test_whoever_does_not_sign_with_our_key_is_not_heard(ours: bytes, theirs: bytes | None) -> None:
+    with pytest.raises(NoAnswer, match="no autopilot is heard"):
+        meet(signed_pair(ours, theirs))
+
+
+def test_a_vehicle_with_a_key_does_nothing_for_a_stranger() -> None:
+    line = signed_pair(None, KEY)
+    with pytest.raises(NoAnswer):
+        meet(line).upload(MISSION)
+    assert line.channel.far.autopilot.transfers.listed(MissionType.MISSION) == ()
+
+
+def test_timestamps_go_on_growing_after_a_restart(tmp_path: Path) -> None:
+    mark, now = tmp_path / "timestamp", 1_767_225_600.0
+    first = persistent_signer(KEY, mark).signature(b"\xfd", now)
+    second = persistent_signer(KEY, mark).signature(b"\xfd", now - 3600.0)  # the clock was set back
+    assert int.from_bytes(second[1:7], "little") > int.from_bytes(first[1:7], "little")
+    mark.write_text("yesterday")
+    with pytest.raises(BadInput, match="expected a timestamp"):
+        persistent_signer(KEY, mark)
+
+
+def test_keys_are_read_as_ground_stations_write_them(tmp_path: Path) -> None:
+    path = tmp_path / "key"
+    for content in (KEY, KEY.hex().encode(), b"a passphrase\n"):
+        path.write_bytes(content)
+        assert read_key(path) == KEY
+    path.write_bytes(b"\n")
+    with pytest.raises(BadInput, match="signing key"):
+        read_key(path)
+    with pytest.raises(BadInput, match="cannot be read"):
+        read_key(tmp_path / "none")
+
+
+# --- routes and logs ------------------------------------------------------------------------------------------------
+
+
+def test_an_answer_goes_only_where_the_question_came_from() -> None:
+    routes = Routes()
+    assert routes.learn(245, 190, "alice", 0.0)
+    assert routes.learn(255, 230, "bob", 0.0)
+    assert routes.to(Target(255, 230)) == {"bob"}
+    assert routes.to(EVERYONE) == {"alice", "bob"}
+
+
+def test_a_stranger_cannot_take_over_an_id_that_is_in_use() -> None:
+    routes = Routes()
+    routes.learn(245, 190, "alice", 0.0)
+    assert not routes.learn(245, 190, "mallory", 1.0)
+    assert routes.to(Target(245, 190)) == {"alice"}
+    assert routes.learn(245, 190, "alice moved", CLAIM_S + 0.1)
+    assert routes.to(Target(245, 190)) == {"alice moved"}
+
+
+def test_a_flood_of_peers_does_not_grow_without_bound() -> None:
+    routes = Routes()
+    for n in range(1000):
+        routes.learn(n % 256, n // 256, f"peer {n}", float(n))
+        routes.framer(f"peer {n}")
+    assert len(routes.to(EVERYONE)) == MOST_PEERS
+    assert len(routes._framers) == MOST_PEERS
+
+
+def test_a_log_is_read_back_and_a_torn_record_is_passed_over(tmp_path: Path) -> None:
+    path, codec = tmp_path / "a.tlog", Codec(1, 1)
+    sent = [codec.encode(Text(3, f"words {n}"), EVERYONE, 0.0) for n in range(5)]
+    with TlogWriter(path) as log:
+        for n, frame in enumerate(sent):
+            log.write(frame, 1_767_225_600.25 + n)
+    records = list(read_tlog(path))
+    assert [(record.unix_s, record.frame) for record in records] == [
+        (1_767_225_600.25 + n, frame) for n, frame in enumerate(sent)
+    ]
+    data = path.read_bytes()
+    path.write_bytes(data[:40] + data[45:-3])
+    assert [record.frame for record in read_tlog(path)][-2:] == sent[2:4]
+    with pytest.raises(BadInput, match="cannot be read"):
+        list(read_tlog(tmp_path / "none.tlog"))
+    with pytest.raises(BadInput, match="cannot be written"):
+        TlogWriter(tmp_path / "no" / "folder.tlog")
+
+
+def test_a_garbled_peer_does_not_disturb_a_session(run_mock: Callable[..., object]) -> None:
+    with run_mock(Autopilot.PX4, 20.0) as running:  # type: ignore[attr-defined]
+        noise = UdpChannel(parse_address(f"udpout:127.0.0.1:{running.port}"))
+        stop = threading.Event()
+
+        def babble() -> None:
+            while not stop.wait(0.001):
+                noise.send(b"\xfd\xff\x00garbage" * 20, None)
+
+        thread = threading.Thread(target=babble)
+        thread.start()
+        try:
+            with connect(f"udpout:127.0.0.1:{running.port}") as vehicle:
+                vehicle.upload(MISSION)
+        finally:
+            stop.set()
+            thread.join()
+            noise.close()
+
+
+def test_our_own_heartbeat_goes_out_every_second() -> None:
+    line = flock(1)
+    heard: list[float] = []
+    line.channel.far._stations[0].autopilot.receive = lambda message, source, now: (  # type: ignore[method-assign]
+        heard.append(now) if isinstance(message, Heartbeat) else None
+    )
+    while line.channel.now() < 5.0:
+        line.receive(5.0)
+    assert len(heard) in (5, 6)
+
+
+def test_a_line_opens_for_listening_alone() -> None:
+    with open_line("udpin:127.0.0.1:0") as line:
+        assert line.receive(line.channel.now()) == []

@@ -1,0 +1,246 @@
+"""An upload ends when the vehicle is known to hold what was sent, or with an error that says what it holds."""
+
+import pytest
+from link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
+
+from ipoa_mission.link.conversations import MissionRefused
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer
+from ipoa_mission.link.events import event_number
+from ipoa_mission.link.messages import (
+    Ack,
+    Count,
+    Current,
+    Event,
+    ItemAt,
+    Message,
+    MissionType,
+    Request,
+    RequestList,
+    Result,
+    Text,
+)
+from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Upload, upload
+from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import Item
+from ipoa_mission.vehicle import Autopilot
+
+PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
+RALLY = tuple(Item(5100, 3, (0.0,) * 4, 47.4 + 0.001 * n, 8.5, 20.0) for n in range(3))
+FENCE = (Item(5003, 3, (250.0, 0.0, 0.0, 0.0), 47.4, 8.5),)
+
+
+def interrupt_at(moment: float) -> dict[float, Exception]:
+    return {moment: Cancelled("cancelled")}
+
+
+def lead(dialogue: Dialogue[None], answers: dict[type[Message], list[list[Message]]]) -> Exchange[None]:
+    """Answer each kind of message from a script, then with silence."""
+    exchange, now = Exchange(dialogue, 0.0, SPECIFIED), 0.0
+    while not exchange.finished:
+        said = exchange.outgoing()
+        for message in said:
+            script = answers.get(type(message))
+            for answer in script.pop(0) if script else []:
+                now += 0.2
+                exchange.receive(answer, now)
+        if not said:
+            now = max(now, exchange.deadline)
+            exchange.tick(now)
+    return exchange
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize(
+    ("kind", "items"), [(MissionType.FENCE, FENCE), (MissionType.RALLY, RALLY), (MissionType.RALLY, ())]
+)
+def test_fence_and_rally_points_go_the_same_way(autopilot: Autopilot, kind: int, items: tuple[Item, ...]) -> None:
+    vehicle = Vehicle(autopilot)
+    vehicle.store(RALLY[:1], MissionType.RALLY)
+    Air(vehicle).hold(upload(Upload(items, autopilot, kind)))
+    assert compare(items, vehicle.holds(kind), autopilot) is None
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_an_empty_mission_clears_the_vehicle(autopilot: Autopilot) -> None:
+    vehicle = Vehicle(autopilot)
+    vehicle.store(items_of(autopilot, 5))
+    Air(vehicle).hold(upload(Upload((), autopilot)))
+    assert vehicle.holds() == ()
+
+
+def test_home_alone_is_an_empty_mission_of_ardupilots() -> None:
+    home = items_of(ARDUPILOT, 1)[0]
+    script = {
+        Count: [[Ack(0)]],
+        RequestList: [[Count(1)]],
+        Request: [[ItemAt(0, home)]],
+    }
+    assert lead(upload(Upload((), ARDUPILOT)), script).finished  # type: ignore[arg-type]
+
+
+def test_the_same_refusal_twice_is_final_and_the_hint_says_what_the_vehicle_holds() -> None:
+    vehicle = Vehicle(ARDUPILOT, nak_at=2)
+    vehicle.store(items_of(ARDUPILOT, 5, shift=0.1))
+    with pytest.raises(MissionRefused, match="at item 2 with ERROR") as refusal:
+        Air(vehicle).hold(upload(Upload(items_of(ARDUPILOT, 5), ARDUPILOT)))
+    assert "mixture" in str(refusal.value.hint)
+
+
+def test_a_refusal_by_an_atomic_vehicle_is_final_at_once() -> None:
+    vehicle = Vehicle(PX4)
+    before = items_of(PX4, 4, shift=0.1)
+    vehicle.store(before)
+    spline = Item(82, 3, (0.0,) * 4, 47.4, 8.5, 30.0)
+    air = Air(vehicle)
+    with pytest.raises(MissionRefused, match="UNSUPPORTED") as refusal:
+        air.hold(upload(Upload((*items_of(PX4, 2), spline), PX4)))
+    assert refusal.value.seq == 2
+    assert "keeps" in str(refusal.value.hint)
+    assert compare(before, vehicle.holds(), PX4) is None
+    assert air.now < 2.0
+
+
+def test_another_station_that_uploads_is_waited_for() -> None:
+    vehicle = Vehicle(ARDUPILOT)
+    vehicle.hear(Count(3), 0.0, STRANGER)  # and then says nothing more: the vehicle gives it up after 8 s
+    air = Air(vehicle)
+    air.hold(upload(Upload(items_of(ARDUPILOT, 4), ARDUPILOT)))
+    assert len(vehicle.holds()) == 4
+    assert air.now > 8.0
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_lost_final_acknowledgement_is_settled_by_reading_back(autopilot: Autopilot) -> None:
+    class Deaf(Air):
+        """Every final acknowledgement is lost."""
+
+        def _launch(self, messages: list[Message], to_vehicle: bool) -> None:
+            super()._launch([one for one in messages if to_vehicle or not isinstance(one, Ack)], to_vehicle)
+
+    vehicle = Vehicle(autopilot)
+    Deaf(vehicle).hold(upload(Upload(items_of(autopilot, 4), autopilot)))
+    assert len(vehicle.holds()) == 4
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_transfer_that_broke_off_begins_anew(autopilot: Autopilot) -> None:
+    class Tunnel(Air):
+        """For twelve seconds nothing comes through."""
+
+        def _launch(self, messages: list[Message], to_vehicle: bool) -> None:
+            super()._launch([] if 1.0 < self.now < 13.0 else messages, to_vehicle)
+
+    vehicle = Vehicle(autopilot)
+    sent = items_of(autopilot, 30)
+    Tunnel(vehicle, [Fate(1, 0.05)]).hold(upload(Upload(sent, autopilot)))
+    assert compare(sent, vehicle.holds(), autopilot) is None
+
+
+def test_what_reads_back_differently_is_an_error_that_names_it() -> None:
+    items = items_of(PX4, 1)
+    other = items_of(PX4, 2)[1]
+    offered = {
+        Count: [[Request(0)], [Request(0)]],
+        ItemAt: [[Ack(0)], [Ack(0)]],
+        RequestList: [[Count(1)], [Count(1)]],
+        Request: [[ItemAt(0, other)], [ItemAt(0, other)]],
+    }
+    with pytest.raises(ReadBackDiffers, match="item 0: command: sent NAV_TAKEOFF"):
+        lead(upload(Upload(items, PX4)), offered)  # type: ignore[arg-type]
+
+
+def test_a_doubtful_end_with_a_different_list_is_a_refusal() -> None:
+    offered = {
+        Count: [[Request(0)], [Request(0)]],
+        ItemAt: [[Ack(Result.ERROR)], [Ack(Result.ERROR)]],
+        RequestList: [[Count(0)], [Count(0)]],
+    }
+    with pytest.raises(MissionRefused, match="at item 0 with ERROR"):
+        lead(upload(Upload(items_of(PX4, 1), PX4)), offered)  # type: ignore[arg-type]
+
+
+def test_nobody_there_is_an_error_after_two_attempts_at_most() -> None:
+    air = Air(Vehicle(PX4), [Fate(0)])
+    with pytest.raises(NoAnswer):
+        air.hold(upload(Upload(items_of(PX4, 3), PX4)))
+    assert air.now < 30.0
+
+
+def test_a_refusal_that_never_passes_is_told_in_the_end() -> None:
+    refusals = {Count: [[Ack(Result.DENIED)]] * 20}
+    with pytest.raises(MissionRefused, match="DENIED"):
+        lead(upload(Upload(items_of(PX4, 3), PX4)), refusals)  # type: ignore[arg-type]
+
+
+# --- cancelling -----------------------------------------------------------------------------------------------------
+
+
+def test_cancelled_in_mid_upload_px4_keeps_the_mission_it_had() -> None:
+    vehicle = Vehicle(PX4)
+    before = items_of(PX4, 4, shift=0.1)
+    vehicle.store(before)
+    air = Air(vehicle, [Fate(1, 0.1)])
+    with pytest.raises(Cancelled, match="keeps the mission it had"):
+        air.hold(upload(Upload(items_of(PX4, 30), PX4)), interrupts=interrupt_at(2.0))  # type: ignore[arg-type]
+    assert compare(before, vehicle.holds(), PX4) is None
+    assert vehicle.transfers.deadline > 1e9  # it has ended its transfer, too
+
+
+def test_a_lost_cancel_is_said_again() -> None:
+    vehicle = Vehicle(PX4)
+    air = Air(vehicle, [Fate(1, 0.1)] * 20 + [Fate(0)] * 3)
+    with pytest.raises(Cancelled):
+        air.hold(upload(Upload(items_of(PX4, 40), PX4)), interrupts=interrupt_at(2.1))  # type: ignore[arg-type]
+    assert vehicle.holds() == ()
+
+
+def test_cancelled_in_mid_upload_ardupilot_is_given_the_whole_new_mission() -> None:
+    vehicle = Vehicle(ARDUPILOT)
+    vehicle.store(items_of(ARDUPILOT, 40, shift=0.1))
+    sent = items_of(ARDUPILOT, 30)
+    air = Air(vehicle, [Fate(1, 0.1)])
+    with pytest.raises(Cancelled, match="the new one was completed"):
+        air.hold(upload(Upload(sent, ARDUPILOT)), interrupts=interrupt_at(2.0))  # type: ignore[arg-type]
+    assert compare(sent, vehicle.holds(), ARDUPILOT) is None
+
+
+# --- the verdict ----------------------------------------------------------------------------------------------------
+
+
+def judged(*words: Message) -> dict[type[Message], list[list[Message]]]:
+    items = items_of(PX4, 1)
+    return {
+        Count: [[Request(0)]],
+        ItemAt: [[Ack(0)]],
+        RequestList: [[Count(1)]],
+        Request: [[ItemAt(0, items[0])]],
+        Ack: [list(words)],
+    }
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        ((Event(event_number("navigator_mis_takeoff_too_low"), 3), Current(0, 1, 1)), "the take-off is too low"),
+        ((Text(2, "Mission rejected: geofence"), Current(0, 1, 1)), "Mission rejected: geofence"),
+        ((Event(12345, 3), Current(0, 1, 1)), "no reason given"),
+    ],
+)
+def test_a_mission_that_the_vehicle_finds_unflyable_is_an_error_with_its_reason(
+    words: tuple[Message, ...], why: str
+) -> None:
+    with pytest.raises(Unflyable, match=why):
+        lead(upload(Upload(items_of(PX4, 1), PX4)), judged(*words))
+
+
+@pytest.mark.parametrize("words", [(), (Current(0, 1, 2),), (Current(0, 1, 1), Current(0, 1, 2)), (Current(0),)])
+def test_the_last_state_that_is_told_counts(words: tuple[Message, ...]) -> None:
+    assert lead(upload(Upload(items_of(PX4, 1), PX4)), judged(*words)).finished
+
+
+def test_px4s_numbers_of_events_are_hashes_of_their_names() -> None:
+    # FNV-1a's published test vectors, cut to 24 bits, with the autopilot's component id before them.
+    assert event_number("") == 0x01000000 | 0x811C9DC5 & 0xFFFFFF
+    assert event_number("a") == 0x01000000 | 0xE40C292C & 0xFFFFFF
+    assert event_number("foobar") == 0x01000000 | 0xBF9CF968 & 0xFFFFFF
+    assert CLIENT != STRANGER

@@ -1,0 +1,370 @@
+"""The table of quirks: what ArduCopter 4.7 and PX4 1.17 were measured to answer, row by row, held against ours."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import pytest
+from link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of
+
+from ipoa_mission.link.codec import Target
+from ipoa_mission.link.messages import (
+    Ack,
+    ClearAll,
+    CommandAck,
+    CommandLong,
+    CommandResult,
+    Count,
+    Current,
+    Event,
+    ItemAt,
+    Message,
+    MissionType,
+    Reached,
+    Request,
+    RequestList,
+    Result,
+    SetCurrent,
+    Text,
+    WritePartialList,
+)
+from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
+WAYPOINT = Item(16, 3, (0.0, 0.0, 0.0, 0.0), 47.4, 8.5, 30.0)
+CIRCLE = Item(5003, 3, (100.0, 0.0, 0.0, 0.0), 47.4, 8.5, 0.0)
+RALLY = Item(5100, 3, (0.0,) * 4, 47.4, 8.5, 20.0)
+OK, NAN, INF = Result.ACCEPTED, math.nan, math.inf
+FENCE = MissionType.FENCE
+
+
+def vehicle(autopilot: Autopilot, old: int = 0) -> Vehicle:
+    one = Vehicle(autopilot)
+    one.store(items_of(autopilot, old, shift=0.01))
+    return one
+
+
+def begun(autopilot: Autopilot, count: int = 3, received: int = 0, old: int = 0) -> Vehicle:
+    """A vehicle in mid-upload."""
+    one = vehicle(autopilot, old)
+    one.hear(Count(count))
+    for seq in range(received):
+        one.hear(ItemAt(seq, items_of(autopilot, count)[seq]))
+    return one
+
+
+# --- single items ---------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ItemRow:
+    """An item as the second of a mission, and the result that ends or continues the transfer."""
+
+    autopilot: Autopilot
+    name: str
+    item: Item
+    result: int
+
+
+def having(**changes: object) -> Item:
+    return replace(WAYPOINT, **changes)  # type: ignore[arg-type]
+
+
+def params(n: int, value: float, command: int = 16) -> Item:
+    return replace(WAYPOINT, command=command, params=tuple(value if i == n else 0.0 for i in range(4)))  # type: ignore[arg-type]
+
+
+ITEM_ROWS = [
+    ItemRow(ARDUPILOT, "bad latitude", having(latitude_deg=95.0), Result.INVALID_PARAM5_X),
+    ItemRow(ARDUPILOT, "bad longitude", having(longitude_deg=200.0), Result.INVALID_PARAM6_Y),
+    ItemRow(ARDUPILOT, "altitude NaN", having(altitude=NAN), Result.INVALID_PARAM7),
+    ItemRow(ARDUPILOT, "altitude inf", having(altitude=INF), Result.INVALID_PARAM7),
+    ItemRow(ARDUPILOT, "altitude 83 km", having(altitude=83_000.0), Result.INVALID_PARAM7),
+    ItemRow(ARDUPILOT, "altitude -500", having(altitude=-500.0), OK),
+    ItemRow(ARDUPILOT, "position (0, 0)", having(latitude_deg=0.0, longitude_deg=0.0), OK),
+    *[ItemRow(ARDUPILOT, f"NaN in param{n + 1}", params(n, NAN), 6 + n) for n in range(3)],
+    *[ItemRow(ARDUPILOT, f"inf in param{n + 1}", params(n, INF), 6 + n) for n in (3,)],
+    *[ItemRow(ARDUPILOT, f"NaN in param4 of {c}", params(3, NAN, c), OK) for c in (16, 17, 21, 22)],
+    ItemRow(ARDUPILOT, "NaN in param4 of LOITER_TIME", params(3, NAN, 19), Result.INVALID_PARAM4),
+    *[ItemRow(ARDUPILOT, f"frame {f}", having(frame=f), 2) for f in (1, 4, 7, 8, 9, 12, 20, 99)],
+    *[ItemRow(ARDUPILOT, f"frame {f}", having(frame=f), OK) for f in (0, 2, 3, 5, 6, 10, 11)],
+    *[ItemRow(ARDUPILOT, f"command {c}", having(command=c), Result.INVALID) for c in (0, 1)],
+    ItemRow(ARDUPILOT, "unknown command", having(command=31000), Result.UNSUPPORTED),
+    *[ItemRow(ARDUPILOT, f"DO_JUMP to {t}", params(0, t, 177), Result.ERROR) for t in (0.0, -1.0, 3.0)],
+    ItemRow(ARDUPILOT, "DO_JUMP to an item", params(0, 1.0, 177), OK),
+    ItemRow(ARDUPILOT, "a spline", having(command=82), OK),
+    ItemRow(ARDUPILOT, "RETURN_TO_LAUNCH in a global frame", having(command=20), OK),
+    ItemRow(PX4, "latitude 95", having(latitude_deg=95.0), OK),
+    ItemRow(PX4, "longitude 200", having(longitude_deg=200.0), OK),
+    ItemRow(PX4, "position (0, 0)", having(latitude_deg=0.0, longitude_deg=0.0), OK),
+    *[ItemRow(PX4, f"altitude {a}", having(altitude=a), OK) for a in (NAN, INF, -100.0)],
+    ItemRow(PX4, "hold NaN", params(0, NAN), OK),
+    *[ItemRow(PX4, f"command {c}", having(command=c), Result.UNSUPPORTED) for c in (31000, 18, 82, 115)],
+    *[ItemRow(PX4, f"command {c} in a global frame", having(command=c), 3) for c in (20, 178, 93)],
+    *[ItemRow(PX4, f"command {c} in frame 2", having(command=c, frame=2), OK) for c in (20, 178, 93)],
+    ItemRow(PX4, "WAYPOINT in frame 2", having(frame=2), Result.UNSUPPORTED),
+    *[ItemRow(PX4, f"frame {f}", having(frame=f), Result.UNSUPPORTED_FRAME) for f in (1, 10, 99)],
+    ItemRow(PX4, "a fence in the mission", CIRCLE, Result.ERROR),
+    ItemRow(PX4, "a rally point in the mission", RALLY, Result.ERROR),
+]
+
+
+@pytest.mark.parametrize("row", ITEM_ROWS, ids=lambda row: f"{row.autopilot}: {row.name}")
+def test_an_item_gets_the_measured_result(row: ItemRow) -> None:
+    one = begun(row.autopilot, received=1)
+    answer = one.hear(ItemAt(1, row.item))
+    if row.result == OK:
+        assert answer == [Request(2, legacy=row.autopilot is ARDUPILOT)]
+    else:
+        assert answer[0] == Ack(row.result)
+        assert one.wait(60.0) == []  # and the transfer is over
+
+
+# --- conversations --------------------------------------------------------------------------------------------------
+
+@dataclass(frozen=True)
+class Row:
+    """What is said to a vehicle in some state, and its answer; words (STATUSTEXT) by what they contain."""
+
+    name: str
+    vehicle: Vehicle
+    said: Sequence[Message]
+    answer: Sequence[Message | str]
+    source: Target = CLIENT
+    after: int | None = None  # items in the store
+
+
+def conversation_rows() -> list[Row]:
+    def a(seq: int, kind: int = 0) -> Request:
+        return Request(seq, kind, legacy=True)
+
+    ap, px = items_of(ARDUPILOT, 5), items_of(PX4, 5)
+    booting = Vehicle(ARDUPILOT)
+    booting.transfers.booted = False
+    return [
+        # ArduCopter
+        Row("ardupilot: NO_SPACE until its start-up ends", booting, [Count(3)], [Ack(Result.NO_SPACE)]),
+        Row("ardupilot: asks with the old MISSION_REQUEST", vehicle(ARDUPILOT), [Count(3)], [a(0)]),
+        Row("ardupilot: COUNT 0 clears", vehicle(ARDUPILOT, 4), [Count(0)], [Ack(OK)], after=0),
+        Row("ardupilot: 651 items", vehicle(ARDUPILOT), [Count(651)], [Ack(Result.NO_SPACE), "Only 650 items"]),
+        Row("ardupilot: 650 items", vehicle(ARDUPILOT), [Count(650)], [a(0)]),
+        Row("ardupilot: 71 fence", vehicle(ARDUPILOT), [Count(71, 1)], [Ack(4, 1), "Only 70 items are supported"]),
+        Row("ardupilot: 47 rally", vehicle(ARDUPILOT), [Count(47, 2)], [Ack(4, 2), "Only 46 items are supported"]),
+        Row("ardupilot: COUNT truncates at once", vehicle(ARDUPILOT, 5), [Count(2)], [a(0)], after=2),
+        Row("ardupilot: a NAK leaves a mixture", begun(ARDUPILOT, 5, 3, old=5), [ItemAt(3, having(command=0))],
+            [Ack(Result.INVALID)], after=5),
+        Row("ardupilot: a stray item is rebuked and it goes on", begun(ARDUPILOT, 3, 1), [ItemAt(2, ap[2])],
+            [Ack(Result.INVALID_SEQUENCE)]),
+        Row("ardupilot: so is a duplicate", begun(ARDUPILOT, 3, 1), [ItemAt(0, ap[0]), ItemAt(1, ap[1])],
+            [Ack(Result.INVALID_SEQUENCE), a(2)]),
+        Row("ardupilot: a cancel is ignored", begun(ARDUPILOT, 3, 1), [Ack(15), ItemAt(1, ap[1])], [a(2)]),
+        Row("ardupilot: a new COUNT ends an upload", begun(ARDUPILOT, 3, 2), [Count(4)], [a(0)]),
+        Row("ardupilot: CLEAR_ALL ends an upload", begun(ARDUPILOT, 3, 2), [ClearAll()], [Ack(OK)], after=0),
+        Row("ardupilot: reading in mid-upload", begun(ARDUPILOT, 3, 1), [RequestList(), Request(0)],
+            [Ack(Result.DENIED), Ack(Result.DENIED)]),
+        Row("ardupilot: partial writing in mid-upload", begun(ARDUPILOT, 3, 1, 5), [WritePartialList(0, 1)],
+            [Ack(Result.DENIED)]),
+        Row("ardupilot: COUNT of another in mid-upload", begun(ARDUPILOT, 3, 1), [Count(2)], [Ack(Result.DENIED)],
+            source=STRANGER),
+        Row("ardupilot: a partial list is fetched", vehicle(ARDUPILOT, 5), [WritePartialList(2, 3)], [a(2)]),
+        Row("ardupilot: a partial list beyond the end", vehicle(ARDUPILOT, 3), [WritePartialList(2, 3)],
+            [Ack(Result.ERROR), "Flight plan update rejected"]),
+        Row("ardupilot: the fence keeps its old items till the end", begun(ARDUPILOT), [Count(1, 1)], [a(0, 1)]),
+        Row("ardupilot: items are given without a list", vehicle(ARDUPILOT, 3), [Request(9)],
+            [Ack(Result.INVALID_SEQUENCE)]),
+        # PX4
+        Row("px4: asks with MISSION_REQUEST_INT", vehicle(PX4), [Count(3)], [Request(0)]),
+        Row("px4: COUNT 0 clears", vehicle(PX4, 4), [Count(0)], [Ack(OK)], after=0),
+        Row("px4: 10001 items", vehicle(PX4), [Count(10001)], [Ack(Result.NO_SPACE), "Only 10000"]),
+        Row("px4: 65 fence", vehicle(PX4), [Count(65, 1)], [Ack(4, 1), "Only 64"]),
+        Row("px4: 33 rally", vehicle(PX4), [Count(33, 2)], [Ack(4, 2), "Only 32"]),
+        Row("px4: an upload is atomic", begun(PX4, 5, 3, old=4), [ItemAt(3, having(command=82))],
+            [Ack(Result.UNSUPPORTED)], after=4),
+        Row("px4: a stray item is ignored", begun(PX4, 3, 1), [ItemAt(2, px[2]), ItemAt(0, px[0])], []),
+        Row("px4: a duplicate of the last item is accepted again", begun(PX4, 3, 3), [ItemAt(2, items_of(PX4, 3)[2])],
+            [Ack(OK)]),
+        Row("px4: but not one of another", begun(PX4, 3, 3), [ItemAt(1, px[1])], []),
+        Row("px4: a second COUNT gets ERROR and it goes on", begun(PX4, 3, 1), [Count(3), ItemAt(1, px[1])],
+            [Ack(Result.ERROR), Request(2)]),
+        Row("px4: a second client gets ERROR", begun(PX4, 3, 1), [Count(2)], [Ack(Result.ERROR)], source=STRANGER),
+        Row("px4: an item of the wrong list gets ERROR and it goes on", begun(PX4, 3, 1),
+            [ItemAt(1, CIRCLE, FENCE), ItemAt(1, px[1])], [Ack(Result.ERROR, FENCE), Request(2)]),
+        Row("px4: a cancel ends it silently", begun(PX4, 3, 1, old=4), [Ack(15), ItemAt(1, px[1])], [], after=4),
+        Row("px4: reading in mid-upload is refused by words", begun(PX4, 3, 1), [RequestList()], ["busy"]),
+        Row("px4: clearing in mid-upload is refused by words", begun(PX4, 3, 1), [ClearAll()], ["busy"]),
+        Row("px4: partial lists meet silence", vehicle(PX4, 5), [WritePartialList(0, 1)], []),
+        Row("px4: a request without a list meets silence", vehicle(PX4, 3), [Request(0)], []),
+        # both
+        *[Row(f"{one}: a list of no known kind", vehicle(one),
+              [Count(1, 7), RequestList(7), ClearAll(7), Request(0, 7)], [Ack(Result.UNSUPPORTED, 7)] * 3)
+          for one in Autopilot],
+        *[Row(f"{one}: all three lists are cleared at once", vehicle(one, 4), [ClearAll(255)], [Ack(OK, 255)], after=0)
+          for one in Autopilot],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", conversation_rows(), ids=lambda row: row.name)
+def test_a_vehicle_answers_as_measured(row: Row) -> None:
+    answers: list[Message] = []
+    for message in row.said:
+        answers += row.vehicle.hear(message, source=row.source)
+    assert len(answers) == len(row.answer), answers
+    for got, expected in zip(answers, row.answer, strict=True):
+        if isinstance(expected, str):
+            assert isinstance(got, Text)
+            assert expected in got.text
+        else:
+            assert got == expected
+    if row.after is not None:
+        assert len(row.vehicle.holds()) == row.after
+
+
+def test_ardupilot_asks_again_every_second_and_gives_up_after_eight() -> None:
+    said = begun(ARDUPILOT).wait(60.0)
+    assert said[:-2] == [(float(second), Request(0, legacy=True)) for second in range(1, 8)]
+    assert [message for _, message in said[-2:]] == [Ack(15), Text(4, "Mission upload timeout")]
+    assert said[-1][0] == 8.0
+
+
+def test_px4_asks_again_every_quarter_second_and_gives_up_after_five_with_words_alone() -> None:
+    one = begun(PX4, old=4)
+    said = one.wait(60.0)
+    assert [when for when, _ in said[:4]] == [0.25, 0.5, 0.75, 1.0]
+    assert said[-1] == (5.0, Text(4, "Operation timeout"))
+    assert not any(isinstance(message, Ack) for _, message in said)
+    assert len(one.holds()) == 4
+
+
+def test_px4_never_repeats_in_a_download() -> None:
+    one = vehicle(PX4, 3)
+    assert one.hear(RequestList()) == [Count(3)]
+    assert not any(isinstance(message, Count | ItemAt) for _, message in one.wait(60.0))
+
+
+def test_ardupilots_item_0_is_its_own_home() -> None:
+    one = begun(ARDUPILOT, 2)
+    elsewhere = having(frame=0, latitude_deg=10.0, longitude_deg=20.0)
+    one.hear(ItemAt(0, elsewhere))
+    one.hear(ItemAt(1, WAYPOINT))
+    one.hear(RequestList())
+    (first,) = one.hear(Request(0))
+    assert isinstance(first, ItemAt)
+    assert (first.item.latitude_deg, first.item.longitude_deg) == (HOME.latitude_deg, HOME.longitude_deg)
+
+
+READ_BACK = [
+    (ARDUPILOT, params(0, 2.7), "params", (2.0, 0.0, 0.0, 0.0)),
+    (ARDUPILOT, having(params=(0.0, 1.0, 2.0, 3.0)), "params", (0.0, 0.0, 0.0, 0.0)),
+    (ARDUPILOT, having(altitude=30.12999), "altitude", 30.12),
+    (ARDUPILOT, having(frame=5), "frame", 0),
+    (ARDUPILOT, having(frame=6), "frame", 3),
+    (ARDUPILOT, having(frame=11), "frame", 10),
+    (ARDUPILOT, having(frame=2), "frame", 0),
+    (ARDUPILOT, having(autocontinue=False), "autocontinue", True),
+    (ARDUPILOT, land(HOME), "params", (0.0, 0.0, 0.0, 1.0)),
+    (PX4, having(frame=5), "frame", 0),
+    (PX4, having(frame=6), "frame", 3),
+    (PX4, having(command=22, params=(15.0, 1.0, 2.0, 0.0)), "params", (0.0, 0.0, 0.0, 0.0)),
+]
+
+
+@pytest.mark.parametrize(("autopilot", "item", "field", "kept"), READ_BACK, ids=lambda value: str(value)[:40])
+def test_what_is_read_back_differs_as_measured(autopilot: Autopilot, item: Item, field: str, kept: object) -> None:
+    one = begun(autopilot, 2, 1)
+    one.hear(ItemAt(1, item))
+    one.hear(RequestList())
+    (read,) = one.hear(Request(1))
+    assert isinstance(read, ItemAt)
+    assert getattr(read.item, field) == pytest.approx(kept, abs=1e-5)
+    assert read.current == 0
+
+
+# --- the whole autopilot --------------------------------------------------------------------------------------------
+
+
+class Flown:
+    """A mock with a mission, and what it says."""
+
+    def __init__(self, autopilot: Autopilot, items: Sequence[Item]) -> None:
+        self.mock = Mock(autopilot, HOME)
+        self.now = 1.0
+        self.first = 1 if autopilot is ARDUPILOT else 0
+        wire = [*items_of(ARDUPILOT, 1), *items] if self.first else [*items]
+        self.hear(Count(len(wire)))
+        self.uploaded = [said for seq, item in enumerate(wire) for said in self.hear(ItemAt(seq, item))]
+
+    def hear(self, message: Message) -> list[Message]:
+        self.mock.receive(message, CLIENT, self.now)
+        return [said for said, _ in self.mock.outgoing()]
+
+    def command(self, number: int, *params: float) -> int:
+        answers = self.hear(CommandLong(number, (*params, *(0.0,) * (7 - len(params)))))  # type: ignore[arg-type]
+        return next(answer.result for answer in answers if isinstance(answer, CommandAck))
+
+    def fly(self, seconds: float) -> list[Message]:
+        said: list[Message] = []
+        until = self.now + seconds
+        while self.now < until:
+            self.now += 0.05
+            self.mock.tick(self.now)
+            said += [message for message, _ in self.mock.outgoing()]
+        return said
+
+
+def short(*extra: Item) -> list[Item]:
+    return [takeoff(HOME, 10.0), waypoint(Geodetic(47.4001, 8.5), 10.0), *extra]
+
+
+def test_px4_accepts_a_take_off_that_is_too_low_and_then_finds_it_unflyable() -> None:
+    flown = Flown(PX4, [takeoff(HOME, 1.0), waypoint(HOME, 20.0)])
+    assert Ack(OK) in flown.uploaded
+    assert any(isinstance(said, Event) for said in flown.uploaded)
+    assert Current(0, 2, 1) in flown.uploaded
+    assert flown.command(400, 1.0) == CommandResult.DENIED
+    assert flown.command(176, 1.0, 4.0, 4.0) == CommandResult.DENIED
+
+
+def test_ardupilot_will_not_start_a_mission_without_take_off() -> None:
+    flown = Flown(ARDUPILOT, [waypoint(HOME, 20.0)])
+    assert flown.command(400, 1.0) == OK
+    answers = flown.hear(CommandLong(300))
+    assert any(isinstance(said, Text) and said.text == "Auto: Missing Takeoff Cmd" for said in answers)
+
+
+def test_ardupilots_total_leaves_home_out() -> None:
+    assert Current(1, 2, 2) in Flown(ARDUPILOT, short()).uploaded
+    assert Current(0, 2, 2) in Flown(PX4, short()).uploaded
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_setting_the_current_item_out_of_range(autopilot: Autopilot) -> None:
+    flown = Flown(autopilot, short())
+    assert flown.command(224, 77.0) == (CommandResult.DENIED if autopilot is ARDUPILOT else CommandResult.UNSUPPORTED)
+    assert not any(isinstance(said, Current) for said in flown.hear(SetCurrent(77)))
+    first = 1 if autopilot is ARDUPILOT else 0
+    assert any(isinstance(said, Current) and said.seq == first + 1 for said in flown.hear(SetCurrent(first + 1)))
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_an_item_is_told_as_reached_with_the_words_of_the_firmware(autopilot: Autopilot) -> None:
+    flown = Flown(autopilot, short(return_to_launch()))
+    assert flown.command(400, 1.0) == OK
+    assert flown.command(*((300,) if autopilot is ARDUPILOT else (176, 1.0, 4.0, 4.0))) == OK
+    said = flown.fly(25.0)
+    assert Reached(flown.first) in said
+    assert (Text(6, "Reached command #1") in said) == (autopilot is ARDUPILOT)
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_count_0_in_flight_stops_the_vehicle(autopilot: Autopilot) -> None:
+    flown = Flown(autopilot, short(change_speed(3.0), waypoint(Geodetic(47.41, 8.5), 10.0)))
+    flown.command(400, 1.0)
+    flown.command(*((300,) if autopilot is ARDUPILOT else (176, 1.0, 4.0, 4.0)))
+    flown.fly(20.0)
+    assert Ack(OK) in flown.hear(Count(0))
+    flown.fly(15.0)
+    assert float(abs(flown.mock.flight.velocity).max()) < 0.5
+    assert not flown.mock.flight.landed
