@@ -68,6 +68,17 @@ def test_mistakes_are_named(line: str, words: str) -> None:
     assert str(told.value) == f"here.toml: {words}"
 
 
+@pytest.mark.parametrize("name", PROFILES)
+def test_the_document_says_what_a_profile_sets(name: str) -> None:
+    text = (Path(__file__).parents[2] / "docs" / "profiles.md").read_text(encoding="utf-8")
+    (row,) = [line for line in text.splitlines() if line.startswith(f"| `{name}` | ")]
+    for key, value in PROFILES[name].items():
+        settings = {f"{key}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {key: value}
+        for place, wanted in settings.items():
+            shown = str(list(wanted)) if isinstance(wanted, tuple) else f"{wanted:g}"
+            assert f"`{place} = {shown}`" in row
+
+
 AIRFRAME = "mass_kg = 2.4, rotors = 6, rotor_diameter = 0.3"
 MINUTE = np.array([0.0, 60.0]), np.zeros((2, 3)), np.zeros(2)
 
