@@ -1,12 +1,14 @@
 """The flight as the report tells it: the predicted path with all that is asked of each of its points, and its stops."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Command, Item, Mission, command_name
+from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate, ItemTime
@@ -128,28 +130,38 @@ def item_place(item: Item, mission: Mission, scenario: Scenario) -> Vector | Non
     return place
 
 
-def dangers(course: Course, airspace: Airspace, required: float) -> list[str]:
-    """What the path as predicted comes too close to, in words: corners that are cut, and the way home, are in it.
+@dataclass(frozen=True)
+class Danger:
+    """What the path as predicted comes too close to, in words; `touching`: the hull itself would meet it."""
+
+    words: str
+    touching: bool
+
+
+def dangers(course: Course, scenario: Scenario) -> list[Danger]:
+    """What the path as predicted comes too close to: corners that are cut, and the way home, are in it.
 
     The ground counts only where the path goes into it, since every flight begins and ends there.
     """
-    found = []
-    nearest = airspace.obstacle_clearance(course.points)
+    found, required = [], limits_of(scenario).obstacle_distance
+    nearest = scenario.airspace.obstacle_clearance(course.points)
     if nearest.distance < required:
         how = "runs into" if nearest.distance < 0 else f"comes within {nearest.distance:.2f} m of"
-        found.append(
-            f"the path as predicted {how} {nearest.what} {_when(course, nearest.leg)}; {required:g} m are required"
-        )
+        where = _where(course.times[nearest.leg], nearest.place)
+        words = f"the path as predicted {how} {nearest.what} {where}; {required:.2f} m are required"
+        found.append(Danger(words, nearest.distance < scenario.vehicle.radius))
     height = course.points[:, 2] - course.ground
-    lowest = int(np.argmin(height))
-    if height[lowest] < 0 and lowest > 0 and np.hypot(*(course.points[lowest] - course.points[0])[:2]) > STILL:
-        found.append(f"the path as predicted runs into the ground {_when(course, lowest)}")
+    away = np.hypot(*(course.points[:, :2] - course.points[0, :2]).T) > STILL
+    lowest = int(np.argmin(np.where(away, height, np.inf)))
+    if away[lowest] and height[lowest] < 0:
+        where = _where(course.times[lowest], course.points[lowest])
+        found.append(Danger(f"the path as predicted runs into the ground {where}", True))
     return found
 
 
-def _when(course: Course, index: int) -> str:
-    east, north, up = course.points[index]
-    return f"after {course.times[index]:.0f} s, at east {east:.0f}, north {north:.0f}, up {up:.0f} m"
+def _where(time: float, place: Sequence[float] | Vector) -> str:
+    east, north, up = place
+    return f"after {time:.0f} s, at east {east:.0f}, north {north:.0f}, up {up:.0f} m"
 
 
 def _ground_distance(points: Points) -> Vector:

@@ -69,6 +69,7 @@ def report_html(
     track = None if flight is None else flown_track(mission, flight)
     flown = None if track is None else follow(track, airspace)
     places = np.array([stop.place for stop in found if stop.place is not None])
+    danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     waypoints = route(found)
     proof = prove(waypoints, scenario) if len(waypoints) > 1 else None
@@ -76,9 +77,9 @@ def report_html(
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
-        "verdict": verdict(proof),
+        "verdict": verdict(proof, danger),
         "figures": figures(estimate, proof, float(course.along[-1]), _waypoints(found), comparison),
-        "warnings": warnings([*dangers(course, airspace, required), *remarks, *estimate.remarks]),
+        "warnings": warnings([*(one.words for one in danger), *remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, found, course, flown),
         "legend": legend(scenario, extent, flown is not None),
         "profile": height_profile(course, airspace, required, found, flown),

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.report.page import write_report
+from ipoa_mission.simulator.fly import fly
 
 sync_api = pytest.importorskip("playwright.sync_api")
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
@@ -197,3 +198,24 @@ def test_it_prints_on_a_few_pages(open_page: Callable[..., Any]) -> None:
     paper = page.pdf(format="A4")
     assert paper.startswith(b"%PDF")
     assert 1 <= paper.count(b"/Type /Page\n") <= 4
+
+
+def test_after_a_flight_both_paths_and_times_are_shown(
+    browser: Any, bowed: Callable[[str], tuple], tmp_path: Path
+) -> None:
+    scenario, mission, timed = bowed("sitl.toml")
+    file = tmp_path / "flown.html"
+    write_report(file, scenario, None, mission, timed, fly(mission))
+    page = browser.new_page(viewport={"width": 390, "height": 900})
+    complaints: list[str] = []
+    page.on("console", lambda message: complaints.append(message.text))
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(file.as_uri())
+    page.wait_for_function("document.querySelector('.space canvas').dataset.heading !== undefined")
+    assert page.locator("path.flown").count() == 3  # on the map, in the height profile, in the speed
+    for text in ("flown", "Estimate against flight", "off by"):
+        assert page.get_by_text(text).first.is_visible()
+    assert page.locator("#drift .dot").count() == len(timed.items)
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    page.close()
+    assert complaints == []

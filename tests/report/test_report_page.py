@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission.mission.items import return_to_launch
+from ipoa_mission.planning.proof import prove
 from ipoa_mission.report.chart import Axis, axis_over
-from ipoa_mission.report.course import follow, route, stops
+from ipoa_mission.report.course import dangers, follow, route, stops
 from ipoa_mission.report.page import report_html, write_report
+from ipoa_mission.report.panels.headline import verdict
 from ipoa_mission.report.panels.profile import _near
 from ipoa_mission.report.words import metres, number, seconds, share
 from ipoa_mission.scenario import Scenario
@@ -150,7 +152,7 @@ def test_a_way_home_through_a_hill_is_a_warning(bowed: Callable[[str], tuple]) -
     }
     home = replace(mission, items=(*mission.items[:-1], return_to_launch()))
     over_it = report_html(Scenario.model_validate(hill), None, home, estimate(home))
-    assert "runs into the ground after" in over_it
+    assert re.search(r'class="verdict bad".*Not to be flown: the path as predicted runs into the ground after', over_it)
     assert "Before you fly" not in report_html(scenario, None, mission, timed)
 
 
@@ -162,6 +164,24 @@ def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Callable[[str], tuple
     assert sum(int(part) for _, part in cells) == pytest.approx(100, abs=2)
     assert float(cells[0][0]) == pytest.approx(0.7 * plan.curve.length, rel=1e-4)
     assert "ipoa, seed 7" in page
+
+
+def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, timed = bowed("campus.toml")
+    found = stops(mission, timed, scenario)
+    proof = prove(route(found), scenario)
+    course = follow(timed.track, scenario.airspace)
+    text = scenario.model_dump(mode="json")
+    beside = scenario.airspace.obstacle_distance(course.points).min()
+    text["safety_distance"] = float(beside) - scenario.vehicle.radius + 0.5
+    stricter = Scenario.model_validate(text)
+    danger = dangers(course, stricter)
+    assert [one.touching for one in danger] == [False]
+    assert f"comes within {beside:.2f} m" in danger[0].words
+    told = [float(v) for v in re.findall(r"(?:east|north|up) (-?\d+)", danger[0].words)]
+    near = course.points[int(np.argmin(course.apart))]
+    assert told == pytest.approx(near.tolist(), abs=1.5)
+    assert 'class="verdict bad"><b aria-hidden="true">!</b> Clear by' in verdict(proof, danger)
 
 
 def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Callable[[str], tuple]) -> None:

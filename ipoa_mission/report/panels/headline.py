@@ -6,19 +6,23 @@ from html import escape
 
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
+from ipoa_mission.report.course import Danger
 from ipoa_mission.report.words import metres, seconds, share
 from ipoa_mission.timing.estimate import Estimate
 
 
-def verdict(proof: Proof | None) -> str:
-    """One line in words and with a sign: clear of everything, or not."""
+def verdict(proof: Proof | None, found: Sequence[Danger]) -> str:
+    """One line in words and with a sign: clear of everything, or not, on the legs and as predicted to be flown."""
     if proof is None:
         return '<p class="verdict">No leg between waypoints to judge.</p>'
-    if not proof.holds:
-        return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {escape(proof.words())}.</p>'
+    against = [proof.words()] if not proof.holds else [danger.words for danger in found if danger.touching]
+    if against:
+        return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {escape(against[0])}.</p>'
     least = proof.clearance
-    required = min(c.required for c in proof.checks if c.found is least or c.found.distance == least.distance)
+    required = next(check.required for check in proof.checks if check.found is least)
     words = f"Clear by {metres(least.distance)}: the nearest thing is {escape(least.what)}; {metres(required)} required"
+    if found:
+        return f'<p class="verdict bad"><b aria-hidden="true">!</b> {words}; but {escape(found[0].words)}.</p>'
     return f'<p class="verdict good"><b aria-hidden="true">✓</b> {words}.</p>'
 
 
