@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.experiments.runs import Row, settings_text
-from ipoa_mission.experiments.series import ABLATION, BEYOND
+from ipoa_mission.experiments.series import ABLATION, BEYOND, EQUAL
 from ipoa_mission.experiments.statistics import friedman, holm, places, rank_sum
 from ipoa_mission.experiments.tables import Table, number, per_cent
 
@@ -221,6 +221,25 @@ def table_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
             f"worse on {signs.count('-')}, not told apart on {signs.count('=')}."
         )
     return Table("Beyond the paper: CEC2022, D = 20.", ["", *names], lines, notes)
+
+
+def table_equal(rows: Sequence[Row]) -> Table:
+    """The six at the same number of evaluations: what is left of the places when nobody is given more."""
+    settings = {name: settings_text(**wanted) for name, wanted in EQUAL.items()}
+    lines = []
+    for function in FUNCTIONS:
+        means = [errors(rows, function, name, settings[name]).mean() for name in EQUAL]
+        lines.append([function, *(f"{number(m)} ({p})" for m, p in zip(means, places(means), strict=True))])
+    lines.append(["mean log10", *(f"**{mean_log_error(rows, name, settings[name]):.2f}**" for name in EQUAL)])
+    spent = ", ".join(
+        f"{name.upper()} {np.mean([r.evaluations for r in rows if r.trial.algorithm == name]):,.0f}" for name in EQUAL
+    )
+    return Table(
+        f"The six at equal budget: mean error (place), CEC2022, D = 20, 90,060 evaluations, {_runs(rows)} runs.",
+        ["", *(name.upper() for name in EQUAL)],
+        lines,
+        [f"Iterations are set so that each spends the budget; mean evaluations: {spent}."],
+    )
 
 
 def table_ablation(rows: Sequence[Row]) -> Table:

@@ -18,6 +18,7 @@ from ipoa_mission.experiments.series import (
     CEC_BEYOND,
     CEC_D10,
     CEC_D20,
+    CEC_EQUAL,
     MAPS_ABLATION,
     MAPS_BEYOND,
     MAPS_PAPER,
@@ -68,6 +69,7 @@ ITEMS: dict[str, Item] = {
         lambda rows: paper_maps.table_maps_beyond(rows[MAPS_BEYOND.name], rows[MAPS_PAPER.name]),
     ),
     "maps-ablation": Item([MAPS_ABLATION], lambda rows: paper_maps.table_maps_ablation(rows[MAPS_ABLATION.name])),
+    "equal": Item([CEC_EQUAL], lambda rows: paper.table_equal(rows[CEC_EQUAL.name])),
     "ablation": Item([CEC_ABLATION], lambda rows: paper.table_ablation(rows[CEC_ABLATION.name])),
 }
 

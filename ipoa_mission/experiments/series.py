@@ -14,6 +14,16 @@ BUDGET = 90_060
 #: What is compared beyond the paper: the libraries' optimisers, and the variant of ours.
 BEYOND = ("adaptive-pelican", "rcmaes", "lshade", "de")
 
+#: Iterations with which each of the paper's six comes to spend `BUDGET` evaluations at N = 30.
+EQUAL: dict[str, dict[str, object]] = {
+    "ipoa": {"iterations": 1000},
+    "dbo": {"iterations": 3001},
+    "poa": {"iterations": 1501},
+    "ssa": {"iterations": 2501},
+    "mpoa": {"iterations": 938},
+    "hho": {"iterations": 2337},
+}
+
 #: IPOA's settings in the ablation: each strategy off, and each other reading, one at a time.
 ABLATION: dict[str, dict[str, object]] = {
     "IPOA as it stands here": {},
@@ -77,6 +87,7 @@ def _maps(cases: Sequence[str], algorithms: Sequence[tuple[str, dict[str, object
 CEC_D20 = Series("cec2022-d20", 30, _cec(20, [(name, {}) for name in ALGORITHMS]))
 CEC_D10 = Series("cec2022-d10", 30, _cec(10, [(name, {}) for name in ALGORITHMS]))
 CEC_BEYOND = Series("cec2022-d20-beyond", 30, _cec(20, [(name, {}) for name in BEYOND], BUDGET))
+CEC_EQUAL = Series("cec2022-d20-equal", 10, _cec(20, list(EQUAL.items()), BUDGET))
 CEC_ABLATION = Series("cec2022-d20-ablation", 10, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
 
 #: The map of Table 5, once for each experiment.
