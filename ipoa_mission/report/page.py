@@ -19,7 +19,7 @@ from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.course import Stop, dangers, follow, route, stops
+from ipoa_mission.report.course import dangers, follow
 from ipoa_mission.report.extent import extent_of
 from ipoa_mission.report.panels.flown import done_in_flight, flown_panel
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
@@ -28,6 +28,7 @@ from ipoa_mission.report.panels.legs import legs
 from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.scene import page_data
+from ipoa_mission.report.stops import Stop, route, stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.vehicle import Autopilot

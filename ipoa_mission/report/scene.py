@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.report.course import Course, Stop
+from ipoa_mission.report.course import Course
 from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.solids import ground_mesh_over, outline
+from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere
 from ipoa_mission.world.terrain import Flat

@@ -11,7 +11,7 @@ from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report.course import route, stops
+from ipoa_mission.report.stops import route, stops
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
 

@@ -13,10 +13,11 @@ import pytest
 from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.report.chart import Axis, axis_over
-from ipoa_mission.report.course import dangers, follow, route, stops
+from ipoa_mission.report.course import dangers, follow
 from ipoa_mission.report.page import report_html, write_report
 from ipoa_mission.report.panels.headline import verdict
 from ipoa_mission.report.panels.profile import _near
+from ipoa_mission.report.stops import route, stops
 from ipoa_mission.report.words import metres, number, seconds, share
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import estimate

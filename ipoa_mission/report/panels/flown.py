@@ -7,7 +7,7 @@ import numpy as np
 
 from ipoa_mission.report.chart import Axis, Chart
 from ipoa_mission.report.compare import Comparison, LegTime
-from ipoa_mission.report.course import Stop
+from ipoa_mission.report.stops import Stop
 from ipoa_mission.report.words import seconds, signed
 
 

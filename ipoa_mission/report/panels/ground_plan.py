@@ -10,9 +10,10 @@ import numpy as np
 from contourpy import FillType, LineType, contour_generator
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.report.course import Course, Stop
+from ipoa_mission.report.course import Course
 from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.solids import ground_mesh_over, outline
+from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from ipoa_mission.report.course import Stop
+from ipoa_mission.report.stops import Stop
 from ipoa_mission.report.words import number, signed
 
 HEAD = (

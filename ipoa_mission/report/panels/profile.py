@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.report.chart import Axis, Chart, axis_over
-from ipoa_mission.report.course import Course, Stop
+from ipoa_mission.report.course import Course
+from ipoa_mission.report.stops import Stop
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 

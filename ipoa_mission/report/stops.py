@@ -1,0 +1,100 @@
+"""The items of a mission as they are flown: where each lies, how it is reached, when it is done."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.mission.items import Command, Item, Mission, command_name
+from ipoa_mission.planning.proof import Proof, prove
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.timing.estimate import Estimate, ItemTime
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+MOVING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_TAKEOFF})
+HERE = 0.5  # a leg shorter than this over ground has no heading [m]
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One item as it is flown, for the table and the map: `place` is where it lies (None: nowhere), and the leg to it.
+
+    `heading` is in radians clockwise from north (NaN: straight up); `proof` tells what the leg keeps of the limits
+    (None: it is not flown straight between two waypoints).
+    """
+
+    item: Item
+    time: ItemTime
+    name: str
+    place: Vector | None
+    above_ground: float
+    length: float
+    heading: float
+    climb: float
+    proof: Proof | None
+
+
+def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Stop, ...]:
+    """Every item in the order flown, with the leg that leads to it."""
+    found, airspace = [], scenario.airspace
+    before, flying = np.zeros(3), False
+    for time in estimate.items:
+        item = mission.items[time.seq - 1]
+        place = item_place(item, mission, scenario)
+        leg = (place if place is not None else before) - before
+        run = float(np.hypot(*leg[:2]))
+        straight = place is not None and flying and item.command in MOVING
+        found.append(
+            Stop(
+                item=item,
+                time=time,
+                name=_words(item),
+                place=place,
+                above_ground=math.nan if place is None else float(place[2] - airspace.ground(place[None, :])[0]),
+                length=float(np.linalg.norm(leg)),
+                heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > HERE else math.nan,
+                climb=float(leg[2]),
+                proof=prove(np.array([before, place]), scenario) if straight and np.linalg.norm(leg) > 0 else None,
+            )
+        )
+        if place is not None:
+            before, flying = place, True
+    return tuple(found)
+
+
+def route(found: tuple[Stop, ...]) -> Points:
+    """The waypoints, take-off included, between which the mission flies straight, (n, 3)."""
+    places = [stop.place for stop in found if stop.place is not None and stop.item.command in MOVING]
+    return np.array(places).reshape(-1, 3)
+
+
+def item_place(item: Item, mission: Mission, scenario: Scenario) -> Vector | None:
+    """Where an item lies in the local frame, (3,) [m]; None where it names no place. A landing is on the ground."""
+    if not item.has_position:
+        return None
+    height = mission.altitude_above_home(item)
+    amsl = mission.home.altitude + (0.0 if math.isnan(height) else height)
+    place = LocalFrame(mission.home).local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+    if item.command == Command.NAV_LAND or math.isnan(height):
+        ground = float(scenario.airspace.ground(place[None, :])[0])
+        place[2] = ground if item.command == Command.NAV_LAND else ground + item.altitude
+    return place
+
+
+def _words(item: Item) -> str:
+    hold = f", hold {item.params[0]:g} s" if item.params[0] > 0 else ""
+    match item.command:
+        case Command.NAV_TAKEOFF:
+            return "take off"
+        case Command.NAV_WAYPOINT:
+            return f"waypoint{hold}"
+        case Command.NAV_SPLINE_WAYPOINT:
+            return f"spline waypoint{hold}"
+        case Command.NAV_RETURN_TO_LAUNCH:
+            return "return to launch"
+        case Command.NAV_LAND:
+            return "land"
+        case Command.DO_CHANGE_SPEED:
+            return f"speed {item.params[1]:g} m/s"
+    return command_name(item.command).removeprefix("NAV_").removeprefix("DO_").replace("_", " ").lower()
