@@ -1,8 +1,8 @@
 """The path as a point in a search space: how a decision vector becomes control points, and what it costs.
 
 All encodings are linear, so nodes of a whole generation of candidates are one matrix product. In `chord` and `sine`
-the origin of the space is a guide, a path that is good already (a straight line if nothing better is known): pelicans
-move by multiplying coordinates, which draws them towards the origin.
+the origin of the space is a path that is good already (a straight line if nothing better is known): pelicans move by
+multiplying coordinates, which draws them towards the origin.
 """
 
 from collections.abc import Callable
@@ -21,15 +21,25 @@ from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis
 from ipoa_mission.scenario import Scenario
 
 Matrix: TypeAlias = NDArray[np.float64]
+CLOSELY = 4  # times as many nodes when curves are compared
+
+
+@dataclass(frozen=True, eq=False)
+class Trail:
+    """A curve, and the parameters (k,) at which it passes the via points."""
+
+    curve: Spline
+    via_at: Vector
 
 
 @dataclass(frozen=True, eq=False)
 class Encoding:
     """A search space: candidates x (m, D) in `box` stand for control points origin + x @ matrix, (m, n, 3)."""
 
-    origin: Matrix  # (n, 3)
+    origin: Points  # (n, 3)
     matrix: Matrix  # (D, n, 3)
     box: Box
+    via_at: Vector
 
     def curve(self, x: Vector) -> Spline:
         """The curve of one candidate (D,)."""
@@ -50,15 +60,22 @@ class PathProblem:
         """The cost function of a search: candidates (m, D) to costs (m,)."""
         from ipoa_mission.planning._kernels import path_costs  # compiled, or loaded, when the first path is planned
 
-        look = np.ascontiguousarray(even_basis(len(encoding.origin), self.nodes).T)
-        start, span = _by_axis(encoding.origin[None])[0], _by_axis(encoding.matrix)
         n = len(encoding.origin)
+        look = np.ascontiguousarray(even_basis(n, self.nodes).T)
+        start, span = _by_axis(encoding.origin[None])[0], _by_axis(encoding.matrix)
 
         def cost(x: Candidates) -> Costs:
             control = (x @ span + start).reshape(-1, n)
             return np.asarray(path_costs((control @ look).reshape(len(x), 3, -1), self.chart, self.rules))
 
         return cost
+
+    def cost(self, trail: Trail) -> float:
+        """The cost of one curve, looked at closely: what curves are compared by."""
+        from ipoa_mission.planning._kernels import path_costs
+
+        nodes = even_basis(len(trail.curve.control), CLOSELY * self.nodes) @ trail.curve.control
+        return float(path_costs(np.ascontiguousarray(nodes.T)[None], self.chart, self.rules)[0])
 
 
 def pose(scenario: Scenario) -> PathProblem:
@@ -69,53 +86,72 @@ def pose(scenario: Scenario) -> PathProblem:
     return PathProblem(scenario, limits, chart_of(scenario.airspace, limits, reach), rules, _nodes(scenario, limits))
 
 
-def encode(name: str, guide: Points, inner: int, spread: float, scenario: Scenario) -> Encoding:
-    """The search space `name` with `inner` control points between the ends of `guide` (k, 3), `spread` [m] wide.
+def follow(guide: Points, inner: int, scenario: Scenario) -> Trail:
+    """A curve with `inner` control points between its ends that follows a polyline (k, 3) over all via points."""
+    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide))])
+    share = travelled / travelled[-1]
+    control = np.column_stack([np.interp(_greville(inner + 2), share, guide[:, k]) for k in range(3)])
+    return pinned(Trail(Spline(control), _progress(guide, share, scenario.via_points)), scenario)
 
-    `absolute` varies the points themselves within the bounds, and has no use for the guide; `chord` varies their
-    offsets aside and upwards from the guide; `sine` the amplitudes of sine waves of such offsets, the k-th scaled
-    by 1 / k.
+
+def pinned(trail: Trail, scenario: Scenario) -> Trail:
+    """The curve put right so that it passes the via points exactly: the control point nearest to each gives way."""
+    lift, project, _ = _pins(trail, scenario)
+    return Trail(Spline(lift + project @ trail.curve.control), trail.via_at)
+
+
+def freedom(trail: Trail, scenario: Scenario) -> Matrix:
+    """How control points may move if ends and via points stay: a basis of those ways, (n, n - 2 - vias)."""
+    _, project, moved = _pins(trail, scenario)
+    inner = np.setdiff1d(np.arange(1, len(project) - 1), moved)
+    return np.ascontiguousarray(project[:, inner])
+
+
+def encode(name: str, guide: Points, inner: int, spread: float, scenario: Scenario) -> Encoding:
+    """The search space `name` round a polyline (k, 3), with `inner` control points between the ends."""
+    return surround(name, follow(guide, inner, scenario), spread, scenario)
+
+
+def surround(name: str, around: Trail, spread: float, scenario: Scenario) -> Encoding:
+    """The search space `name`, `spread` [m] wide in each direction round a curve.
+
+    `absolute` varies the control points themselves within the bounds, and has no use for the curve; `chord` varies
+    their offsets aside and upwards from it; `sine` the amplitudes of sine waves of such offsets, the k-th scaled by
+    1 / k.
     """
-    n = inner + 2
+    control = around.curve.control
+    n, inner = len(control), len(control) - 2
     if name == "absolute":
         lower, upper = np.asarray(scenario.airspace.bounds.lower), np.asarray(scenario.airspace.bounds.upper)
-        origin = np.zeros((n, 3))
-        origin[[0, -1]] = guide[[0, -1]]
-        matrix = np.zeros((3 * inner, n, 3))
-        matrix[:, 1:-1, :].reshape(3 * inner, -1)[:] = np.eye(3 * inner)
-        return _through(Encoding(origin, matrix, Box(np.tile(lower, inner), np.tile(upper, inner))), guide, scenario)
-    progress = _greville(n)
-    origin, axes = _along(guide, progress)
-    shapes = np.eye(inner) if name == "chord" else _waves(progress[1:-1])
-    matrix = np.zeros((2 * inner, n, 3))
-    matrix[:, 1:-1, :] = np.einsum("mi,iak->amik", shapes, axes[1:-1]).reshape(2 * inner, inner, 3)
-    width = np.full(2 * inner, spread)
-    return _through(Encoding(origin, matrix, Box(-width, width)), guide, scenario)
+        origin, box = control.copy(), Box(np.tile(lower, inner), np.tile(upper, inner))
+        origin[1:-1] = 0.0
+        matrix = np.zeros((inner, 3, n, 3))
+        for k in range(3):
+            matrix[np.arange(inner), k, np.arange(1, n - 1), k] = 1.0
+    else:
+        shapes = np.eye(inner) if name == "chord" else _waves(inner)
+        origin, box = control, Box(np.full(2 * inner, -spread), np.full(2 * inner, spread))
+        matrix = np.zeros((inner, 2, n, 3))
+        matrix[:, :, 1:-1] = np.einsum("mi,iak->maik", shapes, _axes(control))
+    lift, project, _ = _pins(around, scenario)
+    matrix = np.einsum("ij,djk->dik", project, matrix.reshape(-1, n, 3))
+    return Encoding(lift + project @ origin, matrix, box, around.via_at)
 
 
-def pins(scenario: Scenario, guide: Points, n: int) -> tuple[Matrix, Matrix]:
-    """How n control points are put right so that the curve passes the via points: control -> E + P @ control.
-
-    At a via point's progress along the guide, the nearest control point gives way. E is (n, 3), P is (n, n).
-    """
-    via = scenario.via_points
+def _pins(trail: Trail, scenario: Scenario) -> tuple[Points, Matrix, NDArray[np.intp]]:
+    """The map control -> lift + project @ control that puts via points right, and which control points give way."""
+    n, via = len(trail.curve.control), scenario.via_points
     if not len(via):
-        return np.zeros((n, 3)), np.eye(n)
-    rows = basis(n, _progress(guide, via))
-    moved = _distinct(rows)
+        return np.zeros((n, 3)), np.eye(n), np.zeros(0, int)
+    rows = basis(n, trail.via_at)
+    weight, moved = rows.copy(), list[int]()
+    weight[:, [0, -1]] = -1.0
+    for row in weight:  # the inner control point with the most say, no two the same
+        row[moved] = -1.0
+        moved.append(int(np.argmax(row)))
     lift = np.zeros((n, len(via)))
     lift[moved] = np.linalg.inv(rows[:, moved])
-    return lift @ via, np.eye(n) - lift @ rows
-
-
-def guide_control(guide: Points, inner: int) -> Points:
-    """Control points (inner + 2, 3) of a curve that follows a guide (k, 3)."""
-    return _along(guide, _greville(inner + 2))[0]
-
-
-def _through(encoding: Encoding, guide: Points, scenario: Scenario) -> Encoding:
-    shift, project = pins(scenario, guide, len(encoding.origin))
-    return Encoding(shift + project @ encoding.origin, np.einsum("ij,djk->dik", project, encoding.matrix), encoding.box)
+    return lift @ via, np.eye(n) - lift @ rows, np.array(moved)
 
 
 def _by_axis(points: Matrix) -> Matrix:
@@ -129,47 +165,31 @@ def _greville(n: int) -> Vector:
     return np.array([knots[i + 1 : i + 1 + DEGREE].mean() for i in range(n)])
 
 
-def _along(guide: Points, progress: Vector) -> tuple[Points, Matrix]:
-    """Points (n, 3) on a guide at the given shares of its length, and the axes aside and upwards there, (n, 2, 3)."""
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide))])
-    share = travelled / travelled[-1]
-    points = np.column_stack([np.interp(progress, share, guide[:, k]) for k in range(3)])
-    leg = np.clip(np.searchsorted(share, progress, side="right") - 1, 0, len(guide) - 2)
-    ahead = np.diff(guide, axis=0)[leg] + 1e-9 * (guide[-1] - guide[0])
+def _axes(control: Points) -> Matrix:
+    """Unit vectors aside and upwards at each inner control point, (n - 2, 2, 3); level ones where the way is steep."""
+    ahead = control[2:] - control[:-2]
     level = np.hypot(ahead[:, 0], ahead[:, 1])
-    steep = level < 1e-6 * np.linalg.norm(ahead, axis=1)
-    aside = np.column_stack([-ahead[:, 1], ahead[:, 0], np.zeros(len(leg))]) / np.where(steep, 1.0, level)[:, None]
+    steep = level <= 1e-6 * np.abs(ahead[:, 2])
+    aside = np.column_stack([-ahead[:, 1], ahead[:, 0], 0 * level]) / np.where(steep, 1.0, level)[:, None]
     aside[steep] = (1.0, 0.0, 0.0)
-    upwards = np.tile([0.0, 0.0, 1.0], (len(leg), 1))
-    upwards[steep] = (0.0, 1.0, 0.0)
-    return points, np.stack([aside, upwards], axis=1)
+    upwards = np.where(steep[:, None], (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    return np.stack([aside, upwards], axis=1)
 
 
-def _waves(progress: Vector) -> Matrix:
-    """The sine modes at some shares of the way: sin(k pi t) / k for k = 1, 2, ..., (modes, points)."""
-    k = np.arange(1, len(progress) + 1)[:, None]
-    return np.asarray(np.sin(np.pi * k * progress) / k)
+def _waves(inner: int) -> Matrix:
+    """Sine modes at the inner control points: sin(k pi t) / k for k = 1, 2, ..., (modes, points)."""
+    k = np.arange(1, inner + 1)[:, None]
+    return np.asarray(np.sin(np.pi * k * _greville(inner + 2)[1:-1]) / k)
 
 
-def _progress(guide: Points, via: Points) -> Vector:
+def _progress(guide: Points, share: Vector, via: Points) -> Vector:
     """The share of a guide's length at which each via point lies; they are corners of it, in order."""
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide))]) / leg_lengths(guide).sum()
-    found, after = [], 1
+    found, after = list[float](), 1
     for place in via:
         after += int(np.argmin(np.linalg.norm(guide[after:-1] - place, axis=1)))
-        found.append(travelled[after])
+        found.append(float(share[after]))
         after += 1
     return np.array(found)
-
-
-def _distinct(rows: Matrix) -> NDArray[np.intp]:
-    """For each via point the inner control point with the most say at it, no two the same."""
-    weight, chosen = rows.copy(), list[int]()
-    weight[:, [0, -1]] = -1.0
-    for row in weight:
-        row[chosen] = -1.0
-        chosen.append(int(np.argmax(row)))
-    return np.array(chosen)
 
 
 def _nodes(scenario: Scenario, limits: Limits) -> int:
