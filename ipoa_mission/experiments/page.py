@@ -68,6 +68,8 @@ def findings(made: Made, rows: Rows, folder: str) -> str:
             table("table-5"),
             table("table-6"),
             table("table-7"),
+            "In the figures a path is dotted where it touches something; of each algorithm's runs the cheapest is drawn.",
+            "",
             table("figure-9"),
             table("figure-10"),
             "## Table 8 and Figure 11: the campus",
