@@ -42,7 +42,9 @@ def _table_3(rows: Sequence[Row], rows_10: Sequence[Row]) -> list[str]:
     printed = sum(places(published.TABLE_3[f]["mean"])[0] == 1 for f in FUNCTIONS)
     score = {name: mean_log_error(rows, name) for name in published.ALGORITHMS}
     ahead = [f"{name.upper()} ({value:.2f})" for name, value in score.items() if value < score["ipoa"]]
-    off = ", ".join(f"{name.upper()} {_off(rows, name):.2f}" for name in published.ALGORITHMS)
+    apart = {name: _off(rows, name) for name in published.ALGORITHMS}
+    off = ", ".join(f"{name.upper()} {value:.2f}" for name, value in apart.items())
+    met = [name.upper() for name, value in apart.items() if value < 0.22]
     nearer_10 = [row[0] for row in dimension_of_the_print(rows, rows_10).rows if "D = 10" in row[-1]]
     lowest = [f for f in FUNCTIONS if places([np.median(errors(rows_10, f, a)) for a in published.ALGORITHMS])[0] == 1]
     at_20, at_10 = (errors(some, "f4", "poa").mean() + 800 for some in (rows, rows_10))
@@ -54,9 +56,9 @@ def _table_3(rows: Sequence[Row], rows_10: Sequence[Row]) -> list[str]:
         "its authors' own.",
         "IPOA does improve on POA, the algorithm that it is made from: mean log10 error "
         f"{score['ipoa']:.2f} against {score['poa']:.2f}. It spends half as many evaluations again for it.",
-        f"**No column of Table 3 could be reproduced.** The mean of |ln(our mean error / the printed one)| is {off} "
+        f"**Of Table 3's columns {', '.join(met) or 'none'} could be reproduced to within a quarter.** The mean of |ln(our mean error / the printed one)| is {off} "
         "(0 would be a match, 0.69 is a factor of two). POA is the telling one: its authors' code leaves nothing to "
-        "read into it, our POA agrees with an independent implementation, and still its column is not met.",
+        "read into it, and our POA agrees with an independent implementation.",
         f"At D = 10 (Figure 8) IPOA has the lowest median, alone or shared, on {len(lowest)} of 12 functions "
         f"({', '.join(lowest) or 'none'}); the paper says so of f2, f3, f4, f5, f7, f8 and f12.",
         f"Some of the printed rows look like D = 10 ({', '.join(nearer_10)} lie nearer to it than to D = 20); others "

@@ -68,7 +68,7 @@ def findings(made: Made, rows: Rows, folder: str) -> str:
             table("table-5"),
             table("table-6"),
             table("table-7"),
-            "In the figures a path is dotted where it touches something; of each algorithm's runs the cheapest is drawn.",
+            "In the figures a path that touches something is dotted; of each algorithm's runs the cheapest is drawn.",
             "",
             table("figure-9"),
             table("figure-10"),
