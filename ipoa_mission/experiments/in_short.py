@@ -56,7 +56,8 @@ def _table_3(rows: Sequence[Row], rows_10: Sequence[Row]) -> list[str]:
         "its authors' own.",
         "IPOA does improve on POA, the algorithm that it is made from: mean log10 error "
         f"{score['ipoa']:.2f} against {score['poa']:.2f}. It spends half as many evaluations again for it.",
-        f"**Of Table 3's columns {', '.join(met) or 'none'} could be reproduced to within a quarter.** The mean of |ln(our mean error / the printed one)| is {off} "
+        f"**Of Table 3's columns {', '.join(met) or 'none'} could be reproduced to within a quarter.** The mean "
+        f"of |ln(our mean error / the printed one)| is {off} "
         "(0 would be a match, 0.69 is a factor of two). POA is the telling one: its authors' code leaves nothing to "
         "read into it, and our POA agrees with an independent implementation.",
         f"At D = 10 (Figure 8) IPOA has the lowest median, alone or shared, on {len(lowest)} of 12 functions "
