@@ -34,7 +34,14 @@ def _row(trial: Trial, cost: float) -> Row:
     measures: dict[str, float | list[float]] = {}
     if trial.problem != "cec2022":
         control = np.linspace([5, 5, 60], [95, 95, 60], 10).ravel().tolist()
-        measures = {"distance": 100 * cost, "turn": 10.0, "dis_obs": 20.0, "iterations": 30.0, "feasible": 1.0}
+        measures = {
+            "distance": 100 * cost,
+            "turn": 10.0,
+            "turn_smooth": 1.0,
+            "dis_obs": 20.0,
+            "iterations": 30.0,
+            "feasible": 1.0,
+        }
         measures |= {
             "time": 20.0,
             "estimate": 21.0,
