@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,7 @@ from ipoa_mission.cli.summary import summarise
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
-from ipoa_mission.mission.assemble import assemble
+from ipoa_mission.mission.assemble import Option, assemble, weigh_routes
 from ipoa_mission.mission.check import check_mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
@@ -43,10 +43,17 @@ class PlannedJob(Job):
     scenario: Scenario
     plan: Plan
     energy: Consumption | None
+    options: tuple[Option, ...]
+    """What each way to choose waypoints would come to."""
 
     def summary(self) -> dict[str, Any]:
         """What it is like, for machines."""
-        return summarise(self.scenario, self.plan, self.mission, self.estimate, self.energy, self.remarks)
+        summary = summarise(self.scenario, self.plan, self.mission, self.estimate, self.energy, self.remarks)
+        return summary | {"routes": [{**asdict(option), "chosen": self.chose(option)} for option in self.options]}
+
+    def chose(self, option: Option) -> bool:
+        """Whether the mission is made of these waypoints."""
+        return option.mode == self.scenario.route.mode
 
 
 def prepare(
@@ -83,7 +90,9 @@ def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] 
     track = found.track
     energy = flight_energy(scenario, track.times, track.points, track.speeds)
     remarks = (*(finding.message for finding in warnings), *scenario.remarks, *left_out(mission))
-    return PlannedJob(scenario.name, mission, known, found, remarks, scenario, plan, energy)
+    return PlannedJob(
+        scenario.name, mission, known, found, remarks, scenario, plan, energy, weigh_routes(plan, scenario)
+    )
 
 
 def adapt_scenario(

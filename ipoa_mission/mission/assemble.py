@@ -1,83 +1,100 @@
-"""From a plan to a mission: take off, set the speed, fly the route, come down."""
+"""From a plan to a mission: choose the waypoints as the scenario asks, and build the mission that flies them.
 
-import numpy as np
+Each mode of `scenario.route` is one way to choose: `even` as the paper resamples, `corridor` the fewest straight legs,
+`spline` one smooth curve (ArduPilot), `fastest` whichever is quickest on this autopilot.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points
-from ipoa_mission.mission.items import (
-    FenceCircle,
-    FencePolygon,
-    Item,
-    Mission,
-    change_speed,
-    land,
-    return_to_launch,
-    takeoff,
-    waypoint,
-)
-from ipoa_mission.mission.route import choose_waypoints
+from ipoa_mission.mission.build import build_mission
+from ipoa_mission.mission.fastest import fastest_route, fly
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.resample import corridor, every
+from ipoa_mission.mission.route import NoRoute, Route, push_clear
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.places import FenceSection
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.vehicle import Autopilot
 
-#: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
-LEAST_TAKEOFF_HEIGHT = 2.5
+HALVINGS = 6  # of the step or the tolerance, before a mode gives up
+
+
+@dataclass(frozen=True)
+class Option:
+    """A way to choose waypoints and what it would come to on this autopilot, from start to goal."""
+
+    mode: str
+    waypoints: int
+    seconds: float
+    deviation: float
+    """How far the vehicle would leave the planned curve [m]."""
+    flies_clear: bool
+    """Whether the predicted path keeps every limit, corners cut and overshot."""
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
     """The mission that flies `plan`: waypoints chosen as `scenario.route` asks, and its ending.
 
     Raises:
-        BadInput: the start lies too low over home for a take-off to end there.
+        BadInput: the start lies too low over home for a take-off to end there, or the autopilot has no such waypoints.
         NoRoute: no choice of waypoints keeps the required clearance.
     """
-    frame, home = scenario.frame, scenario.frame.home
-    route = choose_waypoints(plan, scenario)
-    first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route, frame)]
-    if first[1] < LEAST_TAKEOFF_HEIGHT:
-        raise BadInput(
-            f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
-        )
-    over_home = bool(np.hypot(*route[0, :2]) < 0.5)
-    items: list[Item] = [
-        takeoff(first[0] if over_home else home, first[1]),
-        change_speed(scenario.vehicle.cruise_speed),
-        *(waypoint(place, height) for place, height in (others if over_home else [first, *others])),
-        return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]),
-    ]
-    return Mission(
-        home=home,
-        items=tuple(items),
-        autopilot=scenario.vehicle.autopilot,
-        cruise_speed=scenario.vehicle.cruise_speed,
-        fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
-        rally=_rally(scenario),
+    return build_mission(choose_route(plan, scenario, scenario.route.mode), scenario)
+
+
+def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Route:
+    """The waypoints that one mode chooses; their legs keep the required clearance."""
+    return MODES[mode](plan, scenario)
+
+
+def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
+    """What every mode that this autopilot can fly would come to, quickest first."""
+    options = []
+    for mode in MODES:
+        try:
+            route = choose_route(plan, scenario, mode)
+        except (BadInput, NoRoute):
+            continue
+        flown = fly(route, plan.curve, scenario)
+        seconds, away = round(flown.seconds, 3), round(flown.deviation, 3)
+        options.append(Option(mode, len(route.points), seconds, away, flown.keeps_limits(scenario)))
+    return tuple(sorted(options, key=lambda option: option.seconds))
+
+
+def _even(plan: Plan, scenario: Scenario) -> Route:
+    return _narrowed(lambda spacing: Route(every(plan.curve, spacing)), scenario.route.spacing, scenario)
+
+
+def _corridor(plan: Plan, scenario: Scenario) -> Route:
+    return _narrowed(lambda tolerance: Route(corridor(plan.curve, tolerance)), scenario.route.tolerance, scenario)
+
+
+def _spline(plan: Plan, scenario: Scenario) -> Route:
+    if scenario.vehicle.autopilot is not Autopilot.ARDUPILOT:
+        raise BadInput("route.mode: expected even, corridor or fastest: only ArduPilot flies spline waypoints")
+    return _narrowed(lambda spacing: Route(every(plan.curve, spacing), spline=True), scenario.route.spacing, scenario)
+
+
+def _narrowed(choose: Callable[[float], Route], width: float, scenario: Scenario) -> Route:
+    """The route with the greatest width (halved until it serves) whose legs keep their limits."""
+    for _ in range(HALVINGS):
+        chosen = choose(width)
+        route = Route(push_clear(chosen.points, scenario), chosen.spline)
+        proof = prove(route.points, scenario)
+        if proof.holds:
+            return route
+        width /= 2
+    raise NoRoute(
+        f"the legs between waypoints come too close: {proof.words()}",
+        hint="plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing",
     )
 
 
-def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:
-    """Places rounded to what MAVLink can carry: 1e-7 degrees and a millimetre."""
-    return [
-        Geodetic(round(float(lat), 7), round(float(lon), 7), round(float(alt), 3))
-        for lat, lon, alt in zip(*frame.to_geodetic(points), strict=True)
-    ]
-
-
-def _fence(fence: FenceSection, frame: LocalFrame) -> FencePolygon | FenceCircle:
-    if fence.center is not None:
-        assert fence.radius is not None
-        center = _geodetic(np.array([[*fence.center.east_north(frame), 0.0]]), frame)[0]
-        return FenceCircle((center.latitude_deg, center.longitude_deg), fence.radius, fence.inclusion)
-    if fence.polygon_geodetic is not None:
-        return FencePolygon(tuple(fence.polygon_geodetic), fence.inclusion)
-    corners = np.array([(east, north, 0.0) for east, north in fence.polygon or ()])
-    places = _geodetic(corners, frame)
-    return FencePolygon(tuple((place.latitude_deg, place.longitude_deg) for place in places), fence.inclusion)
-
-
-def _rally(scenario: Scenario) -> tuple[Geodetic, ...]:
-    """Rally points; their altitude is above home, as the files and the vehicles have it."""
-    frame, home = scenario.frame, scenario.frame.home
-    places = [frame.geodetic(point) for point in scenario.rally_points]
-    return tuple(Geodetic(p.latitude_deg, p.longitude_deg, round(p.altitude - home.altitude, 3)) for p in places)
+MODES: dict[str, Callable[[Plan, Scenario], Route]] = {
+    "even": _even,
+    "corridor": _corridor,
+    "spline": _spline,
+    "fastest": lambda plan, scenario: fastest_route(plan.curve, scenario, fallback=_corridor(plan, scenario)),
+}

@@ -91,12 +91,14 @@ class OptimizerSection(Section):
 class RouteSection(Section):
     """How the curve becomes waypoints, and how the mission ends."""
 
-    mode: Literal["even", "corridor"] = "corridor"
-    """`even`: a waypoint every `spacing` metres; `corridor`: the fewest whose legs stay within `tolerance`."""
+    mode: Literal["even", "corridor", "spline", "fastest"] = "fastest"
+    """`even`: a waypoint every `spacing` metres; `corridor`: the fewest whose legs stay within `tolerance`; `spline`:
+    spline waypoints every `spacing` metres (ArduPilot); `fastest`: what the autopilot flies in the least time, its
+    predicted path within `tolerance`."""
     spacing: Positive = 10.0
-    """Greatest distance between waypoints of `even` [m]."""
-    tolerance: Positive = 1.0
-    """Greatest distance of `corridor`'s legs from the curve [m]."""
+    """Greatest distance between waypoints of `even` and `spline` [m]."""
+    tolerance: Positive = 4.0
+    """How far the legs of `corridor`, or the predicted path of `fastest`, may leave the curve [m]."""
     ending: Literal["rtl", "land"] = "rtl"
     """`rtl`: return to home and land there; `land`: land at the goal."""
 

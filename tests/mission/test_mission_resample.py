@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.mission.route import corridor, every
+from ipoa_mission.mission.resample import corridor, deviation, every
 from ipoa_mission.planning.spline import Spline
 
 RNG = np.random.default_rng(4)
@@ -45,3 +45,18 @@ def test_even_waypoints_are_equally_far_apart_and_no_farther_than_asked(curve: S
     arcs = curve.length / (len(waypoints) - 1)
     assert arcs <= 5.0
     assert np.linalg.norm(np.diff(waypoints, axis=0), axis=1).max() <= arcs * 1.001
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda c: f"{len(c.control)} control points")
+def test_waypoints_outside_the_bends_are_fewer_and_as_near(curve: Spline) -> None:
+    on, beside = corridor(curve, 2.0), corridor(curve, 2.0, (-1.5, 0.0, 1.5))
+    assert len(beside) <= len(on)
+    legs = shapely.LineString(beside[:, :2])
+    assert shapely.distance(legs, shapely.points(curve.sample(3000)[:, :2])).max() <= 2.0 * 1.02
+
+
+def test_the_deviation_of_a_leg_is_found_in_its_middle() -> None:
+    angle = np.linspace(0, np.pi, 60)
+    bow = Spline(50 * np.column_stack([-np.cos(angle), np.sin(angle), 0 * angle]))
+    assert deviation(bow.control[[0, -1]], bow) == pytest.approx(50, abs=0.5)
+    assert deviation(bow.sample(2000), bow) == pytest.approx(0, abs=0.02)

@@ -1,0 +1,83 @@
+"""From a route to a mission: take off, set the speed, fly the waypoints, come down."""
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.items import (
+    FenceCircle,
+    FencePolygon,
+    Item,
+    Mission,
+    change_speed,
+    land,
+    return_to_launch,
+    spline_waypoint,
+    takeoff,
+    waypoint,
+)
+from ipoa_mission.mission.route import Route
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+#: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
+LEAST_TAKEOFF_HEIGHT = 2.5
+
+
+def build_mission(route: Route, scenario: Scenario) -> Mission:
+    """The mission that flies a route, with the scenario's speed, ending, fence and rally points.
+
+    Raises:
+        BadInput: the start lies too low over home for a take-off to end there.
+    """
+    frame, home = scenario.frame, scenario.frame.home
+    first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
+    if first[1] < LEAST_TAKEOFF_HEIGHT:
+        raise BadInput(
+            f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
+        )
+    over_home = bool(np.hypot(*route.points[0, :2]) < 0.5)
+    fly_to = spline_waypoint if route.spline else waypoint
+    items: list[Item] = [
+        takeoff(first[0] if over_home else home, first[1]),
+        change_speed(scenario.vehicle.cruise_speed),
+        *([] if over_home else [waypoint(*first)]),
+        *(fly_to(place, height) for place, height in others),
+        return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]),
+    ]
+    return Mission(
+        home=home,
+        items=tuple(items),
+        autopilot=scenario.vehicle.autopilot,
+        cruise_speed=scenario.vehicle.cruise_speed,
+        fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
+        rally=_rally(scenario),
+    )
+
+
+def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:
+    """Places rounded to what MAVLink can carry: 1e-7 degrees and a millimetre."""
+    return [
+        Geodetic(round(float(lat), 7), round(float(lon), 7), round(float(alt), 3))
+        for lat, lon, alt in zip(*frame.to_geodetic(points), strict=True)
+    ]
+
+
+def _fence(fence: FenceSection, frame: LocalFrame) -> FencePolygon | FenceCircle:
+    if fence.center is not None:
+        assert fence.radius is not None
+        center = _geodetic(np.array([[*fence.center.east_north(frame), 0.0]]), frame)[0]
+        return FenceCircle((center.latitude_deg, center.longitude_deg), fence.radius, fence.inclusion)
+    if fence.polygon_geodetic is not None:
+        return FencePolygon(tuple(fence.polygon_geodetic), fence.inclusion)
+    corners = np.array([(east, north, 0.0) for east, north in fence.polygon or ()])
+    places = _geodetic(corners, frame)
+    return FencePolygon(tuple((place.latitude_deg, place.longitude_deg) for place in places), fence.inclusion)
+
+
+def _rally(scenario: Scenario) -> tuple[Geodetic, ...]:
+    """Rally points; their altitude is above home, as the files and the vehicles have it."""
+    frame, home = scenario.frame, scenario.frame.home
+    places = [frame.geodetic(point) for point in scenario.rally_points]
+    return tuple(Geodetic(p.latitude_deg, p.longitude_deg, round(p.altitude - home.altitude, 3)) for p in places)

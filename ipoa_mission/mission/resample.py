@@ -1,0 +1,105 @@
+"""Where on (or beside) a curve its waypoints lie: pure geometry, in metres.
+
+The vehicle flies straight legs between waypoints. `every` takes equal steps, as the paper's reader would expect;
+`corridor` takes the fewest waypoints whose legs stay near the curve.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.planning.spline import Spline
+
+SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
+STEP = 0.5  # at which a path is held against a curve [m]
+ON_THE_CURVE = (0.0,)
+
+
+def every(curve: Spline, spacing: float) -> Points:
+    """Waypoints along the curve, equally far apart and at most `spacing` [m] of arc, (k, 3): the paper's resampling."""
+    return curve.sample(max(2, math.ceil(curve.length / spacing) + 1))
+
+
+def corridor(curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE_CURVE) -> Points:
+    """The fewest waypoints whose straight legs stay within `tolerance` [m] of the curve, (k, 3).
+
+    Inner waypoints lie beside the curve by one of `asides` [m, to the left]: outside a bend they save more. A shortest
+    path over all pairs that a straight leg may join (Imai and Iri 1986); among routes of equal number the one with the
+    least sum of squared deviations is taken.
+    """
+    count = np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, SAMPLES // len(asides))
+    samples = curve.sample(int(count))
+    spots = samples[:, None, :] + np.asarray(asides)[:, None] * _lefts(samples)[:, None, :]  # (n, sides, 3)
+    spots[[0, -1]] = samples[[0, -1], None, :]
+    n, sides = spots.shape[:2]
+    legs, strain = np.full((n, sides), n + 1), np.full((n, sides), np.inf)
+    before = np.zeros((n, sides, 2), int)
+    legs[0], strain[0] = 0, 0.0
+    for i in range(n - 1):
+        for side in range(sides if i else 1):
+            deviation = _reachable(spots[i, side], samples[i:], spots[i:], tolerance)
+            reached = np.zeros((n, sides), bool)
+            reached[i + 1 : i + 1 + len(deviation)] = deviation <= tolerance
+            worn = np.full((n, sides), np.inf)
+            worn[i + 1 : i + 1 + len(deviation)] = strain[i, side] + deviation**2
+            fewer = (legs[i, side] + 1 < legs) | ((legs[i, side] + 1 == legs) & (worn < strain))
+            better = reached & fewer
+            legs[better], strain[better], before[better] = legs[i, side] + 1, worn[better], (i, side)
+    chosen = [(n - 1, 0)]
+    while chosen[-1][0] > 0:
+        chosen.append(tuple(before[chosen[-1]]))
+    return np.array([spots[spot] for spot in reversed(chosen)])
+
+
+def deviation(path: Points, curve: Spline) -> float:
+    """The greatest distance of a path of straight legs (n, 3) from a curve [m], to a centimetre or two."""
+    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    stops = np.union1d(travelled, np.linspace(0.0, travelled[-1], math.ceil(travelled[-1] / STEP) + 1))
+    steps = np.column_stack([np.interp(stops, travelled, axis) for axis in path.T])
+    samples = _fine(curve)
+    distance, _ = cKDTree(samples).query(steps)
+    spacing = curve.length / (len(samples) - 1)
+    return math.sqrt(max(float(distance.max()) ** 2 - spacing**2 / 4, 0.0))
+
+
+@lru_cache(maxsize=8)
+def _fine(curve: Spline) -> Points:
+    """Samples of a curve half a metre apart."""
+    return curve.sample(int(np.clip(curve.length / STEP, 200, 2000)))
+
+
+def _lefts(samples: Points) -> Points:
+    """Level unit vectors to the left of the way at each sample, (n, 3); zero where the way is vertical."""
+    ahead = np.gradient(samples[:, :2], axis=0)
+    length = np.linalg.norm(ahead, axis=1, keepdims=True)
+    level = np.divide(ahead, length, out=np.zeros_like(ahead), where=length > 1e-9)
+    return np.column_stack([-level[:, 1], level[:, 0], np.zeros(len(level))])
+
+
+def _reachable(start: Vector, samples: Points, spots: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+    """How far the samples in between leave the straight leg from `start` to each later spot, (m, sides) [m].
+
+    The search widens until no leg of the last widening fits: a curve that comes back later is not looked for.
+    """
+    width = 16
+    while True:
+        found = _deviations(start, samples[: width + 1], spots[1 : width + 1])
+        if width + 1 >= len(samples) or (found[width // 2 :] > tolerance).all():
+            return found
+        width *= 2
+
+
+def _deviations(start: Vector, samples: Points, spots: NDArray[np.float64]) -> NDArray[np.float64]:
+    """For each spot (m, sides, 3) the greatest distance of the samples up to its own from the leg to it, (m, sides)."""
+    spokes = spots - start
+    squares = np.maximum(np.einsum("jsk,jsk->js", spokes, spokes), 1e-12)
+    offsets = samples[1:] - start
+    along = np.clip(np.einsum("jsk,ik->jsi", spokes, offsets) / squares[:, :, None], 0, 1)
+    gaps = offsets - along[..., None] * spokes[:, :, None, :]
+    distance = np.sqrt(np.einsum("jsik,jsik->jsi", gaps, gaps))
+    own = np.arange(len(offsets))[None, :] <= np.arange(len(spots))[:, None]
+    return np.asarray(np.where(own[:, None, :], distance, 0.0).max(axis=2))
