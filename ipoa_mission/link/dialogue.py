@@ -92,10 +92,14 @@ SPECIFIED = Patience()
 
 
 class Tempo:
-    """The round trip of a link as measured so far (after RFC 6298: smoothed mean and deviation, Karn's rule)."""
+    """The round trip of a link as measured so far: RFC 6298's mean and deviation with Karn's rule.
+
+    Less patient than TCP on purpose: a question that was asked once too often costs a frame, one too late a second.
+    """
 
     FASTEST_S = 0.05
     SLOWEST_S = 6.0
+    LONGEST_BACKOFF = 1.5
     #: A lost packet is no sign of a slow link, but so many questions in a row that had to be repeated are.
     DOUBTS = 5
 
@@ -120,7 +124,7 @@ class Tempo:
         self._backoff = 1.0
         self._doubts = 0
         if self._mean is None:
-            self._mean, self._spread = seconds, seconds / 2
+            self._mean, self._spread = seconds, seconds / 4
         else:
             self._spread += (abs(seconds - self._mean) - self._spread) / 4
             self._mean += (seconds - self._mean) / 8
@@ -131,7 +135,7 @@ class Tempo:
 
     def repeated(self) -> None:
         """A question went unanswered: the link is lossy (wait a little longer), or slow (wait much longer)."""
-        self._backoff = min(self._backoff * 1.5, 2.0 if self._doubts < self.DOUBTS else 16.0)
+        self._backoff = min(self._backoff * 1.5, self.LONGEST_BACKOFF if self._doubts < self.DOUBTS else 16.0)
 
 
 class Exchange(Generic[T]):

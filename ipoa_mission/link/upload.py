@@ -23,8 +23,10 @@ from ipoa_mission.vehicle import Autopilot
 
 #: A transfer that broke off is begun anew, from COUNT, this often; one that got nowhere, only once more.
 ATTEMPTS = 12
-#: How long a vehicle may take to judge a mission after it has stored it.
+#: How long a vehicle may take to judge a mission that it has stored and given back; and how long to listen for second
+#: thoughts when it has called the mission flyable.
 VERDICT_S = 1.5
+SECOND_THOUGHTS_S = 0.4
 #: Refusals that concern the moment and not the items.
 PASSING = frozenset({*DOUBTFUL, Result.DENIED, Result.OPERATION_CANCELLED})
 NO_MISSION = 1  # MISSION_STATE: there is none that could be flown
@@ -166,14 +168,17 @@ def _verdict() -> Dialogue[None]:
     overheard = Overheard()
     heard = yield Pause(VERDICT_S)
     while heard is not None:
+        step: Step = None
         match heard:
             case Current(mission_state=told) if told:
+                if state != told:
+                    step = Pause(VERDICT_S if told == NO_MISSION else SECOND_THOUGHTS_S)
                 state = told
             case Event(number):
                 overheard.words += [words for words in (words_of(number),) if words]
             case _:
                 overheard.note(heard)
-        heard = yield None
+        heard = yield step
     if state == NO_MISSION:
         why = str(overheard) or "no reason given"
         raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")

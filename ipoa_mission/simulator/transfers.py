@@ -67,7 +67,7 @@ class Transfers:
         self._changed = changed
         self._nak_at = nak_at
         self._incoming: dict[int, Incoming] = {}
-        self._readers: dict[tuple[Target, int], Exchange[bool]] = {}
+        self._readers: dict[tuple[Target, int], Exchange[int | None]] = {}
         self._last_done: tuple[Target, int, int] | None = None
 
     # --- what is heard ----------------------------------------------------------------------------------------------
@@ -249,7 +249,7 @@ class Transfers:
                 del self._readers[next(iter(self._readers))]
             self._flush_reader((client, kind), exchange)
 
-    def _reading(self, kind: int) -> Dialogue[bool]:
+    def _reading(self, kind: int) -> Dialogue[int | None]:
         return offer(self.listed(kind), kind, Tell)
 
     def _read(self, seq: int, kind: int, message: Request, client: Target, now: float) -> None:
@@ -273,7 +273,7 @@ class Transfers:
             return
         self._readers.pop((client, message.kind), None)
 
-    def _flush_reader(self, reader: tuple[Target, int], exchange: Exchange[bool]) -> None:
+    def _flush_reader(self, reader: tuple[Target, int], exchange: Exchange[int | None]) -> None:
         for message in exchange.outgoing():
             self._say(message, reader[0])
         if exchange.finished:

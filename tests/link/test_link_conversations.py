@@ -60,6 +60,13 @@ class Talk:
             self.exchange.tick(self.now)
         return self
 
+    def until(self, kind: type[Message]) -> "Talk":
+        """Let time pass until this is said."""
+        while not any(isinstance(message, kind) for message in self.said):
+            self.now = max(self.now, self.exchange.deadline)
+            self.exchange.tick(self.now)
+        return self
+
 
 def item(seq: int, kind: int = MissionType.MISSION) -> ItemAt:
     return ItemAt(seq, ITEMS[seq], kind)
@@ -247,23 +254,26 @@ def test_a_download_ends_with_our_acknowledgement() -> None:
 def test_a_list_that_the_vehicle_closed_is_opened_again_and_read_on() -> None:
     talk = Talk(download(0)).hear(Count(2), item(0))
     _ = talk.said
-    assert RequestList() in talk.wait(35.0).said
+    talk.until(RequestList)
     assert talk.hear(Count(2)).said[-1] == Request(1)
     assert talk.hear(item(1)).exchange.result == ITEMS[:2]
 
 
 def test_another_list_in_between_is_read_from_its_beginning() -> None:
-    talk = Talk(download(0)).hear(Count(2), item(0)).wait(35.0)
+    talk = Talk(download(0)).hear(Count(2), item(0))
+    _ = talk.said
+    talk.until(RequestList)
     assert talk.hear(Count(3)).said[-1] == Request(0)
     assert talk.hear(item(0), item(1), item(2)).exchange.result == ITEMS
 
 
 def test_a_download_that_gets_no_further_is_given_up() -> None:
     talk = Talk(download(0)).hear(Count(2), item(0))
+    _ = talk.said
     for _ in range(3):
-        talk.wait(35.0).hear(Count(2))
+        talk.until(RequestList).hear(Count(2))
     with pytest.raises(NoAnswer, match="after 1 of 2 items"):
-        talk.wait(35.0)
+        talk.wait(FAR)
 
 
 def test_a_download_from_one_who_falls_silent_says_how_far_it_came() -> None:

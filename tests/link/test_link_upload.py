@@ -233,7 +233,9 @@ def test_a_mission_that_the_vehicle_finds_unflyable_is_an_error_with_its_reason(
         lead(upload(Upload(items_of(PX4, 1), PX4)), judged(*words))
 
 
-@pytest.mark.parametrize("words", [(), (Current(0, 1, 2),), (Current(0, 1, 1), Current(0, 1, 2)), (Current(0),)])
+@pytest.mark.parametrize(
+    "words", [(), (Current(0, 1, 2), Current(0, 1, 2)), (Current(0, 1, 1), Current(0, 1, 2)), (Current(0),)]
+)
 def test_the_last_state_that_is_told_counts(words: tuple[Message, ...]) -> None:
     assert lead(upload(Upload(items_of(PX4, 1), PX4)), judged(*words)).finished
 

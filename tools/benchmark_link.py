@@ -1,0 +1,261 @@
+"""Upload one mission over bad radios with our client, MAVSDK and MAVProxy, side by side, to the built-in autopilot.
+
+    python tools/benchmark_link.py                        all cells, 50 uploads each; takes an hour on two cores
+    python tools/benchmark_link.py --runs 5 --loss 0 30   less of it
+
+Each upload has an autopilot, a UDP socket and a radio of its own, in real time; several run at once, for they mostly
+wait. A run succeeds when the client says so within its time limit AND the autopilot holds every item, exact to the
+last 1e-7 degree. Times are from the order to upload until the client has the final MISSION_ACK; ours is given a second
+time with reading back and comparing, which the others leave out. Bytes are those of mission messages, both ways, until
+the vehicle's first MISSION_ACK. Every client has a process of its own; connecting is not counted.
+"""
+
+import argparse
+import importlib.util
+import itertools
+import json
+import os
+import queue
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link import mavsdk_backend
+from ipoa_mission.link.address import parse_address
+from ipoa_mission.link.channel import Peer, UdpChannel
+from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.vehicle import connect
+from ipoa_mission.mission.firmware import compare, to_wire
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.faults import Faults
+from ipoa_mission.simulator.server import Server
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+MISSION_MESSAGES = frozenset({39, 40, 43, 44, 47, 51, 73})
+CLIENTS = ("ours", "mavsdk", "mavproxy")
+LIMIT_S = 240.0
+
+
+@dataclass(frozen=True)
+class Run:
+    """One upload: what the client said, what the autopilot holds, and what it took."""
+
+    said: bool
+    exact: bool
+    seconds: float
+    verified_s: float | None
+    bytes: int
+
+
+class CountingChannel(UdpChannel):
+    """Counts the bytes of mission messages."""
+
+    counted = 0
+    ended = False
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        """Count what comes in."""
+        got = super().receive(until)
+        for data, _ in got:
+            self._count(data)
+        return got
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        """Count what goes out."""
+        self._count(data)
+        self.ended = self.ended or data[7:10] == b"\x2f\0\0"  # MISSION_ACK
+        super().send(data, peer)
+
+    def _count(self, data: bytes) -> None:
+        number = int.from_bytes(data[7:10], "little") if data[:1] == b"\xfd" else data[5]
+        if number in MISSION_MESSAGES and not self.ended:
+            self.counted += len(data)
+
+
+def mission(autopilot: Autopilot, items: int) -> Mission:
+    """A mission of so many items whose coordinates need every digit."""
+    legs = [waypoint(Geodetic(47.4 + 0.000123457 * n, 8.5 - 0.000098763 * n), 30.0) for n in range(1, items - 1)]
+    return Mission(HOME, (takeoff(HOME, 20.0), *legs, return_to_launch()), autopilot)
+
+
+@contextmanager
+def vehicle(autopilot: Autopilot, faults: Faults, seed: int) -> Iterator[tuple[Mock, CountingChannel]]:
+    """A built-in autopilot behind a bad radio."""
+    channel = CountingChannel(parse_address("udpin:127.0.0.1:0"))
+    mock = Mock(autopilot, HOME)
+    server = Server(channel, Station(mock), 1.0, faults, seed)
+    stop = threading.Event()
+    thread = threading.Thread(target=server.run, args=(stop.is_set,))
+    thread.start()
+    try:
+        yield mock, channel
+    finally:
+        stop.set()
+        thread.join()
+        channel.close()
+
+
+def in_process(client: str, port: int, sent: Mission) -> tuple[bool, float, float | None]:
+    """Said, seconds to the Ack, seconds till verified: ours or MAVSDK, in a process of its own."""
+    command = [sys.executable, __file__, "--as", client, str(port), str(sent.autopilot), str(len(sent.items))]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S + 60, check=False)
+    except subprocess.TimeoutExpired:
+        return False, LIMIT_S, None
+    line = next((line for line in done.stderr.splitlines() if line.startswith("RESULT ")), None)
+    said, seconds, verified_s = json.loads(line[7:]) if line else (False, LIMIT_S, None)
+    return said, seconds, verified_s
+
+
+def ours(port: str, sent: Mission) -> tuple[bool, float, float | None]:
+    """Our client's upload, in the process of the client."""
+    acknowledged: list[float] = []
+
+    def note(done: int, total: int) -> None:
+        if done == total and not acknowledged:
+            acknowledged.append(time.monotonic())
+
+    with connect(f"udpout:127.0.0.1:{port}") as here:
+        items = to_wire(sent)
+        begun = time.monotonic()
+        try:
+            here.upload_items(items, MissionType.MISSION, note)
+        except MissionError:
+            return False, LIMIT_S, None
+        verified = time.monotonic()
+    return True, (acknowledged or [verified])[0] - begun, verified - begun
+
+
+def mavsdk(port: str, sent: Mission) -> tuple[bool, float, float | None]:
+    """MAVSDK's own upload, in the process of the client."""
+    mavsdk_backend.PRESENCE_S = 60.0
+    with mavsdk_backend.connect(f"udpout:127.0.0.1:{port}") as here:
+        rows = [here._spell(seq, item, 0) for seq, item in enumerate(to_wire(sent))]
+        begun = time.monotonic()
+        try:
+            here._raw.upload_mission(rows)
+        except here._refused:
+            return False, LIMIT_S, None
+        return True, time.monotonic() - begun, None
+
+
+def mavproxy(port: int, sent: Mission) -> tuple[bool, float, float | None]:
+    """The same by MAVProxy, in a process of its own, from a file with seven decimals."""
+    rows = ["QGC WPL 110"]
+    wire = to_wire(sent)
+    for seq, item in enumerate(wire):
+        place = f"{item.latitude_deg:.7f}\t{item.longitude_deg:.7f}\t{item.altitude:.6f}"
+        rows.append(f"{seq}\t{int(seq == 0)}\t{item.frame}\t{item.command}\t0\t0\t0\t0\t{place}\t1")
+    script = Path(sys.executable).parent / "mavproxy.py"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mission.txt"
+        path.write_text("\n".join(rows) + "\n")
+        command = [sys.executable, "-u", str(script), f"--master=udpout:127.0.0.1:{port}"]
+        with subprocess.Popen(
+            [*command, f"--state-basedir={folder}", "--default-modules=wp"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=folder,
+            env={**os.environ, "HOME": folder},
+        ) as process:
+            lines: queue.Queue[str] = queue.Queue()
+            assert process.stdout is not None
+            assert process.stdin is not None
+            threading.Thread(target=lambda: [lines.put(line) for line in process.stdout or ()], daemon=True).start()
+            try:
+                if not _until(lines, "online system", 60.0):
+                    return False, LIMIT_S, None
+                begun = time.monotonic()
+                process.stdin.write(f"wp load {path}\n")
+                process.stdin.flush()
+                said = _until(lines, "MISSION_ACK: TYPE_MISSION: ACCEPTED", 60.0)
+                return said, time.monotonic() - begun, None
+            finally:
+                process.kill()
+
+
+def _until(lines: "queue.Queue[str]", words: str, seconds: float) -> bool:
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        try:
+            if words in lines.get(timeout=0.05):
+                return True
+        except queue.Empty:
+            continue
+    return False
+
+
+def run(client: str, autopilot: Autopilot, items: int, faults: Faults, seed: int) -> Run:
+    """One upload."""
+    sent = mission(autopilot, items)
+    with vehicle(autopilot, faults, seed) as (mock, channel):
+        here = mavproxy(channel.port, sent) if client == "mavproxy" else in_process(client, channel.port, sent)
+        held = mock.transfers.listed(MissionType.MISSION)
+    said, seconds, verified_s = here
+    return Run(said, compare(to_wire(sent), held, autopilot) is None, seconds, verified_s, channel.counted)
+
+
+def cell(client: str, autopilot: Autopilot, arguments: argparse.Namespace, delay_ms: float, loss: float) -> str:
+    """One row of the table."""
+    faults = Faults(loss=loss / 100, delay_s=delay_ms / 1000)
+    with ThreadPoolExecutor(arguments.at_once) as pool:
+        seeds = range(arguments.runs)
+        runs = list(pool.map(lambda seed: run(client, autopilot, arguments.items, faults, seed), seeds))
+    good = [one for one in runs if one.said and one.exact]
+    lies = sum(one.said and not one.exact for one in runs)
+    if not good:
+        return f"| {autopilot} | {delay_ms:g} | {loss:g} | {client} | 0/{len(runs)} | {lies} | | | | |"
+    median = statistics.median(one.seconds for one in good)
+    verified = [one.verified_s for one in good if one.verified_s is not None]
+    return (
+        f"| {autopilot} | {delay_ms:g} | {loss:g} | {client} | {len(good)}/{len(runs)} | {lies} | {median:.2f} | "
+        f"{f'{statistics.median(verified):.2f}' if verified else ''} | {arguments.items / median:.1f} | "
+        f"{statistics.median(one.bytes for one in good) / arguments.items:.0f} |"
+    )
+
+
+def main() -> None:
+    """Print the table in Markdown, row by row."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=50)
+    parser.add_argument("--items", type=int, default=20)
+    parser.add_argument("--at-once", type=int, default=10)
+    parser.add_argument("--delay", type=float, nargs="+", default=[0, 50, 200], help="one way, ms")
+    parser.add_argument("--loss", type=float, nargs="+", default=[0, 5, 20, 30], help="each way, per cent")
+    parser.add_argument("--clients", nargs="+", choices=CLIENTS, default=list(CLIENTS))
+    parser.add_argument("--autopilots", nargs="+", type=Autopilot, default=list(Autopilot))
+    arguments = parser.parse_args()
+    needs = {"mavsdk": "mavsdk", "mavproxy": "MAVProxy"}
+    clients = [one for one in arguments.clients if one == "ours" or importlib.util.find_spec(needs[one])]
+    print("| autopilot | delay, ms | loss, % | client | exact | false successes | to the Ack, s | verified, s "
+          "| items/s | bytes an item |")  # fmt: skip
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for autopilot, delay_ms, loss, client in itertools.product(
+        arguments.autopilots, arguments.delay, arguments.loss, clients
+    ):
+        print(cell(client, autopilot, arguments, delay_ms, loss), flush=True)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--as"]:
+        name, port, family, count = sys.argv[2:6]
+        act = {"ours": ours, "mavsdk": mavsdk}[name]
+        result = act(port, mission(Autopilot(family), int(count)))
+        sys.stderr.write("\nRESULT " + json.dumps(result) + "\n")
+    else:
+        main()
