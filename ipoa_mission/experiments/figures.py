@@ -12,7 +12,8 @@ import numpy as np
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.experiments.paper import errors
 from ipoa_mission.experiments.published import ALGORITHMS
-from ipoa_mission.experiments.runs import CHECKPOINTS, Row
+from ipoa_mission.experiments.rows import Row
+from ipoa_mission.experiments.runs import CHECKPOINTS
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
 
 #: One colour each, told apart by the colour-blind (Okabe and Ito).

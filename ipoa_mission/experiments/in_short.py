@@ -9,7 +9,7 @@ from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.experiments.maps import MAPS
 from ipoa_mission.experiments.paper import dimension_of_the_print, errors, mean_log_error
 from ipoa_mission.experiments.paper_maps import of_map
-from ipoa_mission.experiments.runs import Row, settings_text
+from ipoa_mission.experiments.rows import Row, settings_text
 from ipoa_mission.experiments.series import (
     BEYOND,
     CAMPUS,

@@ -7,7 +7,7 @@ import numpy as np
 
 from ipoa_mission.experiments.figures import COLOURS, draw_svg, panels_of
 from ipoa_mission.experiments.published import ALGORITHMS
-from ipoa_mission.experiments.runs import Row
+from ipoa_mission.experiments.rows import Row
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Cylinder, Prism, Sphere

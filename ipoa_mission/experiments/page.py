@@ -7,7 +7,7 @@ sentence is chosen by the numbers.
 from collections.abc import Mapping, Sequence
 
 from ipoa_mission.experiments.in_short import in_short
-from ipoa_mission.experiments.runs import Row
+from ipoa_mission.experiments.rows import Row
 from ipoa_mission.experiments.tables import Table
 
 Made = Mapping[str, Table | str]

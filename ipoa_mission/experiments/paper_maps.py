@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.maps import MAPS, WEIGHTS
-from ipoa_mission.experiments.runs import Row, settings_text
+from ipoa_mission.experiments.rows import Row, settings_text
 from ipoa_mission.experiments.series import ABLATION, BEYOND
 from ipoa_mission.experiments.statistics import friedman, holm, places, rank_sum
 from ipoa_mission.experiments.tables import Table, number, per_cent

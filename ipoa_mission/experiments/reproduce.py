@@ -11,7 +11,8 @@ from ipoa_mission.experiments.campus import campus_scenario
 from ipoa_mission.experiments.executors import open_executor
 from ipoa_mission.experiments.maps import map_scenario
 from ipoa_mission.experiments.page import findings
-from ipoa_mission.experiments.runs import Row, measure
+from ipoa_mission.experiments.rows import Row
+from ipoa_mission.experiments.runs import measure
 from ipoa_mission.experiments.series import (
     CAMPUS,
     CEC_ABLATION,

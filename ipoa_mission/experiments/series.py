@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ipoa_mission.experiments.cec2022 import FUNCTIONS
 from ipoa_mission.experiments.maps import INNER, MAPS, WEIGHTS
 from ipoa_mission.experiments.published import ALGORITHMS
-from ipoa_mission.experiments.runs import Trial, settings_text
+from ipoa_mission.experiments.rows import Trial, settings_text
 
 #: Evaluations of IPOA at N = 30 and T = 1000 with all strategies: the budget of every rival beyond the paper.
 BUDGET = 90_060

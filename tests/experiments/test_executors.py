@@ -10,7 +10,8 @@ import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.experiments.executors import open_executor
-from ipoa_mission.experiments.runs import Row, Trial, measure, settings_text
+from ipoa_mission.experiments.rows import Row, Trial, settings_text
+from ipoa_mission.experiments.runs import measure
 
 pytest.importorskip("minionpy")
 

@@ -12,7 +12,8 @@ from ipoa_mission.experiments.cec2022 import FUNCTIONS
 from ipoa_mission.experiments.page import findings
 from ipoa_mission.experiments.published import TABLE_3
 from ipoa_mission.experiments.reproduce import ITEMS, Item, reproduce
-from ipoa_mission.experiments.runs import CHECKPOINTS, Row, Trial, settings_text
+from ipoa_mission.experiments.rows import Row, Trial, settings_text
+from ipoa_mission.experiments.runs import CHECKPOINTS
 from ipoa_mission.experiments.series import CEC_D20, MAPS_PAPER, Series
 from ipoa_mission.experiments.tables import Table, number
 

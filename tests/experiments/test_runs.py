@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments.runs import CHECKPOINTS, Row, Trial, measure, read_rows, run_trial, settings_text
+from ipoa_mission.experiments.rows import Row, Trial, read_rows, settings_text
+from ipoa_mission.experiments.runs import CHECKPOINTS, measure, run_trial
 
 pytest.importorskip("minionpy")
 

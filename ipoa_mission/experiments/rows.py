@@ -1,0 +1,113 @@
+"""A run as a row of a CSV file: what was run, what came of it, and how it is written and read.
+
+Rows are appended one whole line at a time; a last line that was cut off is no row, and is cleared away before the next.
+"""
+
+import csv
+import io
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple, dataclass, fields
+from pathlib import Path
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.experiments.problem import Measures
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run of one algorithm on one problem; the run's number is its seed, the same for all algorithms.
+
+    `settings` is JSON with sorted keys, "{}" for defaults. `budget` ends the run; 0 lets the algorithm's own number of
+    iterations end it.
+    """
+
+    problem: str
+    case: str
+    dimension: int
+    algorithm: str
+    settings: str
+    budget: int
+    run: int
+
+
+@dataclass(frozen=True)
+class Row:
+    """A trial and what came of it. `history` is the best cost at `CHECKPOINTS`; `measures` is what else was asked."""
+
+    trial: Trial
+    cost: float
+    evaluations: int
+    seconds: float
+    history: tuple[float, ...]
+    measures: Measures
+    date: str
+    versions: str
+
+
+def settings_text(**settings: object) -> str:
+    """Settings as a trial carries them."""
+    return json.dumps(settings, sort_keys=True)
+
+
+_COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(Row) if f.name != "trial"]
+
+
+def read_rows(path: Path) -> list[Row]:
+    """All rows of a file of runs; none if it is not there. A last line that was cut off is no row.
+
+    Raises:
+        BadInput: the file is not a file of runs; the message names the line.
+    """
+    if not path.exists():
+        return []
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    if lines and not lines[-1].endswith("\n"):
+        lines.pop()
+    if lines and lines[0].rstrip("\n") != ",".join(_COLUMNS):
+        raise BadInput(f"{path}:1: expected the columns {','.join(_COLUMNS)}")
+    return list(_rows(path, lines[1:]))
+
+
+def _rows(path: Path, lines: Sequence[str]) -> Iterator[Row]:
+    for number, cells in enumerate(csv.reader(lines), start=2):
+        try:
+            problem, case, dimension, algorithm, settings, budget, run, cost, spent, seconds, history, *rest = cells
+            measures, day, versions = rest
+            trial = Trial(problem, case, int(dimension), algorithm, settings, int(budget), int(run))
+            curve = tuple(float(h) for h in history.split())
+            yield Row(trial, float(cost), int(spent), float(seconds), curve, json.loads(measures), day, versions)
+        except ValueError as error:
+            raise BadInput(f"{path}:{number}: expected {len(_COLUMNS)} cells of a run: {error}") from error
+
+
+def line_of(row: Row) -> str:
+    """The row as a line of the file."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerow(
+        [
+            *astuple(row.trial),
+            repr(row.cost),
+            row.evaluations,
+            f"{row.seconds:.3f}",
+            " ".join(f"{h:.5g}" for h in row.history),
+            json.dumps(row.measures),
+            row.date,
+            row.versions,
+        ]
+    )
+    return text.getvalue()
+
+
+def open_to_append(path: Path) -> io.TextIOWrapper:
+    """`path` opened for appending, with its heading, and without a last line that was cut off."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    kept = path.read_bytes() if path.exists() else b""
+    whole = kept.rfind(b"\n") + 1
+    if whole < len(kept):
+        with path.open("r+b") as file:
+            file.truncate(whole)
+    opened = path.open("a", encoding="utf-8", newline="")
+    if not whole:
+        opened.write(",".join(_COLUMNS) + "\n")
+    return opened
