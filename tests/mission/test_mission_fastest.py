@@ -1,0 +1,93 @@
+"""The quickest waypoints on a curve that real autopilots flew, cut into waypoints in ten ways (tests/flights/ways_*)."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.mission.assemble import choose_route, weigh_routes
+from ipoa_mission.mission.fastest import fly
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Command
+from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.proof import prove, prove_curve
+from ipoa_mission.planning.spline import Spline, basis
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import LocalFrame
+
+FLIGHTS = Path(__file__).parent.parent / "flights"
+#: The best that was flown on this curve, from take-off done to the last waypoint [s], and how far from it [m].
+BEST_FLOWN = {Autopilot.ARDUPILOT: 46.8, Autopilot.PX4: 55.7}
+WITHIN = 4.0
+
+
+def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
+    """The curve behind the waypoints that stand every five metres on it, and a scenario with nothing in the way."""
+    mission = read_mission(FLIGHTS / f"ways_even5-{autopilot}" / "mission.waypoints", autopilot)
+    flown = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
+    latitude, longitude, height = (
+        np.array([getattr(item, name) for item in flown]) for name in ("latitude_deg", "longitude_deg", "altitude")
+    )
+    points = LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + height)
+    travelled = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    control = np.linalg.lstsq(basis(36, travelled / travelled[-1]), points, rcond=None)[0]
+    control[[0, -1]] = points[[0, -1]]
+    speed = next(item.params[1] for item in mission.items if item.command == Command.DO_CHANGE_SPEED)
+    start, goal = (f"{{ east = {p[0]}, north = {p[1]}, up = {p[2]} }}" for p in points[[0, -1]])
+    at = mission.home
+    text = f"""
+    home = {{ latitude_deg = {at.latitude_deg}, longitude_deg = {at.longitude_deg}, altitude_amsl = {at.altitude} }}
+    start = {start}
+    goal = {goal}
+    bounds = {{ margin = 300 }}
+    vehicle = {{ autopilot = "{autopilot}", cruise_speed = {speed} }}
+    route = {{ tolerance = {WITHIN} }}
+    """
+    curve = Spline(control)
+    assert np.abs(curve.points(travelled / travelled[-1]) - points).max() < 0.02
+    return curve, parse_scenario(text, Path("ways.toml"))
+
+
+def as_plan(curve: Spline, scenario: Scenario) -> Plan:
+    nothing = np.zeros(1)
+    return Plan(
+        curve, curve_cost(curve, scenario), prove_curve(curve, scenario), "none", 0, nothing.astype(int), nothing
+    )
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_the_default_comes_out_at_or_under_the_best_that_was_flown(autopilot: Autopilot) -> None:
+    curve, scenario = curve_of_the_ways(autopilot)
+    route = choose_route(as_plan(curve, scenario), scenario, "fastest")
+    flown = fly(route, curve, scenario)
+    assert flown.seconds <= BEST_FLOWN[autopilot]
+    assert flown.deviation <= WITHIN
+    assert flown.keeps_limits(scenario)
+    assert prove(route.points, scenario).holds
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_what_each_mode_would_cost_is_told_quickest_first(autopilot: Autopilot) -> None:
+    curve, scenario = curve_of_the_ways(autopilot)
+    options = weigh_routes(as_plan(curve, scenario), scenario)
+    assert [option.seconds for option in options] == sorted(option.seconds for option in options)
+    modes = {option.mode for option in options}
+    assert modes == {"even", "corridor", "fastest"} | ({"spline"} if autopilot is Autopilot.ARDUPILOT else set())
+    even = next(option for option in options if option.mode == "even")
+    assert even.seconds > 1.5 * options[0].seconds  # dense straight waypoints make the vehicle crawl
+
+
+def test_the_flown_path_keeps_clear_of_a_tower_inside_a_bend() -> None:
+    curve, free = curve_of_the_ways(Autopilot.ARDUPILOT)
+    bend = curve.points(np.array([0.5]))[0]
+    ahead, along = curve.points(np.array([0.5]), order=2)[0], curve.points(np.array([0.5]), order=1)[0]
+    inward = ahead - along * (ahead @ along) / (along @ along)
+    east, north, _ = bend + inward / np.linalg.norm(inward) * 6.0  # its wall is 4 m from the curve
+    tower = {"kind": "cylinder", "name": "tower", "east": east, "north": north, "radius": 2.0, "height": 90.0}
+    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": (tower,)})
+    route = choose_route(as_plan(curve, scenario), scenario, "fastest")
+    assert fly(route, curve, scenario).keeps_limits(scenario)
+    assert prove(route.points, scenario).clearance.what == "tower"
+    assert prove(route.points, scenario).holds
