@@ -1,4 +1,4 @@
-"""The quickest waypoints on a curve that real autopilots flew, cut into waypoints in ten ways (tests/flights/ways_*)."""
+"""The quickest waypoints on a curve that real autopilots flew, cut in ten ways (tests/flights/ways_*)."""
 
 from pathlib import Path
 
