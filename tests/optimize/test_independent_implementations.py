@@ -1,4 +1,9 @@
-"""The algorithms come out as independent implementations of them do: two-sample tests over many short runs."""
+"""The algorithms come out as independent implementations of them do: two-sample tests over many short runs.
+
+POA is held against mealpy's, HHO, DBO and SSA against their authors' rules written once more. mealpy has no DBO; its
+HHO accepts greedily and takes a hundredth of the Levy step, its SSA multiplies by exp(+i / ...) where the paper has
+exp(-i / ...): they are other algorithms, and no authority on these.
+"""
 
 from collections.abc import Callable
 
