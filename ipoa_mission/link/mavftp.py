@@ -63,4 +63,6 @@ def unpack(message: FileTransfer) -> FileMessage:
 
 def nak(question: FileMessage, error: FileError) -> FileMessage:
     """The refusal of a question."""
-    return FileMessage(question.sequence + 1, Opcode.NAK, question.session, question.opcode, 0, bytes((error,)))
+    return FileMessage(
+        (question.sequence + 1) & 0xFFFF, Opcode.NAK, question.session, question.opcode, 0, bytes((error,))
+    )

@@ -9,6 +9,7 @@ from ipoa_mission.link.conversations import Overheard
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Step, Tell
 from ipoa_mission.link.messages import (
     CUSTOM_MODE_FLAG,
+    AutopilotVersion,
     CommandAck,
     CommandLong,
     CommandResult,
@@ -31,6 +32,8 @@ REQUEST_MESSAGE = 512
 #: What custom_mode is while a mission is flown: ArduCopter's AUTO; PX4's main mode AUTO (4) with sub mode MISSION (4).
 ARDUCOPTER_AUTO = 3
 PX4_AUTO_MISSION = (4, 4)
+#: MAV_PROTOCOL_CAPABILITY_FTP.
+FILE_TRANSFER = 32
 #: MAV_PARAM_TYPE of whole numbers, which PX4 sends bit by bit.
 INT_TYPES = frozenset({1, 2, 3, 4, 5, 6})
 #: An autopilot may need this long after its start before it lets itself be armed (ArduPilot: about 45 s).
@@ -154,6 +157,27 @@ def home() -> Dialogue[Geodetic | None]:
                 return None
             case None:
                 step = Tell(request)
+
+
+def capabilities() -> Dialogue[int]:
+    """What the autopilot says that it can do: MAV_PROTOCOL_CAPABILITY; 0 where it does not say."""
+    number = float(message_number("AUTOPILOT_VERSION"))
+    step: Step = Ask(CommandLong(REQUEST_MESSAGE, (number, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    while True:
+        try:
+            heard = yield step
+        except NoAnswer:
+            return 0
+        step = None
+        match heard:
+            case AutopilotVersion(told):
+                return told
+            case CommandAck(n, CommandResult.ACCEPTED) if n == REQUEST_MESSAGE:
+                step = Pause(1.0)
+            case CommandAck(n) if n == REQUEST_MESSAGE:
+                return 0
+            case None:
+                return 0
 
 
 def parameters(names: Iterable[str], autopilot: Autopilot) -> Dialogue[Mapping[str, float]]:

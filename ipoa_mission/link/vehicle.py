@@ -14,7 +14,7 @@ from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.conversations import Progress, silent
-from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, NoAnswer, Patience, Tempo
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
@@ -27,8 +27,9 @@ from ipoa_mission.link.messages import (
     Message,
     MissionType,
 )
+from ipoa_mission.link.mission_file import FileRefused, upload_by_file
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.link.upload import Upload, upload
+from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
 from ipoa_mission.mission.items import Command, Item, Mission
@@ -73,8 +74,9 @@ def connect(
     log: Path | None = None,
     signer: Signer | None = None,
     patience: Patience = SPECIFIED,
+    fast: bool = True,
 ) -> "Vehicle":
-    """Open a link and find the vehicle on it; every frame goes to `log`.
+    """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
 
     Raises:
         BadInput, LinkDown: the link cannot be opened.
@@ -83,7 +85,7 @@ def connect(
     """
     line = open_line(url, log, signer)
     try:
-        return meet(line, system, patience)
+        return meet(line, system, patience, fast)
     except NoAnswer as silence:
         line.close()
         raise NoAnswer(
@@ -99,7 +101,7 @@ def open_line(url: str, log: Path | None = None, signer: Signer | None = None) -
     return Line(open_channel(url), Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
 
 
-def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED) -> "Vehicle":
+def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True) -> "Vehicle":
     """The vehicle on a line: the one with this system id, or the only one."""
     found: dict[int, Found] = {}
     until = line.channel.now() + PRESENCE_S
@@ -107,7 +109,7 @@ def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED) 
         was_alone = not found
         found |= _autopilots(line, until)
         if system is not None and system in found:
-            return Vehicle(line, found[system], patience)
+            return Vehicle(line, found[system], patience, fast)
         if system is None and found and was_alone:
             until = line.channel.now() + OTHERS_S
     if system is not None:
@@ -119,7 +121,7 @@ def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED) 
         raise MissionError(
             f"several vehicles are heard: {', '.join(map(str, sorted(found)))}", hint="choose one by its system id"
         )
-    return Vehicle(line, found.popitem()[1], patience)
+    return Vehicle(line, found.popitem()[1], patience, fast)
 
 
 def _autopilots(line: Line, until: float) -> dict[int, Found]:
@@ -135,11 +137,13 @@ def _autopilots(line: Line, until: float) -> dict[int, Found]:
 class Vehicle:
     """One vehicle on a line; `close` it, or use it with `with`."""
 
-    def __init__(self, line: Line, found: Found, patience: Patience = SPECIFIED) -> None:
+    def __init__(self, line: Line, found: Found, patience: Patience = SPECIFIED, fast: bool = True) -> None:
         self.line = line
         self.system = found.system
         self.autopilot = found.autopilot
         self._ready = found.is_ready
+        self._fast = fast
+        self._capabilities: int | None = None
         self._patience = patience
         self._tempo = Tempo(patience)
         self._logbook = Logbook(0, self._first)
@@ -163,7 +167,9 @@ class Vehicle:
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
         """Put one list on the vehicle as it stands on the wire, and verify it."""
         self._await_ready()
-        self._hold(upload(Upload(items, self.autopilot, kind), progress))
+        job = Upload(items, self.autopilot, kind)
+        if not (self._takes_file(job) and self._upload_by_file(job, progress)):
+            self._hold(upload(job, progress))
 
     def download(self, progress: Progress = silent) -> Mission:
         """The mission on the vehicle, with its fence and rally points.
@@ -244,6 +250,26 @@ class Vehicle:
         self._logbook.note(message)
         if isinstance(message, Heartbeat):
             self._ready = message.system_status >= STANDBY
+
+    def _takes_file(self, job: Upload) -> bool:
+        """Whether the vehicle offers the fast path for this list; it is asked once."""
+        if not self._fast or self.autopilot is not Autopilot.ARDUPILOT or job.kind != MissionType.MISSION:
+            return False
+        if self._capabilities is None:
+            self._capabilities = self._hold(orders.capabilities())
+        return bool(self._capabilities & orders.FILE_TRANSFER)
+
+    def _upload_by_file(self, job: Upload, progress: Progress) -> bool:
+        """Try the fast path; what goes wrong there is left to the ordinary transfer, which says why."""
+        try:
+            self._hold(upload_by_file(job, progress))
+        except Cancelled:
+            raise Cancelled(
+                "cancelled: the vehicle keeps the mission it had, unless the whole new one had arrived"
+            ) from None
+        except (FileRefused, NoAnswer, ReadBackDiffers):
+            return False
+        return True
 
     def _expect(self, items: Sequence[Item]) -> None:
         armed = self._logbook.armed

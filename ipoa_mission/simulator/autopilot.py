@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target, message_name
 from ipoa_mission.link.events import event_number, words_of
-from ipoa_mission.link.mavftp import FileError, nak, unpack
 from ipoa_mission.link.messages import CommandResult, Message, MissionType
 from ipoa_mission.mission.items import Command
 from ipoa_mission.simulator import streams
+from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
 from ipoa_mission.simulator.judgement import infeasibility
 from ipoa_mission.simulator.parameters import ParameterTable
@@ -46,6 +46,8 @@ class Autopilot:
         self.table = ParameterTable(family, parameters or {})
         self.flight = Flight(family, home, self.table.values)
         self.transfers = Transfers(self.habits, lambda: self.flight.home, self._say, self._listed, nak_at)
+        limit = self.habits.limits[MissionType.MISSION]
+        self._files = FileService(self.habits.has_mission_file, limit, self.transfers.listed, self.transfers.replace)
         self._boot_s = boot_s
         self._schedule = streams.Schedule()
         self._outbox: list[tuple[Message, Target]] = []
@@ -83,8 +85,7 @@ class Autopilot:
             case m.TimeSync(0, asked):
                 self._say(m.TimeSync(round(now * 1e9) or 1, asked), source)
             case m.FileTransfer():
-                question = unpack(message)
-                self._say(nak(question, FileError.FILE_NOT_FOUND).pack(), source)
+                self._say(self._files.answer(message, source), source)
         self._tell_changes()
 
     def tick(self, now: float) -> None:

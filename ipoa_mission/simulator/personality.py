@@ -48,6 +48,7 @@ class Personality:
     wrong_list: Answer  # an item of another list than the one under way
     confirms_last_item_again: bool
     partial_lists: bool
+    has_mission_file: bool  # `@MISSION/mission.dat`
     knows_command_224: bool
     judges_after_ack: bool
     missing_takeoff_text: str | None  # said when a mission without take-off is started on the ground
@@ -99,6 +100,7 @@ ARDUCOPTER = Personality(
     wrong_list=Answer.ERROR,
     confirms_last_item_again=False,
     partial_lists=True,
+    has_mission_file=True,
     knows_command_224=True,
     judges_after_ack=False,
     missing_takeoff_text="Auto: Missing Takeoff Cmd",
@@ -126,6 +128,7 @@ PX4 = Personality(
     wrong_list=Answer.ERROR,
     confirms_last_item_again=True,
     partial_lists=False,
+    has_mission_file=False,
     knows_command_224=False,
     judges_after_ack=True,
     missing_takeoff_text=None,

@@ -118,6 +118,22 @@ class Transfers:
             return (home_item(self._home()), *items[1:])
         return items
 
+    def replace(self, items: tuple[Item, ...]) -> bool:
+        """Take a whole mission at once, from a file: every item is judged before one is stored."""
+        kind = MissionType.MISSION
+        judge = JUDGES[self._habits.autopilot]
+        results = [judge(item, kind, len(items)) for item in items]
+        if not self.booted or self._slot(kind) in self._incoming or len(items) > self._habits.limits[kind]:
+            return False
+        if any(result != Result.ACCEPTED for result in results):
+            return False
+        self.stores[kind].begin(len(items))
+        for seq, item in enumerate(items):
+            self.stores[kind].keep(seq, item)
+        self.stores[kind].commit()
+        self._changed(kind)
+        return True
+
     # --- uploads ----------------------------------------------------------------------------------------------------
 
     def _begin(self, count: int, kind: int, client: Target, now: float) -> None:

@@ -1,0 +1,97 @@
+"""MAVFTP of the built-in autopilot: one file, the mission (ArduPilot), and a refusal for everything else."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.codec import Target
+from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak, unpack
+from ipoa_mission.link.messages import FileTransfer, MissionType
+from ipoa_mission.link.mission_file import HEADER, MISSION_FILE, RECORD, pack_mission, unpack_mission
+from ipoa_mission.mission.items import Item
+
+MOST_CLIENTS = 16
+
+
+@dataclass
+class Session:
+    """One client's open file, and the last answer: a repeated question gets it again."""
+
+    reading: bytes | None = None
+    writing: bytearray | None = None
+    last: FileMessage | None = field(default=None)
+
+
+class FileService:
+    """`listed` gives the mission as it stands; `replace` takes a new one or says no (False)."""
+
+    def __init__(
+        self,
+        offered: bool,
+        most_items: int,
+        listed: Callable[[int], tuple[Item, ...]],
+        replace: Callable[[tuple[Item, ...]], bool],
+    ) -> None:
+        self._offered = offered
+        self._longest = HEADER.size + most_items * RECORD.size
+        self._listed = listed
+        self._replace = replace
+        self._sessions: dict[Target, Session] = {}
+
+    def answer(self, message: FileTransfer, client: Target) -> FileTransfer:
+        """What to say to a client's question."""
+        question = unpack(message)
+        session = self._sessions.setdefault(client, Session())
+        while len(self._sessions) > MOST_CLIENTS:
+            del self._sessions[next(iter(self._sessions))]
+        last = session.last
+        if last is None or last.sequence != (question.sequence + 1) & 0xFFFF or last.request != question.opcode:
+            session.last = self._act(question, session)
+        return (session.last or nak(question, FileError.FAIL)).pack()
+
+    def _act(self, question: FileMessage, session: Session) -> FileMessage:
+        match question.opcode:
+            case Opcode.RESET_SESSIONS:
+                session.reading = session.writing = None
+                return _ack(question)
+            case Opcode.OPEN_FILE_RO | Opcode.CREATE_FILE:
+                return self._open(question, session)
+            case Opcode.READ_FILE if session.reading is not None:
+                size = min(question.size or LONGEST_DATA, LONGEST_DATA)
+                piece = session.reading[question.offset : question.offset + size]
+                return _ack(question, piece) if piece else nak(question, FileError.END_OF_FILE)
+            case Opcode.WRITE_FILE if session.writing is not None:
+                end = question.offset + len(question.data)
+                if question.offset > len(session.writing) or end > self._longest:
+                    return nak(question, FileError.FAIL)
+                session.writing[question.offset : end] = question.data
+                return _ack(question)
+            case Opcode.TERMINATE_SESSION:
+                return self._close(question, session)
+            case Opcode.READ_FILE | Opcode.WRITE_FILE:
+                return nak(question, FileError.INVALID_SESSION)
+        return nak(question, FileError.UNKNOWN_COMMAND)
+
+    def _open(self, question: FileMessage, session: Session) -> FileMessage:
+        if not self._offered or question.data.rstrip(b"\0") != MISSION_FILE.encode():
+            return nak(question, FileError.FILE_NOT_FOUND)
+        if question.opcode == Opcode.CREATE_FILE:
+            session.reading, session.writing = None, bytearray()
+            return _ack(question)
+        session.reading, session.writing = pack_mission(self._listed(MissionType.MISSION)), None
+        return _ack(question, len(session.reading).to_bytes(4, "little"))
+
+    def _close(self, question: FileMessage, session: Session) -> FileMessage:
+        written, session.writing, session.reading = session.writing, None, None
+        if written is None:
+            return _ack(question)
+        try:
+            taken = self._replace(unpack_mission(bytes(written)))
+        except MissionError:
+            taken = False
+        return _ack(question) if taken else nak(question, FileError.FAIL)
+
+
+def _ack(question: FileMessage, data: bytes = b"") -> FileMessage:
+    sequence = (question.sequence + 1) & 0xFFFF
+    return FileMessage(sequence, Opcode.ACK, question.session, question.opcode, question.offset, data)

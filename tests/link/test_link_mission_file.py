@@ -1,0 +1,224 @@
+"""ArduPilot's fast path: the mission as one file by MAVFTP, verified the same way, with the ordinary way behind it."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from link_pair import HOME, items_of
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.conversations import MissionRefused
+from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer
+from ipoa_mission.link.line import Line, converse
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
+from ipoa_mission.link.messages import FileTransfer, ItemAt, MissionType
+from ipoa_mission.link.mission_file import (
+    MISSION_FILE,
+    FileRefused,
+    pack_mission,
+    read_file,
+    unpack_mission,
+    upload_by_file,
+    write_file,
+)
+from ipoa_mission.link.upload import ReadBackDiffers, Upload
+from ipoa_mission.link.vehicle import Vehicle, meet
+from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Autopilot
+
+ARDUPILOT = Autopilot.ARDUPILOT
+CLIENT = Target(245, 190)
+
+
+def aboard(faults: Faults, seed: int = 0, fast: bool = True, family: Autopilot = ARDUPILOT) -> tuple[Vehicle, Mock]:
+    mock = Mock(family, HOME)
+    line = Line(Loopback(Station(mock), BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1)), Codec(*CLIENT))
+    return meet(line, fast=fast), mock
+
+
+def heard_by(mock: Mock) -> list[object]:
+    heard: list[object] = []
+    original = mock.receive
+
+    def receive(message: object, source: Target, now: float) -> None:
+        heard.append(message)
+        original(message, source, now)  # type: ignore[arg-type]
+
+    mock.receive = receive  # type: ignore[method-assign, assignment]
+    return heard
+
+
+def test_a_mission_goes_as_one_file_and_not_item_by_item() -> None:
+    vehicle, mock = aboard(Faults())
+    heard = heard_by(mock)
+    sent = items_of(ARDUPILOT, 100)
+    told: list[tuple[int, int]] = []
+    vehicle.upload_items(sent, MissionType.MISSION, lambda *at: told.append(at))
+    assert compare(sent, mock.transfers.listed(0), ARDUPILOT) is None
+    assert not any(isinstance(message, ItemAt) for message in heard)
+    assert sum(isinstance(message, FileTransfer) for message in heard) < 50
+    assert told[-1] == (100, 100)
+
+
+def test_on_a_link_of_200_ms_it_is_several_times_as_quick() -> None:
+    took = {}
+    for fast in (True, False):
+        vehicle, _ = aboard(Faults(delay_s=0.2), fast=fast)
+        begun = vehicle.line.channel.now()
+        vehicle.upload_items(items_of(ARDUPILOT, 100), MissionType.MISSION)
+        took[fast] = vehicle.line.channel.now() - begun
+    assert took[True] < took[False] / 3
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_it_is_exact_over_a_bad_radio(seed: int) -> None:
+    vehicle, mock = aboard(Faults(loss=0.3, duplicate=0.1, delay_s=0.3, reorder=0.1), seed)
+    sent = items_of(ARDUPILOT, 60)
+    vehicle.upload_items(sent, MissionType.MISSION)
+    assert compare(sent, mock.transfers.listed(0), ARDUPILOT) is None
+
+
+def test_what_the_vehicle_does_not_like_is_told_by_the_ordinary_way() -> None:
+    vehicle, _ = aboard(Faults())
+    bad = replace(items_of(ARDUPILOT, 5)[4], latitude_deg=95.0)
+    with pytest.raises(MissionRefused, match="at item 4 with INVALID_PARAM5_X"):
+        vehicle.upload_items((*items_of(ARDUPILOT, 4), bad), MissionType.MISSION)
+
+
+def test_a_vehicle_without_the_file_is_served_the_ordinary_way() -> None:
+    vehicle, mock = aboard(Faults())
+    mock._files = FileService(False, 10, mock.transfers.listed, mock.transfers.replace)
+    vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)
+    assert len(mock.transfers.listed(0)) == 5
+
+
+@pytest.mark.parametrize("mute", ["capabilities", "files"])
+def test_a_vehicle_that_does_not_answer_about_files_is_served_the_ordinary_way(mute: str) -> None:
+    vehicle, mock = aboard(Faults())
+    if mute == "capabilities":
+        mock.can_tell = lambda number: False  # type: ignore[method-assign]
+    else:
+        original = mock.receive
+        mock.receive = lambda message, *rest: (  # type: ignore[method-assign]
+            None if isinstance(message, FileTransfer) else original(message, *rest)
+        )
+    vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)
+    assert len(mock.transfers.listed(0)) == 5
+
+
+def test_px4_has_no_such_file() -> None:
+    vehicle, mock = aboard(Faults(), family=Autopilot.PX4)
+    heard = heard_by(mock)
+    vehicle.upload_items(items_of(Autopilot.PX4, 5), MissionType.MISSION)
+    assert not any(isinstance(message, FileTransfer) for message in heard)
+    with pytest.raises(FileRefused, match=r"would not open @MISSION/mission\.dat"):
+        converse(vehicle.line, Target(1, 1), read_file(MISSION_FILE), SPECIFIED)
+
+
+def test_a_file_that_reads_back_differently_is_an_error() -> None:
+    vehicle, mock = aboard(Faults())
+    mock._files = FileService(True, 650, mock.transfers.listed, lambda items: True)
+    job = Upload(items_of(ARDUPILOT, 5), ARDUPILOT)
+    with pytest.raises(ReadBackDiffers):
+        converse(vehicle.line, Target(1, 1), upload_by_file(job), SPECIFIED)
+
+
+def test_silence_says_what_was_asked() -> None:
+    vehicle, mock = aboard(Faults())
+    mock.receive = lambda *anything: None  # type: ignore[method-assign]
+    with pytest.raises(NoAnswer, match="when asked to reset the file service"):
+        converse(vehicle.line, Target(1, 1), write_file("x", b"y"), SPECIFIED)
+
+
+# --- the file -------------------------------------------------------------------------------------------------------
+
+ITEMS = st.builds(
+    Item,
+    st.integers(0, 65535),
+    st.sampled_from([0, 2, 3, 5, 6, 10]),
+    st.tuples(*[st.floats(width=32, allow_nan=False)] * 4),
+    st.integers(-90, 90).map(float),
+    st.integers(-180, 180).map(float),
+    st.floats(width=32, allow_nan=False),
+    st.booleans(),
+)
+
+
+@settings(max_examples=60)
+@given(st.lists(ITEMS, max_size=8))
+def test_a_file_reads_back_as_it_was_packed(items: list[Item]) -> None:
+    assert unpack_mission(pack_mission(items)) == tuple(items)
+
+
+@settings(max_examples=200)
+@given(st.binary(max_size=120), st.booleans())
+def test_what_is_no_mission_file_is_an_error(data: bytes, like: bool) -> None:
+    file = b"\x3d\x76" + data if like else data
+    if len(file) >= 10 and file[:2] == b"\x3d\x76" and len(file) == 10 + 38 * int.from_bytes(file[8:10], "little"):
+        assert len(unpack_mission(file)) == file[8]
+    else:
+        with pytest.raises(MissionError, match="mission file: expected"):
+            unpack_mission(file)
+
+
+# --- the service ----------------------------------------------------------------------------------------------------
+
+
+def service() -> FileService:
+    return FileService(True, 3, lambda kind: (), lambda items: True)
+
+
+def ask(one: FileService, *questions: FileMessage, client: Target = CLIENT) -> FileMessage:
+    for question in questions:
+        answer = unpack(one.answer(question.pack(), client))
+    return answer
+
+
+OPEN = FileMessage(0, Opcode.CREATE_FILE, data=MISSION_FILE.encode())
+
+REFUSALS = [
+    (FileMessage(0, 99), FileError.UNKNOWN_COMMAND),
+    (FileMessage(0, Opcode.OPEN_FILE_RO, data=b"@PARAM/param.pck"), FileError.FILE_NOT_FOUND),
+    (FileMessage(0, Opcode.READ_FILE), FileError.INVALID_SESSION),
+    (FileMessage(0, Opcode.WRITE_FILE, data=b"x"), FileError.INVALID_SESSION),
+]
+
+
+@pytest.mark.parametrize(("question", "error"), REFUSALS, ids=lambda value: str(value)[:30])
+def test_the_service_refuses_with_the_right_error(question: FileMessage, error: FileError) -> None:
+    answer = ask(service(), question)
+    assert (answer.opcode, answer.data[0], answer.sequence) == (Opcode.NAK, error, 1)
+
+
+@pytest.mark.parametrize("offset", [5, 10**6])
+def test_a_gap_or_an_endless_file_is_refused(offset: int) -> None:
+    piece = FileMessage(2, Opcode.WRITE_FILE, offset=offset, data=b"x")
+    assert ask(service(), OPEN, piece).opcode == Opcode.NAK
+
+
+def test_a_broken_file_is_refused_at_its_close() -> None:
+    piece = FileMessage(2, Opcode.WRITE_FILE, data=b"nonsense")
+    assert ask(service(), OPEN, piece, FileMessage(4, Opcode.TERMINATE_SESSION)).opcode == Opcode.NAK
+
+
+def test_a_repeated_question_gets_its_answer_again_and_is_done_once() -> None:
+    one = service()
+    ask(one, OPEN, piece := FileMessage(2, Opcode.WRITE_FILE, data=pack_mission(())))
+    taken = FileMessage(4, Opcode.TERMINATE_SESSION)
+    assert ask(one, piece, taken, taken).opcode == Opcode.ACK
+
+
+def test_a_flood_of_clients_does_not_grow_without_bound() -> None:
+    one = service()
+    for n in range(100):
+        ask(one, OPEN, client=Target(n, 1))
+    assert len(one._sessions) <= MOST_CLIENTS
+    assert LONGEST_DATA == 239
