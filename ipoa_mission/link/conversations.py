@@ -31,6 +31,8 @@ Take = Callable[[int, ItemAt], int]
 DOUBTFUL = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
 #: How long to wait for the next request after a doubtful refusal; both firmwares ask again every second or sooner.
 GRACE_S = 3.0
+#: How long the final Ack is waited for before the read-back settles it.
+ENDING_S = 3.0
 #: The words that explain a refusal come before it or just behind it.
 WORDS_S = 0.3
 
@@ -93,7 +95,7 @@ def offer(
         try:
             heard = yield step
         except NoAnswer as silence:
-            if asked == len(items) - 1 and items:
+            if asked == len(items) - 1 and items:  # a client that sends no final Ack (MAVProxy)
                 return doubt
             if doubt is not None:
                 raise MissionRefused(doubt, kind, max(asked, 0), str(overheard)) from None
@@ -105,6 +107,9 @@ def offer(
                 doubt = None
                 progress(seq, len(items))
                 step = Tell(ItemAt(seq, items[seq], kind))
+                if in_order and seq == len(items) - 1:
+                    yield Remark(step.message)
+                    step = Pause(ENDING_S)
             case Ack(Result.ACCEPTED, k) if k == kind:
                 if asked == len(items) - 1 or not in_order:
                     progress(len(items), len(items))

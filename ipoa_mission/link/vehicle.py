@@ -12,7 +12,7 @@ from typing import TypeVar
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import open_channel
-from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.codec import Codec, Heard, Target
 from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.line import Line, converse
@@ -26,6 +26,7 @@ from ipoa_mission.link.messages import (
     Heartbeat,
     Message,
     MissionType,
+    Ping,
 )
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
 from ipoa_mission.link.signing import Signer
@@ -64,7 +65,7 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
     found: dict[int, Found] = {}
     until = line.channel.now() + seconds
     while line.channel.now() < until:
-        found |= _autopilots(line, until)
+        found |= _autopilots(line.receive(until))
     return tuple(found[system] for system in sorted(found))
 
 
@@ -102,16 +103,23 @@ def open_line(url: str, log: Path | None = None, signer: Signer | None = None) -
 
 
 def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True) -> "Vehicle":
-    """The vehicle on a line: the one with this system id, or the only one."""
+    """The vehicle on a line: the one with this system id, or the only one.
+
+    While it listens for others it pings, so that the first timers already know how slow the link is.
+    """
     found: dict[int, Found] = {}
+    trips: dict[int, float] = {}
     until = line.channel.now() + PRESENCE_S
     while line.channel.now() < until:
         was_alone = not found
-        found |= _autopilots(line, until)
+        heard = line.receive(until)
+        found |= _autopilots(heard)
+        trips |= _round_trips(heard, line.channel.now())
         if system is not None and system in found:
             return Vehicle(line, found[system], patience, fast)
         if system is None and found and was_alone:
             until = line.channel.now() + OTHERS_S
+            line.send(Ping(round(line.channel.now() * 1e6), 0))
     if system is not None:
         others = f"; heard: {', '.join(map(str, sorted(found)))}" if found else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
@@ -121,23 +129,40 @@ def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED, 
         raise MissionError(
             f"several vehicles are heard: {', '.join(map(str, sorted(found)))}", hint="choose one by its system id"
         )
-    return Vehicle(line, found.popitem()[1], patience, fast)
+    one = found.popitem()[1]
+    return Vehicle(line, one, patience, fast, trips.get(one.system))
 
 
-def _autopilots(line: Line, until: float) -> dict[int, Found]:
+def _autopilots(heard: Iterable[Heard]) -> dict[int, Found]:
     return {
-        heard.system: Found(heard.system, beat.autopilot, beat.armed, beat.system_status >= STANDBY)
-        for heard in line.receive(until)
-        if isinstance(beat := heard.message, Heartbeat)
-        and heard.component == AUTOPILOT_COMPONENT
+        one.system: Found(one.system, beat.autopilot, beat.armed, beat.system_status >= STANDBY)
+        for one in heard
+        if isinstance(beat := one.message, Heartbeat)
+        and one.component == AUTOPILOT_COMPONENT
         and beat.autopilot != Firmware.INVALID
+    }
+
+
+def _round_trips(heard: Iterable[Heard], now: float) -> dict[int, float]:
+    """How long ago those who answer our ping were asked [s]."""
+    return {
+        one.system: max(now - one.message.time_usec / 1e6, 0.0)
+        for one in heard
+        if isinstance(one.message, Ping) and one.target.system != 0 and one.component == AUTOPILOT_COMPONENT
     }
 
 
 class Vehicle:
     """One vehicle on a line; `close` it, or use it with `with`."""
 
-    def __init__(self, line: Line, found: Found, patience: Patience = SPECIFIED, fast: bool = True) -> None:
+    def __init__(
+        self,
+        line: Line,
+        found: Found,
+        patience: Patience = SPECIFIED,
+        fast: bool = True,
+        round_trip_s: float | None = None,
+    ) -> None:
         self.line = line
         self.system = found.system
         self.autopilot = found.autopilot
@@ -146,6 +171,8 @@ class Vehicle:
         self._capabilities: int | None = None
         self._patience = patience
         self._tempo = Tempo(patience)
+        if round_trip_s is not None:
+            self._tempo.sample(round_trip_s)
         self._logbook = Logbook(0, self._first)
         self._lands = True
 
@@ -283,5 +310,5 @@ class Vehicle:
         while not self._ready and self.autopilot is Autopilot.ARDUPILOT:
             if self.line.channel.now() >= until:
                 raise NoAnswer(f"the vehicle has not finished its start-up within {STARTUP_S:g} s")
-            for found in _autopilots(self.line, until).values():
+            for found in _autopilots(self.line.receive(until)).values():
                 self._ready = self._ready or (found.system == self.system and found.is_ready)

@@ -125,6 +125,18 @@ def test_silence_after_the_last_item_is_not_known_to_be_a_failure() -> None:
     assert talk.exchange.result is None
 
 
+def test_the_last_item_is_given_again_if_it_is_asked_for_again() -> None:
+    talk = Talk(offer(ITEMS, 0)).hear(Request(0), Request(1), Request(2))
+    _ = talk.said
+    assert talk.hear(Request(2)).said == [item(2)]
+    assert talk.hear(Ack(0)).exchange.result == Result.ACCEPTED
+
+
+def test_a_vehicle_whose_client_says_no_final_word_is_done_all_the_same() -> None:
+    talk = Talk(offer(ITEMS, 0, Tell)).hear(Request(0), Request(1), Request(2)).wait(FAR)
+    assert talk.exchange.result is None
+
+
 def test_silence_before_it_says_how_far_the_transfer_came() -> None:
     talk = Talk(offer(ITEMS, 0)).hear(Request(0), Request(1))
     with pytest.raises(NoAnswer, match="after 1 of 3 items of the mission"):
