@@ -1,7 +1,7 @@
 """Table 8: the flight over the campus, planned as the paper plans, flown by the built-in autopilot, and estimated.
 
-The paper flies on RflySim over a model of Dalian University that is not published; this is `missions/campus.toml`, a
-campus of our own with start and goal as far apart, at the same 15 m/s.
+The paper flies on RflySim over a model of Dalian University that is not published; `missions/paper/campus.toml` is a
+campus of our own with start and goal as far apart, at the same 15 m/s, in straight legs between waypoints.
 """
 
 from pathlib import Path
@@ -23,7 +23,7 @@ from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
 
-SCENARIO = Path(__file__).parents[2] / "missions" / "campus.toml"
+SCENARIO = Path(__file__).parents[2] / "missions" / "paper" / "campus.toml"
 
 
 def campus_scenario() -> Scenario:
