@@ -85,11 +85,12 @@ def arm(attempts: int = ARMING_S) -> Dialogue[None]:
     Raises:
         CommandRefused: it will not, and says why.
     """
-    for attempt in range(1, attempts + 1):
+    while True:
+        attempts -= 1
         result, words = yield from command(COMPONENT_ARM_DISARM, 1.0)
         if result == CommandResult.ACCEPTED:
             return
-        if attempt == attempts:
+        if attempts <= 0:
             raise CommandRefused("arm", result, words)
         heard = yield Pause(1.0)
         while heard is not None:

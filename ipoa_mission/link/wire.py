@@ -127,26 +127,32 @@ def _numbered(params: tuple[float, ...]) -> dict[str, float]:
 
 
 def _e7(latitude_deg: float, longitude_deg: float) -> tuple[int, int]:
-    return coordinate(latitude_deg, Frame.GLOBAL), coordinate(longitude_deg, Frame.GLOBAL)
+    return saturated(latitude_deg * 1e7), saturated(longitude_deg * 1e7)
 
 
 def _millis(seconds: float) -> int:
     return round(seconds * 1000) & 0xFFFFFFFF
 
 
+def saturated(value: float, bits: int = 32) -> int:
+    """Telemetry never fails: what does not fit a signed integer is told as its end, NaN as 0."""
+    most = 2 ** (bits - 1) - 1
+    return 0 if math.isnan(value) else round(min(max(value, -most), most))
+
+
 def _write_position(p: m.Position) -> Fields:
     lat, lon = _e7(p.latitude_deg, p.longitude_deg)
-    vx, vy, vz = (round(v * 100) for v in p.velocity)
+    vx, vy, vz = (saturated(v * 100, 16) for v in p.velocity)
     return {
         "time_boot_ms": _millis(p.time_s),
         "lat": lat,
         "lon": lon,
-        "alt": round(p.altitude * 1000),
-        "relative_alt": round(p.height * 1000),
+        "alt": saturated(p.altitude * 1000),
+        "relative_alt": saturated(p.height * 1000),
         "vx": vx,
         "vy": vy,
         "vz": vz,
-        "hdg": round(math.degrees(p.yaw) * 100) % 36000,
+        "hdg": saturated(math.degrees(p.yaw) * 100) % 36000,
     }
 
 
@@ -168,7 +174,7 @@ def _write_home(h: m.HomePosition) -> Fields:
     return {
         "latitude": lat,
         "longitude": lon,
-        "altitude": round(h.altitude * 1000),
+        "altitude": saturated(h.altitude * 1000),
         **zeros,
         "q": [1.0, 0.0, 0.0, 0.0],
     }
@@ -176,7 +182,7 @@ def _write_home(h: m.HomePosition) -> Fields:
 
 def _write_origin(o: m.GlobalOrigin) -> Fields:
     lat, lon = _e7(o.latitude_deg, o.longitude_deg)
-    return {"latitude": lat, "longitude": lon, "altitude": round(o.altitude * 1000)}
+    return {"latitude": lat, "longitude": lon, "altitude": saturated(o.altitude * 1000)}
 
 
 def _write_gps(g: m.Gps) -> Fields:
@@ -186,10 +192,10 @@ def _write_gps(g: m.Gps) -> Fields:
         "fix_type": g.fix_type,
         "lat": lat,
         "lon": lon,
-        "alt": round(g.altitude * 1000),
+        "alt": saturated(g.altitude * 1000),
         "eph": 80,
         "epv": 120,
-        "vel": round(g.speed * 100),
+        "vel": saturated(g.speed * 100, 16),
         "cog": 0xFFFF,
         "satellites_visible": g.satellites_visible,
     }

@@ -7,7 +7,7 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target, message_name
 from ipoa_mission.link.events import event_number, words_of
 from ipoa_mission.link.messages import CommandResult, Message, MissionType
-from ipoa_mission.mission.items import Command
+from ipoa_mission.mission.items import Command, Item
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
@@ -55,6 +55,7 @@ class Autopilot:
         self._told_reached = 0
         self._told_state: tuple[object, ...] = ()
         self._unflyable: str | None = None
+        self._flown: tuple[Item, ...] = ()  # what the flight was given: without home, and only when it is complete
         self._idle_mode: int | None = None
         self._commands = _commands(self)
 
@@ -181,7 +182,8 @@ class Autopilot:
             self._unflyable = infeasibility(items, self.flight.home, self.table.values)
         if self._unflyable:
             self._say(m.Event(event_number(f"navigator_mis_{self._unflyable}"), 0x33), EVERYONE)
-        self.flight.load(() if self._unflyable else items)
+        self._flown = () if self._unflyable else tuple(items)
+        self.flight.load(self._flown)
 
     # --- orders -----------------------------------------------------------------------------------------------------
 
@@ -237,11 +239,9 @@ class Autopilot:
 
     def begin_mission(self) -> CommandResult:
         """Command 300, or PX4's mission mode: fly the mission from where it stands."""
-        items = self.transfers.listed(MissionType.MISSION)[self._first :]
-        if not items or self._unflyable:
+        if not self._flown:
             return CommandResult.DENIED
-        lacks_takeoff = self.flight.landed and items[0].command != Command.NAV_TAKEOFF
-        if self.habits.missing_takeoff_text and lacks_takeoff and not self._has_takeoff_first():
+        if self.habits.missing_takeoff_text and self.flight.landed and not self._has_takeoff_first():
             self._text(CRITICAL, self.habits.missing_takeoff_text)
             return CommandResult.FAILED
         if self.flight.mode is not FlightMode.MISSION or self.flight.mission_state is not MissionState.ACTIVE:
@@ -250,8 +250,7 @@ class Autopilot:
 
     def _has_takeoff_first(self) -> bool:
         """Whether the first command that moves the vehicle is a take-off; DO items may stand before it."""
-        items = self.transfers.listed(MissionType.MISSION)[self._first :]
-        flown = (item.command for item in items if item.command < 95)
+        flown = (item.command for item in self._flown if item.command < 95)
         return next(flown, None) == Command.NAV_TAKEOFF
 
     def set_mode(self, params: Sequence[float]) -> CommandResult:
@@ -260,6 +259,8 @@ class Autopilot:
         return self._set_mode(main if self.habits.home_is_item_0 else (main & 0xFF) << 16 | (sub & 0xFF) << 24)
 
     def _set_mode(self, custom_mode: int) -> CommandResult:
+        if not 0 <= custom_mode < 2**32:
+            return CommandResult.DENIED
         modes = {number: mode for mode, number in self.habits.modes.items()}
         mode = modes.get(custom_mode)
         if mode is FlightMode.MISSION:
@@ -275,8 +276,7 @@ class Autopilot:
 
     def _go_to(self, seq: int) -> bool:
         index = seq - self._first
-        count = len(self.transfers.listed(MissionType.MISSION)) - self._first
-        if not 0 <= index < count or self._unflyable:
+        if not 0 <= index < len(self._flown):
             return False
         self.flight.set_current(index)
         self._say(self._current(), EVERYONE)

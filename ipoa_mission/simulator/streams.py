@@ -18,6 +18,7 @@ from ipoa_mission.link.messages import (
     SystemStatus,
     SystemTime,
 )
+from ipoa_mission.link.wire import saturated
 from ipoa_mission.simulator.flight import Flight
 
 #: Seconds between two messages of a kind.
@@ -36,7 +37,7 @@ INTERVALS_S: Mapping[str, float] = MappingProxyType(
         "HOME_POSITION": 5.0,
     }
 )
-FASTEST_S = 0.01
+FASTEST_S, SLOWEST_S = 0.01, 2000.0
 
 GYRO, ACCEL, MAG, PRESSURE, GPS = 1, 2, 4, 8, 32
 GEOFENCE, AHRS, BATTERY, PREARM = 0x100000, 0x200000, 0x2000000, 0x10000000
@@ -58,7 +59,8 @@ class Schedule:
         if interval_us < 0:
             self._due[name] = math.inf
         else:
-            self._intervals[name] = max(interval_us / 1e6, FASTEST_S) if interval_us else INTERVALS_S[name]
+            wanted_s = interval_us / 1e6 if interval_us else INTERVALS_S[name]
+            self._intervals[name] = min(max(wanted_s, FASTEST_S), SLOWEST_S)
             self._due[name] = now + self._intervals[name]
         return True
 
@@ -109,7 +111,7 @@ def _gps(flight: Flight, now: float) -> Gps:
 def _hud(flight: Flight, now: float) -> Hud:
     east, north, up = flight.velocity
     speed = math.hypot(east, north)
-    heading = round(math.degrees(flight.yaw)) % 360
+    heading = saturated(math.degrees(flight.yaw)) % 360
     return Hud(speed, speed, heading, 50 if flight.armed else 0, flight.position.altitude, float(up))
 
 
@@ -140,4 +142,4 @@ def status(is_ready: bool) -> SystemStatus:
 
 
 def _half_turn(angle: float) -> float:
-    return math.remainder(angle, 2 * math.pi)
+    return math.remainder(angle, 2 * math.pi) if math.isfinite(angle) else 0.0
