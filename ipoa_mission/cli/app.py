@@ -8,43 +8,61 @@ import sys
 
 import typer
 
-from ipoa_mission.cli import checking, comparing, creating, flying, linking, planning, reproducing, showing, telling
+from ipoa_mission.cli import (
+    checking,
+    comparing,
+    creating,
+    flying,
+    linking,
+    mocking,
+    planning,
+    reproducing,
+    showing,
+    telling,
+    verbosity,
+)
 from ipoa_mission.errors import MissionError
 
 app = typer.Typer(
     name="ipoa-mission",
-    help="Plan an obstacle-free flight, write it as a QGroundControl mission, upload it, know how long it will fly.",
-    no_args_is_help=True,
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for verb in (
-    creating.new,
-    planning.plan,
-    checking.check,
-    checking.estimate,
-    showing.show,
-    showing.export,
-    linking.scan,
-    linking.upload,
-    linking.download,
-    linking.clear,
-    flying.fly,
-    flying.mock,
-    comparing.compare,
-    reproducing.reproduce,
-    planning.schema,
-):
-    app.command()(verb)
+app.callback(no_args_is_help=True)(verbosity.before_the_verb)
+
+#: The verbs as `--help` shows them.
+VERBS = {
+    "Plan and look": (
+        creating.new,
+        planning.plan,
+        checking.check,
+        checking.estimate,
+        showing.show,
+        showing.export,
+    ),
+    "Fly": (flying.fly, mocking.mock, comparing.compare),
+    "The mission on a vehicle": (
+        linking.scan,
+        linking.upload,
+        linking.download,
+        linking.set_current,
+        linking.clear,
+    ),
+    "More": (reproducing.reproduce, planning.schema),
+}
+for heading, verbs in VERBS.items():
+    for verb in verbs:
+        app.command(rich_help_panel=heading)(verb)
 
 
 def main() -> None:
     """Run the command line; a mistake of the user is told in words, without a traceback."""
+    telling.speak_anywhere()
     try:
-        app()
+        app(prog_name="ipoa-mission")
     except MissionError as error:
-        telling.tell_error(error)
+        telling.tell_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)
 
 

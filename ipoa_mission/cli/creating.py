@@ -1,11 +1,13 @@
 """`new`: a first scenario from a few answers, or from a map."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.telling import tell
+from ipoa_mission.cli.options import JsonOption
+from ipoa_mission.cli.telling import tell, tell_json
 
 GivenOption = Annotated[
     list[str] | None, typer.Option("--answer", metavar="KEY=VALUE", help="Answer a question beforehand. Repeatable.")
@@ -23,9 +25,10 @@ def new(
     ] = None,
     answer: GivenOption = None,
     yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="Ask nothing: take what the map and the defaults say.")
+        bool, typer.Option("--yes", "-y", metavar="", help="Ask nothing: take what the map and the defaults say.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Write over a file that is there.")] = False,
+    force: Annotated[bool, typer.Option("--force", metavar="", help="Write over a file that is there.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Write a commented scenario file, from a few questions or from a map.
 
@@ -46,7 +49,12 @@ def new(
     if not yes:
         for question in QUESTIONS:
             if question.key not in answers:
-                answers[question.key] = typer.prompt(f"{question.words} ({question.form})", default=question.default)
+                answers[question.key] = typer.prompt(
+                    f"{question.words} ({question.form})", default=question.default, err=True
+                )
                 question.check(question.key, answers[question.key])
     write_atomically(target, new_scenario(answers, target, buildings, elevation))
-    tell(f"written: {target}", f"plan it: ipoa-mission plan {target}")
+    if as_json:
+        tell_json({"written": str(target), "answers": answers})
+    else:
+        tell(f"written: {target}", f"plan it: ipoa-mission plan {shlex.quote(str(target))}")

@@ -1,11 +1,14 @@
 """The main job in order: scenario -> plan -> mission -> estimate -> files. `plan` and `fly` begin with it."""
 
 import json
+import logging
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.cli.folders import make_folder
+from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.summary import summarise
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.energy.flight import Consumption
@@ -23,6 +26,8 @@ from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.vehicle import Autopilot, Parameters
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -81,8 +86,11 @@ def prepare(
 
 def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] | None = None) -> PlannedJob:
     """Plan, assemble, check, estimate, and see that the battery lasts; what fails does not come out."""
-    with progress_bar("planning") as show:
+    world = scenario.airspace
+    log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
+    with left_behind("nothing was written"), progress_bar("planning") as show:
         plan = plan_path(scenario, seed, show)
+    log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     mission = assemble(plan, scenario)
     warnings = refuse_errors(check_mission(mission, scenario))
     known = {**scenario.vehicle.autopilot_parameters(), **(parameters or {})}
@@ -120,7 +128,7 @@ def write_files(job: PlannedJob, folder: Path) -> list[Path]:
 
     A `.waypoints` file holds neither fence nor rally points; the remarks of the job say so.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     plan, waypoints, summary = (folder / f"{job.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
     write_plan(job.mission, plan)
     write_waypoints(job.mission, waypoints)

@@ -1,12 +1,15 @@
-"""`upload`, `download` and `scan`: the vehicle at the other end of a link."""
+"""`scan`, `upload`, `download`, `clear` and `set-current`: the mission on a vehicle at the other end of a link."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
     AnywayOption,
+    AutopilotOption,
+    BackendOption,
     FileArgument,
     JsonOption,
     KeyOption,
@@ -14,38 +17,38 @@ from ipoa_mission.cli.options import (
     LogOption,
     SystemOption,
 )
-from ipoa_mission.cli.telling import progress_bar, tell, tell_json
-
-if TYPE_CHECKING:
-    from ipoa_mission.link.signing import Signer
-    from ipoa_mission.link.vehicle import Vehicle
-    from ipoa_mission.mission.items import Mission
+from ipoa_mission.cli.telling import notes, tell, tell_json
+from ipoa_mission.cli.vehicles import Backend, connect_to, get, put
 
 
 def upload(
     file: FileArgument,
     link: LinkOption,
     system: SystemOption = None,
+    autopilot: AutopilotOption = None,
     log: LogOption = None,
     key: KeyOption = None,
+    backend: BackendOption = Backend.BUILTIN,
     anyway: AnywayOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Put a mission on a vehicle, read it back and compare every item; fence and rally points go with it.
 
+    First it is checked as this vehicle's firmware would meet it, and the vehicle's home is held against the mission's.
+
     Example: `ipoa-mission upload campus.plan --link udpin:127.0.0.1:14550`
     """
     from ipoa_mission.mission.files import read_mission
 
-    mission = read_mission(file)
-    with connect_to(link, system, log or file.with_suffix(".tlog"), key) as vehicle:
-        put(mission, vehicle, anyway)
-        if as_json:
-            tell_json({"system": vehicle.system, "autopilot": str(vehicle.autopilot), "items": len(mission.items)})
-        else:
-            tell(
-                f"{len(mission.items)} items are on vehicle {vehicle.system} ({vehicle.autopilot}), read back and equal"
-            )
+    mission = read_mission(file, autopilot)
+    with connect_to(link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog")) as vehicle:
+        remarks = put(mission, vehicle, anyway)
+        name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
+        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+    if as_json:
+        tell_json(told | {"items": len(mission.items), "remarks": list(remarks)})
+    else:
+        tell(f"{len(mission.items)} items are on {name}, read back and equal", *notes(remarks))
 
 
 def download(
@@ -54,34 +57,88 @@ def download(
     system: SystemOption = None,
     log: LogOption = None,
     key: KeyOption = None,
+    backend: BackendOption = Backend.BUILTIN,
+    as_json: JsonOption = False,
 ) -> None:
     """Read the mission on a vehicle, with its fence and rally points, into a file.
 
     Example: `ipoa-mission download vehicle.plan --link tcp:127.0.0.1:5760`
     """
+    from ipoa_mission.errors import BadInput
     from ipoa_mission.mission.files import write_mission
 
-    with connect_to(link, system, log or file.with_suffix(".tlog"), key) as vehicle, progress_bar("download") as show:
-        mission = vehicle.download(lambda done, total: show(done / max(total, 1), f"{done} of {total}"))
-    left_out = write_mission(mission, file)
-    tell(f"{len(mission.items)} items written to {file}", *left_out)
+    if file.suffix not in (".plan", ".waypoints"):
+        raise BadInput(f'{file}: expected a name that ends in .plan or .waypoints, not in "{file.suffix}"')
+    usual = file.with_name(f"{file.stem}-download.tlog")
+    with (
+        left_behind("nothing was written"),
+        connect_to(link, system, key, backend, log, usual) as vehicle,
+    ):
+        mission = get(vehicle)
+        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+    remarks = write_mission(mission, file)
+    if as_json:
+        counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
+        tell_json(told | counts | {"written": str(file), "remarks": list(remarks)})
+    else:
+        tell(f"{len(mission.items)} items written to {file}", *notes(remarks))
 
 
-def clear(link: LinkOption, log: LogOption = None, system: SystemOption = None, key: KeyOption = None) -> None:
+def clear(
+    link: LinkOption,
+    system: SystemOption = None,
+    log: LogOption = None,
+    key: KeyOption = None,
+    as_json: JsonOption = False,
+) -> None:
     """Have a vehicle forget its mission, fence and rally points.
 
     Example: `ipoa-mission clear --link udpin:127.0.0.1:14550`
     """
+    from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.link.messages import MissionType
+    from ipoa_mission.link.vehicle import connect
 
-    with connect_to(link, system, log or Path("clear.tlog"), key) as vehicle:
+    with (
+        left_behind("the vehicle may have forgotten some of its lists", hint="the same command goes on"),
+        connect(link, system, log or Path("clear.tlog"), signer_of(key)) as vehicle,
+    ):
         vehicle.clear(MissionType.ALL)
+    if as_json:
+        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        tell_json(told | {"cleared": ["mission", "fence", "rally"]})
+    else:
         tell(f"vehicle {vehicle.system} ({vehicle.autopilot}) has no mission, fence or rally points now")
+
+
+def set_current(
+    item: Annotated[int, typer.Argument(metavar="N", min=1, help="The item to go on with, as `show` numbers it.")],
+    link: LinkOption,
+    system: SystemOption = None,
+    log: LogOption = None,
+    key: KeyOption = None,
+    backend: BackendOption = Backend.BUILTIN,
+    as_json: JsonOption = False,
+) -> None:
+    """Have a vehicle go on with another item of its mission.
+
+    Items are numbered as in a file, where home is 0 and the first item is 1.
+
+    Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
+    """
+    with connect_to(link, system, key, backend, log, Path("set-current.tlog")) as vehicle:
+        with left_behind("the vehicle may go on with either item"):
+            vehicle.set_current(item - 1)
+        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+    if as_json:
+        tell_json(told | {"current": item})
+    else:
+        tell(f"vehicle {vehicle.system} ({vehicle.autopilot}) goes on with item {item}")
 
 
 def scan(
     link: LinkOption,
-    seconds: Annotated[float, typer.Option("--seconds", min=0.1, help="How long to listen.")] = 3.0,
+    seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="How long to listen.")] = 3.0,
     as_json: JsonOption = False,
 ) -> None:
     """Name the autopilots that are heard on a link.
@@ -91,47 +148,13 @@ def scan(
     from ipoa_mission.link.vehicle import open_line
     from ipoa_mission.link.vehicle import scan as listen
 
-    line = open_line(link)
-    try:
+    with open_line(link) as line:
         found = listen(line, seconds)
-    finally:
-        line.close()
     if as_json:
-        tell_json([{"system": one.system, "autopilot": str(one.autopilot)} for one in found])
+        tell_json([{"system": one.system, "autopilot": str(one.autopilot), "armed": one.armed} for one in found])
+    elif found:
+        tell(*(f"system {one.system}: {one.autopilot}{', armed' if one.armed else ''}" for one in found))
     else:
-        tell(*(f"system {one.system}: {one.autopilot}" for one in found) if found else ["nobody is heard"])
+        tell(f"nobody is heard on {link} within {seconds:g} s")
     if not found:
         raise typer.Exit(1)
-
-
-def connect_to(link: str, system: int | None, log: Path, key: Path | None) -> "Vehicle":
-    """The vehicle on a link; every frame goes to `log`."""
-    from ipoa_mission.link.vehicle import connect
-
-    return connect(link, system, log, signer_of(key))
-
-
-def signer_of(key: Path | None) -> "Signer | None":
-    """Who signs with the key in a file; its timestamps go on growing in a file beside it."""
-    if key is None:
-        return None
-    from ipoa_mission.link.signing import persistent_signer, read_key
-
-    return persistent_signer(read_key(key), key.with_name(f"{key.name}.timestamp"))
-
-
-def put(mission: "Mission", vehicle: "Vehicle", anyway: bool) -> None:
-    """Check a mission as the vehicle's own firmware would meet it, and upload it.
-
-    Raises:
-        Unsafe: it would crash or be refused, and `anyway` does not say to send it all the same.
-    """
-    from dataclasses import replace
-
-    from ipoa_mission.mission.check import check_mission
-    from ipoa_mission.mission.unsafe import refuse_errors
-
-    if not anyway:
-        refuse_errors(check_mission(replace(mission, autopilot=vehicle.autopilot)))
-    with progress_bar("upload") as show:
-        vehicle.upload(mission, lambda done, total: show(done / max(total, 1), f"{done} of {total}"))

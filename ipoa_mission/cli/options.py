@@ -5,8 +5,13 @@ from typing import Annotated, TypeAlias
 
 import typer
 
+from ipoa_mission.cli.vehicles import Backend
 from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicle import Autopilot
+
+#: Headings under which `--help` gathers options.
+ON_THE_LINK = "The link"
+BAD_LINK = "A worse link than there is, to see what happens"
 
 ScenarioArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML).")]
 FileArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="FILE", help="Mission file: .plan or .waypoints.")]
@@ -24,7 +29,9 @@ OptimizerOption: TypeAlias = Annotated[
 PlannerOption: TypeAlias = Annotated[
     str | None, typer.Option("--planner", metavar="NAME", help="default, or paper: the algorithm as printed.")
 ]
-PolishOption: TypeAlias = Annotated[bool, typer.Option("--polish/--no-polish", help="Refine the best paths found.")]
+PolishOption: TypeAlias = Annotated[
+    bool, typer.Option("--polish/--no-polish", metavar="", help="Refine the best paths found.")
+]
 AutopilotOption: TypeAlias = Annotated[
     Autopilot | None,
     typer.Option("--autopilot", help="Firmware that flies it; left out, what the file says (.waypoints: px4)."),
@@ -37,24 +44,91 @@ ParameterFileOption: TypeAlias = Annotated[
 ]
 LinkOption: TypeAlias = Annotated[
     str,
-    typer.Option("--link", metavar="URL", help="udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD."),
+    typer.Option(
+        "--link",
+        metavar="URL",
+        rich_help_panel=ON_THE_LINK,
+        help="udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD.",
+    ),
+]
+VehicleOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--link",
+        metavar="URL",
+        rich_help_panel=ON_THE_LINK,
+        help="A real vehicle, like udpin:127.0.0.1:14550; left out, the built-in autopilot.",
+    ),
 ]
 SystemOption: TypeAlias = Annotated[
     int | None,
-    typer.Option("--system", metavar="N", min=1, max=255, help="The vehicle's system id, if there are several."),
+    typer.Option(
+        "--system",
+        metavar="N",
+        min=1,
+        max=255,
+        rich_help_panel=ON_THE_LINK,
+        help="The vehicle's system id, if there are several.",
+    ),
 ]
 LogOption: TypeAlias = Annotated[
-    Path | None, typer.Option("--log", metavar="FILE", help="Where the .tlog goes; left out, beside the mission file.")
+    Path | None,
+    typer.Option(
+        "--log",
+        metavar="FILE",
+        rich_help_panel=ON_THE_LINK,
+        help="Where every frame goes (.tlog); left out, beside the mission file, named after the verb.",
+    ),
 ]
 KeyOption: TypeAlias = Annotated[
     Path | None,
-    typer.Option("--key", metavar="FILE", envvar="IPOA_MISSION_KEY", help="Sign MAVLink with the key in this file."),
+    typer.Option(
+        "--key",
+        metavar="FILE",
+        envvar="IPOA_MISSION_KEY",
+        rich_help_panel=ON_THE_LINK,
+        help="Sign MAVLink with the key in this file; or set IPOA_MISSION_PASSPHRASE.",
+    ),
+]
+BackendOption: TypeAlias = Annotated[
+    Backend, typer.Option("--backend", rich_help_panel=ON_THE_LINK, help="Who speaks MAVLink for us.")
 ]
 AnywayOption: TypeAlias = Annotated[
-    bool, typer.Option("--anyway", help="Send a mission that fails the checks. You have been told.")
+    bool,
+    typer.Option(
+        "--anyway",
+        metavar="",
+        rich_help_panel=ON_THE_LINK,
+        help="Send what fails the checks, or takes off somewhere else. You have been told.",
+    ),
 ]
-ReportOption: TypeAlias = Annotated[bool, typer.Option("--report", help="Also write NAME.html, a page that shows it.")]
-JsonOption: TypeAlias = Annotated[bool, typer.Option("--json", help="Print the result as JSON, for machines.")]
+LossOption: TypeAlias = Annotated[
+    float,
+    typer.Option("--loss", metavar="SHARE", min=0, max=1, rich_help_panel=BAD_LINK, help="Of frames that get lost."),
+]
+DuplicateOption: TypeAlias = Annotated[
+    float,
+    typer.Option(
+        "--duplicate", metavar="SHARE", min=0, max=1, rich_help_panel=BAD_LINK, help="Of frames that come twice."
+    ),
+]
+DelayOption: TypeAlias = Annotated[
+    float, typer.Option("--delay", metavar="S", min=0, rich_help_panel=BAD_LINK, help="Seconds that a frame takes.")
+]
+ReorderOption: TypeAlias = Annotated[
+    float,
+    typer.Option("--reorder", metavar="SHARE", min=0, max=1, rich_help_panel=BAD_LINK, help="Of frames held back."),
+]
+NakOption: TypeAlias = Annotated[
+    int | None,
+    typer.Option("--nak-at", metavar="N", min=0, rich_help_panel=BAD_LINK, help="Refuse the item of this number."),
+]
+ReportOption: TypeAlias = Annotated[
+    bool, typer.Option("--report", metavar="", help="Also write NAME.html, a page that shows it.")
+]
+JsonOption: TypeAlias = Annotated[
+    bool, typer.Option("--json", metavar="", help="Print the result as JSON, for machines.")
+]
 
 
 def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:

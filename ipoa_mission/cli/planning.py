@@ -42,7 +42,7 @@ def plan(
         files.append(out / f"{job.name}.html")
         write_report(files[-1], job.scenario, job.plan, job.mission, job.estimate, remarks=job.remarks)
     if as_json:
-        tell_json(job.summary())
+        tell_json(job.summary() | {"written": [str(file) for file in files]})
     else:
         tell(*describe(job), f"written: {', '.join(map(str, files))}")
 

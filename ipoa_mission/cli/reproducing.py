@@ -5,7 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.telling import progress_bar, tell
+from ipoa_mission.cli.folders import make_folder
+from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.options import JsonOption
+from ipoa_mission.cli.telling import progress_bar, tell, tell_json
 
 
 def reproduce(
@@ -20,6 +23,7 @@ def reproduce(
     executor: Annotated[
         str | None, typer.Option("--executor", metavar="URL", help="A Dask scheduler, as tcp://HOST:PORT.")
     ] = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Measure a table or figure of the paper again and write it; runs that are there are not repeated.
 
@@ -27,8 +31,9 @@ def reproduce(
     """
     from ipoa_mission.experiments.reproduce import reproduce as measure
 
-    out.mkdir(parents=True, exist_ok=True)
-    with progress_bar("measuring") as show:
+    make_folder(out)
+    kept = f"the runs made so far are kept in {out}; the same command goes on from there"
+    with left_behind(kept), progress_bar("measuring") as show:
         files = measure(
             what,
             runs,
@@ -37,4 +42,7 @@ def reproduce(
             executor,
             lambda name, done, total: show(done / max(total, 1), f"{name}: {done} of {total}"),
         )
-    tell(*(f"written: {file}" for file in files))
+    if as_json:
+        tell_json({"written": [str(file) for file in files]})
+    else:
+        tell(*(f"written: {file}" for file in files))

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ipoa_mission.cli.options import AutopilotOption, FileArgument, JsonOption
-from ipoa_mission.cli.telling import tell, tell_json, tell_table
+from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 
 ScenarioOption = Annotated[
     Path | None, typer.Option("--scenario", metavar="SCENARIO", help="The world it flies in, for heights above ground.")
@@ -62,6 +62,7 @@ def export(
     file: FileArgument,
     target: Annotated[Path, typer.Argument(metavar="TARGET", help="File to write: .kml, .geojson, .csv or .gpx.")],
     autopilot: AutopilotOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Write a mission for other programs: KML, GeoJSON, CSV or GPX, by the suffix; or as the other mission format.
 
@@ -72,10 +73,14 @@ def export(
 
     mission = read_mission(file, autopilot)
     if target.suffix in (".plan", ".waypoints"):
-        tell(*write_mission(mission, target))
+        remarks = write_mission(mission, target)
     else:
+        remarks = ()
         write_export(mission, target)
-    tell(f"written: {target}")
+    if as_json:
+        tell_json({"written": str(target), "remarks": list(remarks)})
+    else:
+        tell(f"written: {target}", *notes(remarks))
 
 
 def _number(value: float | None, digits: int = 1) -> str:

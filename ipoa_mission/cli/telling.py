@@ -1,54 +1,74 @@
 """What the command line says: results to standard output, progress and errors to standard error."""
 
+import io
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from ipoa_mission.errors import MissionError
 
+OFF_A_TERMINAL = 200  # characters: wide enough that no table is folded in a file
+
 
 def tell(*lines: str) -> None:
-    """Print lines of a result; words between square brackets may set a style, which vanishes off a terminal."""
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=True)
+    """Print lines of a result."""
     for line in lines:
-        console.print(line)
+        print(line, flush=True)
 
 
-def tell_json(result: Any) -> None:
-    """Print a result for machines: JSON, without NaN."""
-    print(json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False))
+def notes(remarks: Iterable[str]) -> list[str]:
+    """Lines for what the user should know beside the result."""
+    return [f"note: {remark}" for remark in remarks]
 
 
-def tell_table(title: str, columns: list[str], rows: Sequence[tuple[str, ...]]) -> None:
-    """Print a table: words to the left, numbers to the right; a column in which nothing stands is left out."""
+def tell_json(result: Any, indent: int | None = 2) -> None:
+    """Print a result for machines at once: JSON, without NaN; without an indent it is one line."""
+    print(json.dumps(result, indent=indent, ensure_ascii=False, allow_nan=False), flush=True)
+
+
+def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
+    """Print a table: words to the left, numbers to the right; a column in which nothing stands is left out.
+
+    A line break in the name of a column puts its unit below it. Off a terminal a table is as wide as it needs to be.
+    """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     kept = [i for i in range(len(columns)) if any(row[i] for row in rows)]
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1))
     for i in kept:
         numbers = all(row[i][-1:].isdigit() or not row[i] for row in rows)
-        table.add_column(columns[i], justify="right" if numbers else "left", no_wrap=i < kept[-1])
+        is_last = i == kept[-1]
+        table.add_column(columns[i], justify="right" if numbers else "left", vertical="bottom", no_wrap=not is_last)
     for row in rows:
-        table.add_row(*(row[i] for i in kept))
-    Console(highlight=False, width=None if sys.stdout.isatty() else 160).print(table)
+        table.add_row(*(Text(row[i]) for i in kept))
+    tell(title, "")
+    Console(highlight=False, width=None if sys.stdout.isatty() else OFF_A_TERMINAL).print(table)
 
 
-def tell_error(error: MissionError) -> None:
-    """Print what went wrong, and what may help."""
+def tell_error(error: MissionError, as_json: bool = False) -> None:
+    """Print what went wrong, and what may help: to standard error, and for machines as JSON to standard output too."""
     from rich.console import Console
     from rich.markup import escape
 
+    if as_json:
+        tell_json({"error": str(error), "hint": error.hint, "exit_code": error.exit_code})
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     for line in str(error).splitlines():
         console.print(f"[bold red]error:[/] {escape(line)}")
     if error.hint:
         console.print(f"[bold]hint:[/] {escape(error.hint)}")
+
+
+def speak_anywhere() -> None:
+    """Let no name in a file end a command: what a stream's encoding does not have is written as `?`."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 @contextmanager

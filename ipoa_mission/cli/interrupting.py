@@ -1,0 +1,28 @@
+"""Ctrl-C: the command ends quietly, with exit code 130, and says what state it leaves things in."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from ipoa_mission.errors import MissionError
+
+
+class Interrupted(MissionError):
+    """The user took it back; the message says what is left behind."""
+
+    exit_code = 130
+
+
+@contextmanager
+def left_behind(words: str, hint: str | None = None) -> Iterator[None]:
+    """Whoever presses Ctrl-C in here is told `words`, or what the link knows better."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise Interrupted(f"stopped: {words}", hint) from None
+    except MissionError as error:
+        from ipoa_mission.link.dialogue import Cancelled
+
+        if not isinstance(error, Cancelled):
+            raise
+        told = str(error) if ":" in str(error) else f"stopped: {words}"
+        raise Interrupted(told, error.hint or hint) from None

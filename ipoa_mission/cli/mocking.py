@@ -1,0 +1,89 @@
+"""`mock`: the built-in autopilot behind a port, for any ground station."""
+
+from typing import Annotated
+
+import typer
+
+from ipoa_mission.cli.options import (
+    BAD_LINK,
+    ON_THE_LINK,
+    DelayOption,
+    DuplicateOption,
+    JsonOption,
+    KeyOption,
+    LossOption,
+    NakOption,
+    ParameterFileOption,
+    ParameterOption,
+    ReorderOption,
+    SystemOption,
+    read_parameter_options,
+)
+from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.vehicle import Autopilot
+
+ZURICH = (47.397742, 8.545594, 488.0)
+
+
+def mock(
+    autopilot: Annotated[Autopilot, typer.Option("--autopilot", help="Whom to answer as.")] = Autopilot.PX4,
+    link: Annotated[
+        str,
+        typer.Option(
+            "--link",
+            metavar="URL",
+            rich_help_panel=ON_THE_LINK,
+            help="udpin or udpout, tcpin; loopback unless you name another host.",
+        ),
+    ] = "udpin:127.0.0.1:14540",
+    home: Annotated[
+        tuple[float, float, float],
+        typer.Option("--home", metavar="LAT LON ALT", help="Where it stands: degrees, and metres AMSL."),
+    ] = ZURICH,
+    speedup: Annotated[
+        float, typer.Option("--speedup", metavar="N", min=0.01, max=1000, help="So many times as fast as real.")
+    ] = 1.0,
+    param: ParameterOption = None,
+    param_file: ParameterFileOption = None,
+    system: SystemOption = None,
+    key: KeyOption = None,
+    loss: LossOption = 0.0,
+    duplicate: DuplicateOption = 0.0,
+    delay: DelayOption = 0.0,
+    reorder: ReorderOption = 0.0,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=BAD_LINK, help="Same seed, same losses.")
+    ] = 0,
+    nak_at: NakOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Be an autopilot: answer and fly as PX4 or as ArduPilot until Ctrl-C, for any ground station.
+
+    With `--json` one line says who is where, before anybody is answered.
+
+    Example: `ipoa-mission mock --autopilot ardupilot --link tcpin:127.0.0.1:5760 --speedup 10`
+    """
+    from ipoa_mission.cli.signing import signer_of
+    from ipoa_mission.errors import BadInput
+    from ipoa_mission.link.address import parse_address
+    from ipoa_mission.simulator.faults import Faults
+    from ipoa_mission.simulator.server import serve
+    from ipoa_mission.world.frame import Geodetic
+
+    latitude_deg, longitude_deg, altitude = home
+    if not (-90 <= latitude_deg <= 90 and -180 <= longitude_deg <= 180):
+        raise BadInput(f"--home: expected latitude and longitude in degrees, not {latitude_deg} {longitude_deg}")
+    address = parse_address(link)
+    faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
+    parameters = read_parameter_options(param, param_file)
+    signer = signer_of(key, "mock")
+    if as_json:
+        place = {"latitude_deg": latitude_deg, "longitude_deg": longitude_deg, "altitude_amsl": altitude}
+        told = {"autopilot": str(autopilot), "link": str(address), "system": system or 1, "home": place}
+        tell_json(told | {"speedup": speedup}, indent=None)
+    else:
+        tell(f"{autopilot} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
+    try:
+        serve(link, autopilot, Geodetic(*home), speedup, faults, parameters, system or 1, seed, signer)
+    except KeyboardInterrupt:
+        return

@@ -1,0 +1,96 @@
+"""A vehicle at the other end of a link, for the verbs that need one: found, checked against, written to."""
+
+import logging
+from dataclasses import replace
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.telling import progress_bar
+
+if TYPE_CHECKING:
+    from ipoa_mission.link.mavsdk_backend import MavsdkVehicle
+    from ipoa_mission.link.vehicle import Vehicle
+    from ipoa_mission.mission.items import Mission
+
+    AnyVehicle: TypeAlias = Vehicle | MavsdkVehicle
+
+log = logging.getLogger(__name__)
+
+
+class Backend(StrEnum):
+    """Who speaks MAVLink for us."""
+
+    BUILTIN = "builtin"
+    MAVSDK = "mavsdk"
+
+
+def connect_to(
+    link: str, system: int | None, key: Path | None, backend: Backend, record: Path | None, usual_record: Path
+) -> "AnyVehicle":
+    """The vehicle on a link. Every frame goes to `record` (left out: to `usual_record`), unless MAVSDK speaks for us.
+
+    Raises:
+        BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record).
+        LinkDown, NoAnswer: there is nobody.
+    """
+    from ipoa_mission.cli.signing import signer_of
+    from ipoa_mission.errors import BadInput
+
+    signer = signer_of(key)
+    if backend is Backend.MAVSDK:
+        from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
+
+        if signer is not None:
+            raise BadInput("--key: the mavsdk backend does not sign", hint="leave out --backend")
+        vehicle: AnyVehicle = connect_by_mavsdk(link, system, record)
+    else:
+        from ipoa_mission.link.vehicle import connect
+
+        vehicle = connect(link, system, record or usual_record, signer)
+    log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, backend)
+    return vehicle
+
+
+def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, ...]:
+    """Check a mission as this very vehicle would meet it, and upload it; what comes back are remarks for the user.
+
+    Raises:
+        Unsafe, FarFromHome: it would crash or be refused, and `anyway` does not say to send it all the same.
+    """
+    from ipoa_mission.mission.check import check_mission
+    from ipoa_mission.mission.unsafe import refuse_errors
+
+    findings = check_mission(replace(mission, autopilot=vehicle.autopilot))
+    warnings = findings if anyway else refuse_errors(findings)
+    with left_behind("nothing was sent"):
+        homes = _compare_home(mission, vehicle, anyway)
+    with left_behind("the mission on the vehicle may be the old or the new one"), progress_bar("upload") as show:
+        vehicle.upload(mission, lambda done, total: show(done / max(total, 1), f"{done} of {total}"))
+    log.info("%d items on system %d, read back and equal", len(mission.items), vehicle.system)
+    return (*homes, *(finding.message for finding in warnings))
+
+
+def get(vehicle: "AnyVehicle") -> "Mission":
+    """The mission on a vehicle, with a bar that shows how much of it is here."""
+    from ipoa_mission.link.vehicle import Vehicle
+
+    if not isinstance(vehicle, Vehicle):
+        return vehicle.download()
+    with progress_bar("download") as show:
+        return vehicle.download(lambda done, total: show(done / max(total, 1), f"{done} of {total}"))
+
+
+def _compare_home(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, ...]:
+    from ipoa_mission.cli.homes import compare_homes
+    from ipoa_mission.link.dialogue import NoAnswer
+
+    try:
+        there = vehicle.home()
+    except NoAnswer:
+        there = None
+    if there is None:
+        return ("the vehicle does not say where its home is: nobody compared it with the mission's",)
+    log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
+    return compare_homes(mission, there, anyway)

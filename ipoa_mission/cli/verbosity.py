@@ -1,0 +1,48 @@
+"""What comes before the verb: `-v` lets the package's log be heard on standard error, `--version` names the version."""
+
+import logging
+from typing import Annotated
+
+import typer
+
+LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
+
+VerboseOption = Annotated[
+    int,
+    typer.Option(
+        "--verbose", "-v", count=True, metavar="", show_default=False, help="Log what happens; twice: all of it."
+    ),
+]
+VersionOption = Annotated[bool, typer.Option("--version", metavar="", is_eager=True, help="Print the version and end.")]
+
+
+def before_the_verb(verbose: VerboseOption = 0, version: VersionOption = False) -> None:
+    """Plan an obstacle-free flight, write it as a QGroundControl mission, upload it, know how long it will fly.
+
+    Exit codes: 0 done, 1 not done (refused, collides, unreachable), 2 bad input, 130 stopped by Ctrl-C.
+
+    Example: `ipoa-mission fly missions/campus.toml --out out --report`
+    """
+    if version:
+        from importlib.metadata import version as version_of
+
+        print(f"ipoa-mission {version_of('ipoa-mission')}")
+        raise typer.Exit
+    listen_to_log(LEVELS[min(verbose, len(LEVELS) - 1)])
+
+
+def listen_to_log(level: int) -> None:
+    """Send what the package logs, from this level upwards, to standard error."""
+    handler = logging.StreamHandler()
+    detailed = "%(relativeCreated)6d ms  %(levelname)-7s %(name)s: %(message)s"
+    handler.setFormatter(_Plain() if level == logging.WARNING else logging.Formatter(detailed))
+    ours = logging.getLogger("ipoa_mission")
+    ours.handlers[:] = [handler]
+    ours.setLevel(level)
+
+
+class _Plain(logging.Formatter):
+    """`warning: words`, beside the `error:` and `hint:` of the command line."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return f"{record.levelname.lower()}: {record.getMessage()}"
