@@ -116,7 +116,7 @@ def fly_leg(
     lx, ly, bx, by, fx, fy, rate = state[7], state[8], state[9], state[10], state[11], state[12], state[13]
     tx, ty, tz, wx, wy, wz = state[14], state[15], state[16], state[17], state[18], state[19]
     e0, e1, e2 = state[20], state[21], state[22]
-    used, u, speed = int(state[23]), state[24], state[25]
+    used, u, speed, ox, oy = int(state[23]), state[24], state[25], state[26], state[27]
     spline, fast = this[0] == 1.0, following[0] >= 0.0
     straight_next = fast and following[0] == 0.0
     ex, ey = this[1] + this[7] * this[4], this[2] + this[7] * this[5]  # where the leg ends
@@ -174,8 +174,9 @@ def fly_leg(
                     ax, ay = ax + a * following[4], ay + a * following[5]
                     finished = finished or e2 >= rest
             speed = math.sqrt(wx * wx + wy * wy + wz * wz)
-        # The controllers: position to velocity to lean, what is across the path served before what is along it.
-        qx, qy = wx + p_pos * (tx - px) - vx, wy + p_pos * (ty - py) - vy
+        # The controllers, on the vehicle as it will be at the end of the step: position to velocity to lean, what is
+        # across the path served before what is along it.
+        qx, qy = wx + p_pos * (tx - px - vx * dt) - vx - ox * dt, wy + p_pos * (ty - py - vy * dt) - vy - oy * dt
         gx, gy = smooth * (qx - fx), smooth * (qy - fy)
         fx, fy = fx + gx, fy + gy
         cx, cy = ax + p_vel * fx + ix + d_vel * gx / dt, ay + p_vel * fy + iy + d_vel * gy / dt
@@ -211,7 +212,8 @@ def fly_leg(
         onward = onward * cosine - wz * rate * cosine * lean / GRAVITY
         drag = linear + quadratic * math.sqrt(onward * onward + aside * aside)
         onward, aside = lean - drag * onward / cosine, -drag * aside
-        vx, vy = vx + (onward * nx - aside * ny) * dt, vy + (onward * ny + aside * nx) * dt
+        ox, oy = onward * nx - aside * ny, onward * ny + aside * nx
+        vx, vy = vx + ox * dt, vy + oy * dt
         px, py = px + vx * dt, py + vy * dt
         t += dt
         step += 1
@@ -226,4 +228,5 @@ def fly_leg(
     state[7], state[8], state[9], state[10], state[11], state[12], state[13] = lx, ly, bx, by, fx, fy, rate
     state[14], state[15], state[16], state[17], state[18], state[19] = tx, ty, tz, wx, wy, wz
     state[20], state[21], state[22], state[23], state[24], state[25] = e0, e1, e2, used, u, speed
+    state[26], state[27] = ox, oy
     return True

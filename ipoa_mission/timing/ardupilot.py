@@ -34,8 +34,8 @@ from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.timing.wind import CALM, Wind
 from ipoa_mission.vehicle import Parameters
 
-STEP = 0.01  # [s]
-SAMPLE_STEPS = 10  # a sample of the track every so many steps
+STEP = 0.02  # [s]
+SAMPLE_STEPS = 5  # a sample of the track every so many steps
 ARMING_DELAY = 2.0  # from arming to motors that may spin up [s]
 THROTTLE_SLEW = 0.3  # from motors at full spin to leaving the ground [s]
 LANDING_DETECTION = 2.05  # from touching down to being sure of it: throttle runs down, then one second [s]
@@ -44,6 +44,7 @@ LANDING_DETECTION = 2.05  # from touching down to being sure of it: throttle run
 TAKEOFF_REST = 0.00003
 GAINS = (1.0, 2.0, 1.0, 0.25)  # position P, velocity P, I, D of the horizontal controllers: ArduCopter's defaults
 ERROR_FILTER = 1 / (2 * math.pi * 5.0)  # of the velocity error: 5 Hz by default [s]
+DOUBT, DOUBT_SHARE = 0.5, 0.015  # half the width of the interval: seconds, and share of the time
 LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the copter
 
 #: After a waypoint the copter flies on into these; before everything else it stops.
@@ -69,7 +70,8 @@ def fly_arducopter(
     samples = np.array(flight.samples, dtype=np.float64).reshape(-1, 7)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
     track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
-    return Prediction(tuple(flight.done), tuple(flight.done_reasons), track, tuple(flight.remarks))
+    doubt = tuple(DOUBT + DOUBT_SHARE * done for done in flight.done)
+    return Prediction(tuple(flight.done), doubt, tuple(flight.done_reasons), track, tuple(flight.remarks))
 
 
 class _Flight:
@@ -101,7 +103,7 @@ class _Flight:
     def rest(self) -> None:
         """Forget all motion: the copter stands in the air, its path's clock at full rate."""
         x, y, z = self.here
-        self.state = self.pack([self.now, x, y] + [0.0] * 10 + [1.0, x, y, z] + [0.0] * 9)
+        self.state = self.pack([self.now, x, y] + [0.0] * 10 + [1.0, x, y, z] + [0.0] * 11)
         self.planned: Leg | None = None
         self.tail: Leg | None = None
 

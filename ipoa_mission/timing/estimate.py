@@ -7,20 +7,21 @@ import numpy as np
 
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.timing.ardupilot import fly_arducopter
-from ipoa_mission.timing.itinerary import itinerary
-from ipoa_mission.timing.prediction import Track
+from ipoa_mission.timing.itinerary import Itinerary, itinerary
+from ipoa_mission.timing.prediction import Prediction, Track
+from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
-from ipoa_mission.timing.trapezoid import fly_trapezoids
 from ipoa_mission.timing.wind import CALM, Wind
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters
+from ipoa_mission.vehicle import Autopilot, Parameters
 
 NO_PARAMETERS: Parameters = MappingProxyType({})
 EARTH_RADIUS = 6_371_000.0  # [m]
+MODELS = MappingProxyType({Autopilot.ARDUPILOT: fly_arducopter, Autopilot.PX4: fly_px4})
 
 
 @dataclass(frozen=True)
 class ItemTime:
-    """One item as it was flown: done at `done_s`, honestly somewhere in `low_s` to `high_s`.
+    """One item as it will be flown: done at `done_s`, which honestly lies from `low_s` to `high_s`.
 
     `length` [m] is the path flown for it and `peak_speed`, `mean_speed` [m/s] the speeds along it; `reason` says what
     kept it slow ("corner 87 deg", "leg shorter than its braking distance", "hold"), and is "" where nothing did.
@@ -43,7 +44,9 @@ class Estimate:
     """A mission's time. Zero is armed in the mission mode on the ground; `total_s` is landed, or the last item done.
 
     `items` are in the order flown, numbered as in the mission's file (home is 0); an item in a loop appears once for
-    each time it is flown. `track` is the path as it will be flown, corners cut, in home's local frame.
+    each time it is flown. An RTL is done when the vehicle has landed at home (on PX4: and has disarmed). `track` is
+    the path as it will be flown, corners cut, in home's local frame; its speeds are over the ground, in three
+    dimensions. `remarks` say what of the mission the model does not know.
     """
 
     total_s: float
@@ -61,65 +64,63 @@ def estimate(
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
     `parameters` replace the autopilot's defaults by its own names; names that the model does not use are passed over.
+    `fast` runs the same arithmetic compiled: some seconds the first time on a machine, then milliseconds a mission.
 
     Raises:
         BadInput: the mission has no end, or a parameter has no sense.
+        MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
     """
     route = itinerary(mission)
-    known = {**DEFAULT_PARAMETERS[mission.autopilot], **parameters}
-    if mission.autopilot is Autopilot.ARDUPILOT:
-        prediction = fly_arducopter(route, parameters, wind, fast)
-    else:
-        prediction = fly_trapezoids(route, mission.autopilot, known)
-    items = []
-    begun = 0.0
-    for n, (visit, done) in enumerate(zip(route.visits, prediction.done, strict=True)):
-        length, peak = _flown(prediction.track, begun, done)
-        lasted = done - begun
-        low, high = _interval(done)
-        items.append(
-            ItemTime(
-                seq=visit.seq,
-                command=visit.item.command,
-                done_s=done,
-                low_s=low,
-                high_s=high,
-                duration_s=lasted,
-                length=length,
-                peak_speed=peak,
-                mean_speed=length / lasted if lasted > 0 else 0.0,
-                reason=prediction.reasons[n],
-            )
-        )
-        begun = done
-    total = prediction.done[-1] if prediction.done else 0.0
+    prediction = MODELS[mission.autopilot](route, parameters, wind, fast)
+    total, doubt = (prediction.done[-1], prediction.doubt[-1]) if prediction.done else (0.0, 0.0)
     remarks = prediction.remarks
     if route.over_terrain:
         numbers = ", ".join(map(str, route.over_terrain))
         remarks = (*remarks, f"items {numbers}: height over terrain taken as height over home")
     return Estimate(
         total_s=total,
-        low_s=_interval(total)[0],
-        high_s=_interval(total)[1],
+        low_s=max(total - doubt, 0.0),
+        high_s=total + doubt,
         qgroundcontrol_s=qgroundcontrol_time(mission),
-        items=tuple(items),
+        items=_item_times(route, prediction),
         track=_in_local_frame(prediction.track),
-        remarks=remarks,
+        remarks=tuple(dict.fromkeys(remarks)),
     )
+
+
+def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
+    items, begun = [], 0.0
+    found = zip(route.visits, prediction.done, prediction.doubt, prediction.reasons, strict=True)
+    for visit, done, doubt, reason in found:
+        length, peak = _flown(prediction.track, begun, done)
+        lasted = done - begun
+        items.append(
+            ItemTime(
+                seq=visit.seq,
+                command=visit.item.command,
+                done_s=done,
+                low_s=max(done - doubt, 0.0),
+                high_s=done + doubt,
+                duration_s=lasted,
+                length=length,
+                peak_speed=peak,
+                mean_speed=length / lasted if lasted > 0 else 0.0,
+                reason=reason,
+            )
+        )
+        begun = done
+    return tuple(items)
 
 
 def _flown(track: Track, begin: float, end: float) -> tuple[float, float]:
     """Length flown and peak speed between two times."""
-    inside = (track.times > begin) & (track.times < end)
-    times = np.concatenate([[begin], track.times[inside], [end]])
+    if end <= begin:
+        return 0.0, 0.0
+    first, last = np.searchsorted(track.times, [begin, end])
+    times = np.concatenate([[begin], track.times[first:last], [end]])
     points = np.column_stack([np.interp(times, track.times, axis) for axis in track.points.T])
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-    speeds = np.interp(times, track.times, track.speeds)
-    return length, float(speeds.max())
-
-
-def _interval(done: float) -> tuple[float, float]:
-    return 0.75 * done, 1.5 * done
+    return length, float(np.interp(times, track.times, track.speeds).max())
 
 
 def _in_local_frame(track: Track) -> Track:

@@ -16,9 +16,14 @@ class Track:
 
 @dataclass(frozen=True)
 class Prediction:
-    """When each visit of the itinerary is done [s], the reason it was slow ("" if none), the path, and remarks."""
+    """When each visit of the itinerary is done [s], the reason it was slow ("" if none), the path, and remarks.
+
+    `doubt` is half the width of the interval in which each time honestly lies [s]; docs/flight-time.md says how often
+    the recorded flights keep to it.
+    """
 
     done: tuple[float, ...]
+    doubt: tuple[float, ...]
     reasons: tuple[str, ...]
     track: Track
     remarks: tuple[str, ...] = ()

@@ -1,0 +1,296 @@
+"""PX4 towards one waypoint, step by step: the smoothed trajectory, and the vehicle that follows it.
+
+Plain scalar code over flat sequences, so that the same lines run as Python (on lists) and compiled (on arrays): see
+`_compiled`. `px4` packs the arguments and says what they mean.
+"""
+
+import math
+from collections.abc import Callable, MutableSequence, Sequence
+from typing import Any
+
+jit: Callable[[Any], Any] = globals().get("jit", lambda function: function)
+
+GRAVITY = 9.80665
+ON_LINE, BEYOND, BEFORE, BESIDE = 0, 1, 2, 3  # where the vehicle is, seen from its leg
+SEEDS = 2147483648.0  # the random numbers are a linear congruence modulo 2^31, exact in floating point
+
+
+@jit
+def speed_to(distance: float, leave: float, accel: float, jerk: float) -> float:
+    """The speed from which one comes down to `leave` within `distance`, acceleration turning round in 2 a/j first.
+
+    v^2 + (4 a^2/j) v = leave^2 + 2 a d, and never less than `leave`.
+    """
+    half = 2.0 * accel * accel / jerk
+    return max(math.sqrt(half * half + 2.0 * accel * distance + leave * leave) - half, leave)
+
+
+@jit
+def quickest(v: float, a: float, goal: float, accel: float, jerk: float) -> tuple[float, float, float, float]:
+    """The quickest jerk-limited change from speed v and acceleration a to `goal` at rest of acceleration.
+
+    Signed jerk j and the durations of j, 0 and -j. With p the greatest acceleration, p^2 = j (goal - v) + a^2/2.
+    """
+    miss = goal - v - a * abs(a) / (2.0 * jerk)
+    if miss == 0.0 and a == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    j = math.copysign(jerk, miss if miss != 0.0 else a)
+    p = math.copysign(math.sqrt(max(j * (goal - v) + a * a / 2.0, 0.0)), j)
+    coast = 0.0
+    if abs(p) > accel:
+        p = math.copysign(accel, j)
+        coast = max((goal - v - (2.0 * p * p - a * a) / (2.0 * j)) / p, 0.0)
+    first = (p - a) / j
+    if first < 0.0:  # already beyond the greatest acceleration: only bring it down
+        return j, 0.0, coast, a / j
+    return j, first, coast, p / j
+
+
+@jit
+def stretched(v: float, a: float, goal: float, accel: float, j: float, lasts: float) -> tuple[float, float, float]:
+    """The same change made to last `lasts`: durations of j, 0 and -j, by a smaller greatest acceleration p.
+
+    p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0, of which the smaller in the direction of j.
+    """
+    b = j * lasts + a
+    root = math.sqrt(max(b * b - 4.0 * (j * (goal - v) + a * a / 2.0), 0.0))
+    p = (b - root) / 2.0 if j > 0.0 else (b + root) / 2.0
+    p = min(max(p, -accel), accel)
+    first, last = max((p - a) / j, 0.0), max(p / j, 0.0)
+    return first, max(lasts - first - last, 0.0), last
+
+
+@jit
+def moved(
+    x: float, v: float, a: float, j: float, first: float, coast: float, last: float, t: float
+) -> tuple[float, float, float]:
+    """Place, speed and acceleration t seconds into a change that lasts first + coast + last."""
+    d = min(t, first)
+    if d > 0.0:
+        x, v, a = x + d * (v + d * (a / 2.0 + d * j / 6.0)), v + d * (a + d * j / 2.0), a + d * j
+        t -= d
+    d = min(t, coast)
+    if d > 0.0:
+        x, v = x + d * (v + d * a / 2.0), v + d * a
+        t -= d
+    d = min(t, last)
+    if d > 0.0:
+        x, v, a = x + d * (v + d * (a / 2.0 - d * j / 6.0)), v + d * (a - d * j / 2.0), a - d * j
+        t -= d
+    if t > 0.0:
+        x, a = x + t * v, 0.0
+    return x, v, a
+
+
+@jit
+def corner_speed(
+    tox: float, toy: float, onx: float, ony: float, accel: float, jerk: float, cruise: float, gain: float, radius: float
+) -> float:
+    """The level speed now, (tox, toy) before a target that is left along (onx, ony).
+
+    At the target: that of the circle that touches both legs at the acceptance radius, at `gain` of the acceleration;
+    nothing where the next leg has no length or is shorter than the radius.
+    """
+    distance, onward = math.sqrt(tox * tox + toy * toy), math.sqrt(onx * onx + ony * ony)
+    leave = 0.0
+    if onward > 0.001 and onward >= radius:
+        cosine = 0.0 if distance < 1e-9 else -(tox * onx + toy * ony) / (distance * onward)
+        alpha = math.acos(min(max(cosine, -1.0), 1.0))
+        turn = math.sqrt(gain * accel * radius * math.tan(min(alpha, 3.1415925) / 2.0))
+        leave = min(turn, speed_to(onward, 0.0, accel, jerk), cruise)
+    speed: float = speed_to(distance, leave, accel, jerk)
+    return min(cruise, speed)
+
+
+@jit
+def vertical_speed(
+    now: float, z: float, at: float, height: float, then: float, next_height: float,
+    top: float, accel: float, jerk: float, radius: float,
+) -> float:  # fmt: skip
+    """The vertical speed now, so that the target's height can be passed on the way to the next one.
+
+    The angle at the target is seen in the plane of height and distance from the origin (`now`, `at`, `then`), as PX4
+    has it.
+    """
+    leave = 0.0
+    if abs(next_height - height) > 0.001:
+        back, down, on, up = at - now, height - z, at - then, height - next_height
+        size = math.sqrt((back * back + down * down) * (on * on + up * up))
+        alpha = math.acos(min(max((back * on + down * up) / size, -1.0), 1.0)) if size > 1e-9 else math.pi / 2.0
+        leave = min(math.sqrt(accel * radius * math.tan(min(alpha, 3.1415925) / 2.0)), top)
+    speed: float = speed_to(abs(height - z), leave, accel, jerk)
+    return min(top, speed)
+
+
+@jit
+def fly_to(
+    way: Sequence[float], pace: Sequence[float], state: MutableSequence[float], samples: MutableSequence[float]
+) -> bool:
+    """Fly until the target counts as reached, and is noticed to be; False if there is no room for more samples.
+
+    `state` is left as it is at that moment (26: when it was reached), and seven numbers a sample are added: time,
+    place, velocity.
+    """
+    radius, height_radius, cruise, climbing_off = way[9], way[10], way[11], way[12] == 1.0
+    dt, latency, every = pace[0], pace[1], int(pace[2])
+    accel, jerk, gain, most_error, most_speed = pace[3], pace[4], pace[5], pace[6], pace[7]
+    up, down, accel_up, accel_down = pace[8], pace[9], pace[10], pace[11]
+    slow_up, slow_accel, slow_below = pace[12], pace[13], pace[14]
+    p_xy, p_v, i_v, d_v, lean, p_z, p_vz = pace[15], pace[16], pace[17], pace[18], pace[19], pace[20], pace[21]
+    leaning, turning, drag, wind_x, wind_y = pace[22], pace[23], pace[24], pace[25], pace[26]
+    wander, least_jump, more_jump, jump_lasts, jump_rest = pace[27], pace[28], pace[29], pace[30], pace[31]
+    t, x, y, z, vx, vy, vz = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
+    ix, iy, lx, ly, bx, by, az = state[7], state[8], state[9], state[10], state[11], state[12], state[13]
+    tx, ty, tz, ux, uy, uz = state[14], state[15], state[16], state[17], state[18], state[19]
+    cx, cy, cz, held, used, rising = state[20], state[21], state[22], state[23], int(state[24]), state[25] > 0.0
+    seed, fx, fy, jump, wait = state[27], state[28], state[29], state[30], state[31]
+    ax, ay, az_, gx, gy, gz, nx, ny, nz = (
+        way[0], way[1], way[2], way[3], way[4], way[5], way[6], way[7], way[8],
+    )  # fmt: skip
+    legx, legy = way[3] - way[0], way[4] - way[1]
+    leg = math.sqrt(legx * legx + legy * legy)
+    seen, step, mode = -1.0, 0, ON_LINE
+    while True:
+        # Where to steer: along the leg, unless the vehicle has passed its end, is before its start, or beside it.
+        if leg > 1e-6:
+            along = ((x - way[0]) * legx + (y - way[1]) * legy) / leg
+            was, mode = mode, ON_LINE
+            if along > leg:
+                mode = BEYOND
+            elif along < 0.0 and (x - way[0]) ** 2 + (y - way[1]) ** 2 > radius * radius:
+                mode = BEFORE
+            elif abs((x - way[0]) * legy - (y - way[1]) * legx) > radius * leg:
+                mode = BESIDE
+            if mode != was or mode == BESIDE:
+                ax, ay, az_, gx, gy, gz = x, y, z, way[3], way[4], way[5]
+                nx, ny, nz = way[6], way[7], way[8]
+                if mode == ON_LINE:
+                    ax, ay, az_ = way[0], way[1], way[2]
+                elif mode == BEFORE:
+                    gx, gy, gz, nx, ny, nz = way[0], way[1], way[2], way[3], way[4], way[5]
+                elif mode == BESIDE:
+                    gx, gy = way[0] + along * legx / leg, way[1] + along * legy / leg
+                    nx, ny, nz = way[3], way[4], way[5]
+        # The speeds that the waypoints allow; in a turn the speed may not rise and the aim is a point on the line.
+        qx, qy, qz = gx - tx, gy - ty, gz - tz
+        far, speed = math.sqrt(qx * qx + qy * qy), math.sqrt(ux * ux + uy * uy)
+        fast = corner_speed(qx, qy, nx - gx, ny - gy, accel, jerk, cruise, gain, radius)
+        if speed > 0.2 and far > radius and ux * qx + uy * qy < 0.98 * speed * far:
+            fast = min(held, fast)
+            dx, dy, dz = gx - ax, gy - ay, gz - az_
+            size = math.sqrt(dx * dx + dy * dy + dz * dz)
+            if size > 1e-6:
+                dx, dy, dz = dx / size, dy / size, dz / size
+                onto = (tx - ax) * dx + (ty - ay) * dy + (tz - az_) * dz
+                qx, qy, qz = ax + onto * dx - tx, ay + onto * dy - ty, az_ + onto * dz - tz
+                ahead = max(radius, 5.0)
+                ahead = math.sqrt(max(ahead * ahead - qx * qx - qy * qy - qz * qz, 0.0))
+                qx, qy, qz = qx + ahead * dx, qy + ahead * dy, qz + ahead * dz
+        else:
+            held = fast
+        low = climbing_off and z < slow_below
+        top = (slow_up if low else up) if rising else down
+        top_accel = (min(accel_up, slow_accel) if low else accel_up) if rising else accel_down
+        rise = vertical_speed(
+            math.sqrt(tx * tx + ty * ty), tz, math.sqrt(gx * gx + gy * gy), gz, math.sqrt(nx * nx + ny * ny), nz,
+            top, top_accel, jerk, height_radius,
+        )  # fmt: skip
+        # The velocity wanted points at the aim; both its level and its vertical part keep their limits.
+        size = math.sqrt(qx * qx + qy * qy + qz * qz)
+        wx = wy = wz = 0.0
+        if size > 1e-9:
+            size = math.sqrt(fast * fast + rise * rise) / size
+            wx, wy, wz = qx * size, qy * size, qz * size
+            level = math.sqrt(wx * wx + wy * wy)
+            if level > fast:
+                size = fast / level
+                wx, wy = wx * size, wy * size
+                if fast >= 0.5 or level >= 0.5:
+                    wz *= size
+            if abs(wz) > rise:
+                size = rise / abs(wz)
+                if rise >= 0.5 or abs(wz) >= 0.5:
+                    wx, wy = wx * size, wy * size
+                wz *= size
+        rising = wz > 0.0
+        if low:
+            tz = z
+        wx, wy = min(max(wx, -most_speed), most_speed), min(max(wy, -most_speed), most_speed)
+        wz = min(max(wz, -top), top)
+        # The trajectory: three changes of speed that end together; its time is stretched where the vehicle lags.
+        jx, x1, x2, x3 = quickest(ux, cx, wx, accel, jerk)
+        jy, y1, y2, y3 = quickest(uy, cy, wy, accel, jerk)
+        jz, z1, z2, z3 = quickest(uz, cz, wz, top_accel, jerk)
+        longest = max(x1 + x2 + x3, y1 + y2 + y3, z1 + z2 + z3)
+        if jx != 0.0 and x1 + x2 + x3 < longest:
+            x1, x2, x3 = stretched(ux, cx, wx, accel, jx, longest)
+        if jy != 0.0 and y1 + y2 + y3 < longest:
+            y1, y2, y3 = stretched(uy, cy, wy, accel, jy, longest)
+        if jz != 0.0 and z1 + z2 + z3 < longest:
+            z1, z2, z3 = stretched(uz, cz, wz, top_accel, jz, longest)
+        ox, oy = tx - x, ty - y
+        behind = ox * ox + oy * oy if ox * ux + oy * uy >= 0.0 else 0.0
+        h = dt * (1.0 - min(math.sqrt(behind + wander * wander) / most_error, 1.0))
+        tx, ux, cx = moved(tx, ux, cx, jx, x1, x2, x3, h)
+        ty, uy, cy = moved(ty, uy, cy, jy, y1, y2, y3, h)
+        tz, uz, cz = moved(tz, uz, cz, jz, z1, z2, z3, h)
+        # The controllers, on the vehicle as it will be at the end of the step: place to speed, speed to lean.
+        ex, ey = p_xy * (tx - x - vx * dt) + ux, p_xy * (ty - y - vy * dt) + uy
+        size = math.sqrt(ex * ex + ey * ey)
+        if size > most_speed:
+            ex, ey = ex * most_speed / size, ey * most_speed / size
+        ex, ey = ex - vx - fx * dt, ey - vy - fy * dt
+        mx, my = cx + p_v * ex + ix - d_v * fx, cy + p_v * ey + iy - d_v * fy
+        size = math.sqrt(mx * mx + my * my)
+        if size > lean:  # beyond the greatest lean the integrator is led back
+            back = 2.0 / p_v * (1.0 - lean / size)
+            ex, ey = ex - back * mx, ey - back * my
+            mx, my = mx * lean / size, my * lean / size
+        ix, iy = ix + i_v * ex * dt, iy + i_v * ey * dt
+        # The vehicle: lean follows the command, thrust holds the height, drag is linear.
+        lx, ly = lx + (mx - lx) * leaning, ly + (my - ly) * leaning
+        bx, by = bx + (lx - bx) * turning, by + (ly - by) * turning
+        az += (p_vz * (min(max(uz + p_z * (tz - z), -down), up) - vz) + cz - az) * turning
+        lift = 1.0 + (az + drag * vz) / GRAVITY
+        fx, fy = bx * lift - drag * (vx - wind_x), by * lift - drag * (vy - wind_y)
+        vx, vy, vz = vx + fx * dt, vy + fy * dt, vz + az * dt
+        x, y, z = x + vx * dt, y + vy * dt, z + vz * dt
+        t += dt
+        step += 1
+        if step % every == 0:
+            if used + 7 > len(samples):
+                return False
+            samples[used], samples[used + 1], samples[used + 2], samples[used + 3] = t, x, y, z - jump
+            samples[used + 4], samples[used + 5], samples[used + 6] = vx, vy, vz
+            used += 7
+        # The height estimate jumps away now and then, and the trajectory with it, and back soon after.
+        wait -= dt
+        if least_jump > 0.0 and wait <= 0.0:
+            seed = (seed * 1103515245.0 + 12345.0) % SEEDS
+            if jump != 0.0:
+                z, jump = z - jump, 0.0
+                wait = -jump_rest * math.log((seed + 1.0) / (SEEDS + 1.0))
+            else:
+                jump = least_jump - more_jump * math.log((seed + 1.0) / (SEEDS + 1.0))
+                seed = (seed * 1103515245.0 + 12345.0) % SEEDS
+                jump = -jump if seed < SEEDS / 2.0 else jump
+                seed = (seed * 1103515245.0 + 12345.0) % SEEDS
+                wait = jump_lasts * 2.0 * seed / SEEDS
+                z += jump
+            tz = z
+        # Reached, and noticed to be a little later.
+        if seen < 0.0:
+            if climbing_off:
+                reached = z > way[5] - height_radius
+            else:
+                reached = (x - way[3]) ** 2 + (y - way[4]) ** 2 <= radius * radius and abs(z - way[5]) <= height_radius
+            if reached:
+                seen = t
+        if seen >= 0.0 and t - seen >= latency:
+            break
+    state[0], state[1], state[2], state[3], state[4], state[5], state[6] = t, x, y, z, vx, vy, vz
+    state[7], state[8], state[9], state[10], state[11], state[12], state[13] = ix, iy, lx, ly, bx, by, az
+    state[14], state[15], state[16], state[17], state[18], state[19] = tx, ty, tz, ux, uy, uz
+    state[20], state[21], state[22], state[23], state[24], state[25] = cx, cy, cz, held, used, 1.0 if rising else -1.0
+    state[26], state[27], state[28], state[29], state[30], state[31] = seen, seed, fx, fy, jump, wait
+    return True

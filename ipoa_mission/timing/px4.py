@@ -1,0 +1,307 @@
+"""PX4 1.13 to 1.17 in AUTO.MISSION with a multicopter: smoothed trajectories, acceptance radii, take-off, RTL, LAND.
+
+What its navigator decides at waypoints is written here; what happens between two decisions is stepped by `_px4_steps`.
+Its flights are noisy: a waypoint counts once place *and* height are right, and the height estimate jumps. So a mission
+is flown once without jumps, which gives the path, and then again and again with them, which gives times and spread.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geometry import Vector
+from ipoa_mission.mission.items import Command
+from ipoa_mission.timing import _px4_steps
+from ipoa_mission.timing._compiled import compiled
+from ipoa_mission.timing.body import GRAVITY, PX4_SIMULATOR, Body
+from ipoa_mission.timing.itinerary import Itinerary
+from ipoa_mission.timing.prediction import Prediction, Track
+from ipoa_mission.timing.px4_parameters import Px4Limits, px4_limits
+from ipoa_mission.timing.px4_vertical import touch_down
+from ipoa_mission.timing.reasons import corner_deg, slow_because
+from ipoa_mission.timing.wind import CALM, Wind
+from ipoa_mission.vehicle import Parameters
+
+STEP = 0.04  # [s]
+SAMPLE_STEPS = 3  # a sample of the track every so many steps
+NOTICED = (
+    0.075  # from reaching a waypoint to steering for the next: half the navigator's cycle, and a setpoint's way [s]
+)
+LANDING_DETECTION = 4.0  # from touching down, at less than the speed asked for, to being sure of it [s]
+RETURN_PAUSES = 4.0  # RTL brakes over home and again at its descend height [s]
+RUNS = 24  # with jumps of the height estimate; the middle two thirds of them are averaged
+QUIET_RUNS, QUIET = 6, 0.004  # so many are enough where they differ by no more than this share
+JUMPS = 28  # where the stepping code finds by how much the height estimate jumps at least
+DOUBT, DOUBT_SHARE = 1.5, 0.02  # half the width of the interval, beside two deviations of the runs
+LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
+
+FLOWN_TO = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
+#: A waypoint is flown through towards these; before everything else the vehicle brakes for a stop.
+AHEAD = FLOWN_TO | {Command.NAV_LAND, Command.NAV_TAKEOFF, Command.NAV_LOITER_UNLIM}
+
+Place = tuple[float, float, float]
+
+
+def fly_px4(
+    route: Itinerary, parameters: Parameters, wind: Wind = CALM, fast: bool = False, body: Body = PX4_SIMULATOR
+) -> Prediction:
+    """Fly the itinerary as PX4 does; `fast` steps by compiled code.
+
+    Raises:
+        BadInput: an item never ends, or a parameter has no sense.
+        MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
+    """
+    limits = px4_limits(parameters)
+    smooth = _Flight(route, limits, wind, body, fast, seed=0)
+    smooth.run()
+    samples = np.array(smooth.samples, dtype=np.float64).reshape(-1, 7)
+    samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
+    times = [np.array(smooth.done)]
+    if body.jumps is not None and route.visits:
+        times = []
+        while len(times) < RUNS and not (len(times) == QUIET_RUNS and _alike(times)):
+            run = _Flight(route, limits, wind, body, fast, seed=len(times) + 1)
+            run.run()
+            times.append(np.array(run.done))
+    done, spread = _middle(times)
+    warped = np.interp(samples[:, 0], [0.0, *smooth.done], [0.0, *done])
+    warped += np.maximum(samples[:, 0] - (smooth.done[-1] if smooth.done else 0.0), 0.0)
+    track = Track(warped, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    doubt = tuple(DOUBT + DOUBT_SHARE * at + 2 * wide for at, wide in zip(done, spread, strict=True))
+    return Prediction(tuple(done), doubt, tuple(smooth.reasons), track, tuple(smooth.remarks))
+
+
+def _alike(times: Sequence[Vector]) -> bool:
+    ends = [run[-1] for run in times]
+    return bool(max(ends) - min(ends) <= QUIET * max(ends))
+
+
+def _middle(times: Sequence[Vector]) -> tuple[list[float], list[float]]:
+    """When each visit is done, over the middle two thirds of the runs, and the standard deviation over all."""
+    order = sorted(times, key=lambda run: float(run[-1]) if len(run) else 0.0)
+    cut = len(order) // 6
+    middle = np.mean(order[cut : len(order) - cut], axis=0)
+    return middle.tolist(), np.std(np.array(times), axis=0).tolist()
+
+
+class _Flight:
+    """One flight under way: the time, the place last bound for, the cruise speed in force, where the nose points."""
+
+    def __init__(self, route: Itinerary, limits: Px4Limits, wind: Wind, body: Body, fast: bool, seed: int) -> None:
+        self.route, self.limits = route, limits
+        self.step_to = (compiled("_px4_steps") if fast else _px4_steps).fly_to
+        self.pack: Callable[[Any], Any] = _packed if fast else list
+        self.room: Callable[[int], Any] = np.zeros if fast else _zeros
+        self.cruise, self.heading = limits.cruise, math.nan
+        self.here, self.airborne = (0.0, 0.0, 0.0), False
+        self.done: list[float] = []
+        self.reasons: list[str] = []
+        self.remarks: list[str] = []
+        self.samples: list[float] = [0.0] * 7
+        jumps = body.jumps if seed else None
+        noise = (jumps.least, jumps.more, jumps.lasts, jumps.rest) if jumps else (0.0, 0.0, 1.0, 1.0)
+        self.pace = [
+            *(STEP, NOTICED, float(SAMPLE_STEPS)),
+            *(limits.accel, limits.jerk, limits.corner_gain, limits.most_error, limits.most_speed),
+            *(limits.climb, limits.descent, limits.accel_up, limits.accel_down),
+            *(limits.takeoff_speed, limits.takeoff_speed / limits.takeoff_ramp, limits.land_high),
+            *(limits.p_xy, limits.p_v, limits.i_v, limits.d_v, GRAVITY * math.tan(limits.lean)),
+            *(limits.p_z, limits.p_vz, 1 - math.exp(-STEP / limits.lean_lag), 1 - math.exp(-STEP / body.lag)),
+            *(body.linear_drag, wind.east, wind.north, body.wander, *noise),
+        ]
+        self.state = self.pack([0.0] * 32)
+        self.state[25], self.state[27], self.state[31] = 1.0, float(7919 * seed + 13), noise[3]
+
+    @property
+    def now(self) -> float:
+        return float(self.state[0])
+
+    def run(self) -> None:
+        """Do every visit of the itinerary in turn."""
+        for n in range(len(self.route.visits)):
+            done, why = self.visit(n)
+            self.done.append(done)
+            self.reasons.append(why)
+
+    def visit(self, n: int) -> tuple[float, str]:
+        """Do visit n; when it was done, and why it was slow."""
+        visit = self.route.visits[n]
+        command, params = visit.item.command, visit.item.params
+        if command == Command.NAV_TAKEOFF:
+            return self.take_off(self.target(n)), ""
+        if command == Command.NAV_LOITER_UNLIM:
+            raise BadInput(f"items[{visit.seq - 1}]: loiters without end, so the flight has no time")
+        if command in FLOWN_TO:
+            return self.fly_to(n)
+        if command == Command.NAV_DELAY:
+            return self.hold(max(params[0], 0.0)), "hold"
+        if command == Command.DO_CHANGE_SPEED and params[0] < 2:
+            self.cruise = params[1] if params[1] > 0 else self.limits.cruise
+        elif command == Command.NAV_RETURN_TO_LAUNCH:
+            return self.return_home(), ""
+        elif command == Command.NAV_LAND:
+            east, north, _ = self.target(n)
+            self.straight_to((east, north, self.here[2]))
+            self.come_down()
+        elif command <= LAST_NAV:
+            self.remarks.append(f"item {visit.seq}: command {command} is not modelled and counts as no time")
+        return self.now, ""
+
+    def target(self, n: int) -> Place:
+        """Where visit n leads: its own place, or straight above or below the place last bound for."""
+        east, north, up = (float(x) for x in self.route.places[n])
+        return (self.here[0], self.here[1], up) if math.isnan(east) else (east, north, up)
+
+    def onward(self, n: int) -> int | None:
+        """The visit that the vehicle flies on to without a stop at n; items without a place are no hindrance."""
+        if self.holds(n) > 0:
+            return None
+        for later in range(n + 1, len(self.route.visits)):
+            command = self.route.visits[later].item.command
+            if command <= LAST_NAV:
+                return later if command in AHEAD else None
+        return None
+
+    def holds(self, n: int) -> float:
+        """How long visit n asks to stay [s]."""
+        return max(self.route.visits[n].item.params[0], 0.0)
+
+    # --- legs -------------------------------------------------------------------------------------------------
+
+    def fly_to(self, n: int) -> tuple[float, str]:
+        """Fly to visit n, turn the nose where it says, hold as long as it says."""
+        item, target, begun = self.route.visits[n].item, self.target(n), self.now
+        onward = self.onward(n)
+        after = self.target(onward) if onward is not None else target
+        radius = item.params[1] if item.params[1] > 0 and item.command == Command.NAV_WAYPOINT else self.limits.radius
+        if item.command == Command.NAV_SPLINE_WAYPOINT:
+            self.remarks.append(f"item {self.route.visits[n].seq}: PX4 knows no splines, flown straight")
+        before, self.here = self.here, target
+        flown = self.fly(before, target, after, radius)
+        reached = float(self.state[26])
+        needs = self.turning_time(item.params[3], before, target) - (reached - begun)
+        if needs > 0:
+            reached = self.hold(needs)
+        corner = corner_deg(before, target, after)
+        level = math.dist(before[:2], target[:2])
+        stop = _px4_steps.speed_to(level / 2, 0.0, self.limits.accel, self.limits.jerk)
+        asked = min(self.cruise, self.limits.most_speed)
+        why = slow_because(min(stop, asked), asked, asked, flown, corner, onward is None)
+        if self.holds(n) > 0:
+            return self.hold(self.holds(n)), "hold"
+        return reached, why
+
+    def fly(self, before: Place, target: Place, after: Place, radius: float, climbing_off: bool = False) -> float:
+        """Step until the target is reached; the highest level speed on the way [m/s]."""
+        distance = math.dist(self.state[1:4], target) + abs(self.state[3] - target[2]) * 3
+        room = 7 * int((120 + 6 * distance) / (STEP * SAMPLE_STEPS))
+        cruise = min(self.cruise, self.limits.most_speed)
+        way = (*before, *target, *after, radius, self.limits.height_radius, cruise, float(climbing_off))
+        rows = self.step(way, NOTICED, room, target)
+        return float(np.hypot(rows[:, 4], rows[:, 5]).max()) if len(rows) else 0.0
+
+    def hold(self, seconds: float) -> float:
+        """Stay at the place last bound for; when that is over [s]."""
+        if seconds <= 0:
+            return self.now
+        way = (*self.here, *self.here, *self.here, 1e9, 1e9, self.cruise, 0.0)
+        begun = float(self.state[26]) if self.state[26] > 0 else self.now
+        over = max(begun + seconds, self.now)
+        self.step(way, over - self.now, 7 * int((seconds + 5) / (STEP * SAMPLE_STEPS)) + 70, self.here)
+        return over
+
+    def step(self, way: Sequence[float], latency: float, room: int, target: Place) -> Any:
+        samples = self.room(room)
+        self.pace[1], self.state[24] = latency, 0.0
+        if not self.step_to(self.pack(way), self.pack(self.pace), self.state, samples):
+            raise MissionError(
+                f"the vehicle does not reach {target[0]:.0f} m east and {target[1]:.0f} m north of home",
+                hint="the wind may be stronger than it can fly against",
+            )
+        rows = np.asarray(samples[: int(self.state[24])]).reshape(-1, 7)
+        self.samples += rows.ravel().tolist()
+        return rows
+
+    def turning_time(self, yaw_deg: float, before: Place, target: Place) -> float:
+        """How long the nose needs to point within the error allowed, where the item names a heading at all [s]."""
+        old = self.heading
+        if math.isnan(yaw_deg):
+            if math.dist(before[:2], target[:2]) > self.limits.radius:
+                self.heading = math.atan2(target[0] - before[0], target[1] - before[1])
+            return 0.0
+        self.heading = math.radians(yaw_deg)
+        if math.isnan(old):
+            return 0.0
+        turn = abs(math.remainder(self.heading - old, 2 * math.pi)) - self.limits.yaw_error
+        rate, accel = self.limits.yaw_rate, self.limits.yaw_accel
+        if turn <= 0:
+            return 0.0
+        return turn / rate + rate / accel if turn > rate * rate / accel else 2 * math.sqrt(turn / accel)
+
+    def straight_to(self, target: Place) -> None:
+        """A leg that ends in a stop."""
+        if math.dist(self.here, target) > self.limits.radius:
+            before, self.here = self.here, target
+            self.fly(before, target, target, self.limits.radius)
+
+    # --- what is not a leg ------------------------------------------------------------------------------------
+
+    def take_off(self, target: Place) -> float:
+        """Spool up and ramp up thrust on the ground, climb; when the height counts as reached [s]."""
+        if not self.airborne:
+            self.rest(self.limits.spool_up + self.limits.takeoff_ramp)
+            self.airborne = True
+        self.here = target
+        jumps, self.pace[JUMPS] = self.pace[JUMPS], 0.0  # recorded take-offs are not cut short by them
+        self.fly(target, target, target, self.limits.radius, climbing_off=True)
+        self.pace[JUMPS] = jumps
+        return float(self.state[26])
+
+    def return_home(self) -> float:
+        """RTL: climb to RTL_DESCEND_ALT if below, fly home at MPC_XY_CRUISE, wait, come down, disarm.
+
+        That it climbs no higher, whatever RTL_RETURN_ALT says, is what all recorded flights of 1.17 show.
+        """
+        x, y, z = self.here
+        self.cruise = self.limits.cruise
+        height = max(z, min(self.limits.return_height, self.limits.descend_height))
+        if height > z + self.limits.height_radius:
+            climb, self.pace[8] = self.pace[8], min(self.pace[8], self.limits.takeoff_speed)
+            self.here = (x, y, height)
+            self.fly((x, y, z), self.here, self.here, self.limits.radius)
+            self.pace[8] = climb
+        self.straight_to((0.0, 0.0, self.here[2]))
+        self.hold(self.limits.land_delay + RETURN_PAUSES)
+        self.come_down()
+        self.rest(self.limits.disarm_delay)
+        return self.now
+
+    def come_down(self) -> None:
+        """Descend from where the vehicle is to the ground, and until the landing is noticed."""
+        flown = touch_down(self.limits, self.here[2])
+        for t, height, rate in flown:
+            self.samples += (self.now + t, self.here[0], self.here[1], height, 0.0, 0.0, rate)
+        self.here = (self.here[0], self.here[1], 0.0)
+        self.rest(flown[-1][0] + LANDING_DETECTION)
+        self.airborne = False
+
+    def rest(self, seconds: float) -> None:
+        """Let time pass at `here` with no motion left in anything."""
+        kept = (self.now + seconds, float(self.state[27]), float(self.state[31]))
+        x, y, z = self.here
+        self.state = self.pack([0.0] * 32)
+        self.state[0], self.state[27], self.state[31] = kept
+        self.state[1], self.state[2], self.state[3], self.state[25] = x, y, z, 1.0
+        self.state[14], self.state[15], self.state[16] = x, y, z
+        self.samples += (self.now, x, y, z, 0.0, 0.0, 0.0)
+
+
+def _packed(numbers: Any) -> Any:
+    return np.array(numbers, dtype=np.float64)
+
+
+def _zeros(count: int) -> list[float]:
+    return [0.0] * count
