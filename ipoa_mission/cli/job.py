@@ -3,7 +3,7 @@
 import json
 import logging
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
 from ipoa_mission.mission.assemble import Option, assemble, weigh_routes
+from ipoa_mission.mission.build import build_mission
 from ipoa_mission.mission.check import check_mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
@@ -54,11 +55,7 @@ class PlannedJob(Job):
     def summary(self) -> dict[str, Any]:
         """What it is like, for machines."""
         summary = summarise(self.scenario, self.plan, self.mission, self.estimate, self.energy, self.remarks)
-        return summary | {"routes": [{**asdict(option), "chosen": self.chose(option)} for option in self.options]}
-
-    def chose(self, option: Option) -> bool:
-        """Whether the mission is made of these waypoints."""
-        return option.mode == self.scenario.route.mode
+        return summary | {"routes": [_told(option, self.scenario.route.mode) for option in self.options]}
 
 
 def prepare(
@@ -91,7 +88,9 @@ def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] 
     with left_behind("nothing was written"), progress_bar("planning") as show:
         plan = plan_path(scenario, seed, show)
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    mission = assemble(plan, scenario)
+    options = weigh_routes(plan, scenario)
+    chosen = [option.route for option in options if option.mode == scenario.route.mode]
+    mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
     warnings = refuse_errors(check_mission(mission, scenario))
     known = {**scenario.vehicle.autopilot_parameters(), **(parameters or {})}
     found = estimate(mission, known)
@@ -101,6 +100,18 @@ def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] 
     return PlannedJob(
         scenario.name, mission, known, found, remarks, scenario, plan, energy, weigh_routes(plan, scenario)
     )
+
+
+def _told(option: Option, mode: str) -> dict[str, Any]:
+    return {
+        "mode": option.mode,
+        "waypoints": len(option.route.points),
+        "spline": option.route.spline,
+        "seconds": option.seconds,
+        "deviation": option.deviation,
+        "flies_clear": option.flies_clear,
+        "chosen": option.mode == mode,
+    }
 
 
 def adapt_scenario(

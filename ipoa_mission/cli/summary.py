@@ -29,7 +29,10 @@ def describe(job: "PlannedJob") -> list[str]:
         f"least clearance {least.distance:.2f} m, to {least.what}; {required:.2f} m required; proved, leg by leg",
         f"estimated {job.estimate.total_s:.1f} s; QGroundControl would say {job.estimate.qgroundcontrol_s:.0f} s",
     ]
-    told = (f"{o.mode} {o.seconds:.1f} s ({o.waypoints}{'' if o.flies_clear else ', too close'})" for o in job.options)
+    told = (
+        f"{o.mode} {o.seconds:.1f} s ({len(o.route.points)}{'' if o.flies_clear else ', too close'})"
+        for o in job.options
+    )
     lines.append(f"start to goal by waypoints: {', '.join(told)}; chosen: {job.scenario.route.mode}")
     if job.energy is not None:
         lines.append(f"energy {job.energy.energy_wh:.1f} Wh, {job.energy.mean_w:.0f} W on average")

@@ -26,7 +26,7 @@ class Option:
     """A way to choose waypoints and what it would come to on this autopilot, from start to goal."""
 
     mode: str
-    waypoints: int
+    route: Route
     seconds: float
     deviation: float
     """How far the vehicle would leave the planned curve [m]."""
@@ -59,7 +59,7 @@ def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
             continue
         flown = fly(route, plan.curve, scenario)
         seconds, away = round(flown.seconds, 3), round(flown.deviation, 3)
-        options.append(Option(mode, len(route.points), seconds, away, flown.keeps_limits(scenario)))
+        options.append(Option(mode, route, seconds, away, flown.keeps_limits(scenario)))
     return tuple(sorted(options, key=lambda option: option.seconds))
 
 
