@@ -13,10 +13,12 @@ from ipoa_mission.cli.options import (
     ParameterOption,
     read_parameter_options,
 )
-from ipoa_mission.cli.telling import tell, tell_json, tell_table
+from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 
 if TYPE_CHECKING:
     from ipoa_mission.timing.estimate import Estimate
+
+BAR = 12  # characters for the item that takes longest
 
 
 def check(
@@ -66,6 +68,7 @@ def estimate(
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
     from ipoa_mission.mission.files import read_mission
+    from ipoa_mission.mission.items import command_name
     from ipoa_mission.timing.estimate import estimate as predict
 
     mission = read_mission(file, autopilot)
@@ -73,20 +76,29 @@ def estimate(
     if as_json:
         tell_json(estimate_as_json(found))
         return
+    longest = max((item.duration_s for item in found.items), default=0.0)
     rows = [
         (
             str(item.seq),
-            f"{item.done_s:.1f}",
+            command_name(item.command),
+            _number(item.length),
+            _number(item.peak_speed if item.length else 0.0),
             f"{item.duration_s:.1f}",
-            f"{item.length:.1f}",
-            f"{item.peak_speed:.1f}",
+            f"{item.done_s:.1f}",
+            _bar(item.duration_s, longest),
             item.reason,
         )
         for item in found.items
     ]
-    tell_table(f"{file.name} on {mission.autopilot}", ["item", "done s", "takes s", "m", "peak m/s", "why slow"], rows)
-    tell(*found.remarks, f"estimated {found.total_s:.1f} s ({found.low_s:.0f} to {found.high_s:.0f})")
-    tell(f"QGroundControl would say {found.qgroundcontrol_s:.1f} s")
+    columns = ["item", "command", "leg\nm", "peak\nm/s", "takes\ns", "done at\ns", "", "what keeps it slow"]
+    tell_table(
+        f"{file.name} on {mission.autopilot}; time zero: armed, in the mission mode, on the ground", columns, rows
+    )
+    tell(*notes(found.remarks))
+    tell(
+        f"estimated {found.total_s:.1f} s (between {found.low_s:.0f} and {found.high_s:.0f}); "
+        f"QGroundControl would say {found.qgroundcontrol_s:.0f} s"
+    )
 
 
 def estimate_as_json(found: "Estimate") -> dict[str, Any]:
@@ -99,3 +111,11 @@ def estimate_as_json(found: "Estimate") -> dict[str, Any]:
         "items": [{"seq": item.seq, "done_s": round(item.done_s, 3), "reason": item.reason} for item in found.items],
         "remarks": list(found.remarks),
     }
+
+
+def _number(value: float) -> str:
+    return f"{value:.1f}" if value else ""
+
+
+def _bar(value: float, longest: float) -> str:
+    return "▇" * round(BAR * value / longest) if longest else ""

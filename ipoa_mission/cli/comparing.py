@@ -67,7 +67,7 @@ def compare(
         (str(leg.seq), f"{leg.estimated_s:.1f}", f"{leg.flown_s:.1f}", f"{leg.error_s:+.1f}", f"{leg.flown_done_s:.1f}")
         for leg in held.legs
     ]
-    columns = ["item", "estimated s", "flown s", "difference s", "done at s"]
+    columns = ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"]
     tell_table(f"{file.name} on {mission.autopilot}, as {log.name} has it", columns, rows)
     flown = f"{held.flown_total_s:.1f} s" if math.isfinite(held.flown_total_s) else "longer than the log"
     tell(f"estimated {held.estimated_total_s:.1f} s, flown {flown}")

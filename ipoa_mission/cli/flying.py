@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from ipoa_mission.cli.folders import make_folder
+from ipoa_mission.cli.folders import expect_folder, make_folder
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
     AnywayOption,
@@ -77,6 +77,7 @@ def fly(
         raise BadInput(f"--report: expected a scenario, not {source}", hint="the page shows the map of a scenario")
     if link is not None and not (faults.is_none and nak_at is None):
         raise BadInput("--link: expected without --loss, --duplicate, --delay, --reorder and --nak-at")
+    expect_folder(out)
     job = prepare(source, seed, autopilot, optimizer, read_parameter_options(param, param_file))
     make_folder(out)
     written: list[Path] = []
@@ -109,12 +110,11 @@ def fly(
         tell_json(flight_as_json(job.estimate, record) | {"remarks": list(remarks), "written": files})
     else:
         tell(*notes(remarks), *(() if record.completed else record.messages))
-        columns = ["item", "estimated\ns", "flown\ns", "difference\ns"]
+        columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
         tell_table(
             f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record)
         )
         tell(
-            "",
             f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s; "
             f"QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
         )
@@ -144,9 +144,11 @@ def _flight_bar(total: int) -> Iterator[Callable[[int], None]]:
 
 
 def _legs(found: "Estimate", record: "FlightRecord") -> list[tuple[str, ...]]:
+    from ipoa_mission.mission.items import command_name
+
     rows: list[tuple[str, ...]] = []
     for item in found.items:
         flown = record.item_reached_s.get(item.seq - 1)
         told = ("", "") if flown is None else (f"{flown:.1f}", f"{item.done_s - flown:+.1f}")
-        rows.append((str(item.seq), f"{item.done_s:.1f}", *told))
+        rows.append((str(item.seq), command_name(item.command), f"{item.done_s:.1f}", *told))
     return rows

@@ -76,6 +76,7 @@ def prepare(
     if source.suffix == ".toml":
         return plan_mission(adapt_scenario(source, optimizer, autopilot=autopilot), seed, parameters)
     mission = read_mission(source, autopilot)
+    log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
     remarks = tuple(finding.message for finding in warnings)
     return Job(source.stem, mission, parameters or {}, estimate(mission, parameters or {}), remarks)

@@ -31,9 +31,11 @@ def plan(
 
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
+    from ipoa_mission.cli.folders import expect_folder
     from ipoa_mission.cli.job import adapt_scenario, plan_mission, write_files
     from ipoa_mission.cli.summary import describe
 
+    expect_folder(out)
     job = plan_mission(adapt_scenario(scenario, optimizer, planner, polish, autopilot), seed)
     files = write_files(job, out)
     if report:

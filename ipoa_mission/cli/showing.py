@@ -33,10 +33,8 @@ def show(
     mission = read_mission(file, autopilot)
     world = None if scenario is None else read_scenario(scenario)
     rows = mission_table(mission, world)
-    done = {
-        item.seq: item.done_s
-        for item in estimate(mission, {} if world is None else world.vehicle.autopilot_parameters()).items
-    }
+    found = estimate(mission, {} if world is None else world.vehicle.autopilot_parameters())
+    done = {item.seq: item.done_s for item in found.items}
     if as_json:
         tell_json([asdict(row) | {"done_s": done.get(row.seq)} for row in rows])
         return
@@ -45,8 +43,8 @@ def show(
             str(row.seq),
             row.command,
             _number(row.length),
-            _number(row.heading_deg, 0),
-            _number(row.climb),
+            _number(row.heading_deg, "03.0f"),
+            _number(row.climb, "+z.1f"),
             _number(row.height),
             _number(row.height_above_ground),
             _number(done.get(row.seq)),
@@ -54,8 +52,14 @@ def show(
         )
         for row in rows
     ]
-    columns = ["item", "command", "leg m", "heading", "climb m", "height m", "above ground m", "done s", ""]
-    tell_table(f"{file.name} for {mission.autopilot}", columns, cells)
+    home = mission.home
+    place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
+    columns = ["item", "command", "leg\nm", "heading\n°", "climb\nm", "height\nm", "above\nground m", "done at\ns", ""]
+    tell_table(f"{file.name}: {len(mission.items)} items for {mission.autopilot}; {place}", columns, cells)
+    climbs = [row.climb for row in rows if row.climb is not None]
+    up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
+    length = sum(row.length for row in rows if row.length is not None)
+    tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; estimated {found.total_s:.0f} s")
 
 
 def export(
@@ -83,5 +87,5 @@ def export(
         tell(f"written: {target}", *notes(remarks))
 
 
-def _number(value: float | None, digits: int = 1) -> str:
-    return "" if value is None else f"{value:.{digits}f}"
+def _number(value: float | None, form: str = "z.1f") -> str:
+    return "" if value is None else format(value, form)

@@ -46,8 +46,10 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...
         table.add_column(columns[i], justify="right" if numbers else "left", vertical="bottom", no_wrap=not is_last)
     for row in rows:
         table.add_row(*(Text(row[i]) for i in kept))
-    tell(title, "")
-    Console(highlight=False, width=None if sys.stdout.isatty() else OFF_A_TERMINAL).print(table)
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else OFF_A_TERMINAL)
+    with console.capture() as drawn:
+        console.print(table)
+    tell(title, "", *(line.rstrip() for line in drawn.get().splitlines()), "")
 
 
 def tell_error(error: MissionError, as_json: bool = False) -> None:

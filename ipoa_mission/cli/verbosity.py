@@ -5,7 +5,19 @@ from typing import Annotated
 
 import typer
 
+from ipoa_mission.cli.telling import tell
+
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
+
+
+def tell_version(wanted: bool) -> None:
+    """Print the version and end, if it is wanted."""
+    if wanted:
+        from importlib.metadata import version
+
+        tell(f"ipoa-mission {version('ipoa-mission')}")
+        raise typer.Exit
+
 
 VerboseOption = Annotated[
     int,
@@ -13,7 +25,10 @@ VerboseOption = Annotated[
         "--verbose", "-v", count=True, metavar="", show_default=False, help="Log what happens; twice: all of it."
     ),
 ]
-VersionOption = Annotated[bool, typer.Option("--version", metavar="", is_eager=True, help="Print the version and end.")]
+VersionOption = Annotated[
+    bool,
+    typer.Option("--version", metavar="", is_eager=True, callback=tell_version, help="Print the version and end."),
+]
 
 
 def before_the_verb(verbose: VerboseOption = 0, version: VersionOption = False) -> None:
@@ -23,11 +38,6 @@ def before_the_verb(verbose: VerboseOption = 0, version: VersionOption = False) 
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
-    if version:
-        from importlib.metadata import version as version_of
-
-        print(f"ipoa-mission {version_of('ipoa-mission')}")
-        raise typer.Exit
     listen_to_log(LEVELS[min(verbose, len(LEVELS) - 1)])
 
 

@@ -2,13 +2,26 @@
 
 import shlex
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from ipoa_mission.cli.app import main
+from ipoa_mission.cli.job import PlannedJob, adapt_scenario, plan_mission, write_files
+from ipoa_mission.link.channel import UdpChannel, open_channel
+from ipoa_mission.link.signing import Signer, key_of
+from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.server import Server
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Autopilot as Family
+from ipoa_mission.world.frame import Geodetic
+
+ZURICH = Geodetic(47.397742, 8.545594, 488.0)
 
 
 @dataclass(frozen=True)
@@ -27,6 +40,9 @@ def run(
     """Run `ipoa-mission WORDS` in a folder of its own; the exit code, standard output and standard error."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    for name in ("IPOA_MISSION_KEY", "IPOA_MISSION_PASSPHRASE"):
+        monkeypatch.delenv(name, raising=False)
 
     def command(words: str) -> Outcome:
         monkeypatch.setattr(sys, "argv", ["ipoa-mission", *shlex.split(words)])
@@ -36,3 +52,41 @@ def run(
         return Outcome(int(ended.value.code or 0), said.out, said.err)
 
     return command
+
+
+@pytest.fixture(scope="session")
+def planned(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[PlannedJob, Path]]:
+    """A scenario of the repository planned with seed 5, once for all tests: the job, and the folder of its files."""
+    missions = Path(__file__).parents[2] / "missions"
+
+    @cache
+    def plan(name: str) -> tuple[PlannedJob, Path]:
+        folder = tmp_path_factory.mktemp(name)
+        job = plan_mission(adapt_scenario(missions / f"{name}.toml"), 5)
+        write_files(job, folder)
+        return job, folder
+
+    return plan
+
+
+@pytest.fixture
+def autopilot() -> Callable[..., object]:
+    """The built-in autopilot behind a UDP port of this machine, 100 times as fast as real; `with` gives its link."""
+
+    @contextmanager
+    def serve(home: Geodetic = ZURICH, family: Family = Family.PX4, passphrase: str | None = None) -> Iterator[str]:
+        channel = open_channel("udpin:127.0.0.1:0")
+        assert isinstance(channel, UdpChannel)
+        signer = Signer(key_of(passphrase)) if passphrase else None
+        server = Server(channel, Station(Autopilot(family, home), 1, signer, channel.datagrams), speedup=100.0)
+        enough = threading.Event()
+        thread = threading.Thread(target=server.run, args=(enough.is_set,))
+        thread.start()
+        try:
+            yield f"udpout:127.0.0.1:{channel.port} --system 1"
+        finally:
+            enough.set()
+            thread.join()
+            channel.close()
+
+    return serve

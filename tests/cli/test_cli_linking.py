@@ -1,0 +1,152 @@
+"""Verbs that speak with a vehicle: the built-in autopilot behind a real port of this machine."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.link.dialogue import Cancelled
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+PASSPHRASE = "correct horse battery staple"
+
+
+@pytest.fixture
+def mission(planned) -> Path:
+    return planned("sitl")[1] / "sitl.plan"
+
+
+@pytest.fixture
+def steps(mission: Path) -> int:
+    return len(read_mission(mission).items)
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_a_mission_goes_up_comes_down_and_goes_away(run, autopilot, mission: Path, family: Autopilot) -> None:
+    with autopilot(family=family) as link:
+        sent = json.loads(run(f"upload {mission} --link {link} --log up.tlog --json").out)
+        assert sent["items"] == len(read_mission(mission).items)
+        assert sent["autopilot"] == family
+        assert run(f"download back.plan --link {link}").code == 0
+        here, there = read_mission(mission), read_mission(Path("back.plan"))
+        assert [item.command for item in there.items] == [item.command for item in here.items]
+        for one, other in zip(there.items, here.items, strict=True):
+            assert one.altitude == pytest.approx(other.altitude, abs=0.01)
+        assert json.loads(run(f"set-current 3 --link {link} --json").out)["current"] == 3
+        assert json.loads(run(f"clear --link {link} --json").out)["cleared"] == ["mission", "fence", "rally"]
+        assert json.loads(run(f"download empty.plan --link {link} --json").out)["items"] == 0
+    for log in ("up", "back-download", "set-current", "clear"):
+        assert Path(f"{log}.tlog").stat().st_size > 100
+
+
+def test_fly_flies_a_vehicle_at_a_link(run, autopilot, mission: Path, steps: int) -> None:
+    with autopilot() as link:
+        ended = run(f"fly {mission} --out out --link {link} --json")
+    assert ended.code == 0, ended.err
+    found = json.loads(ended.out)
+    assert found["completed"]
+    assert found["flown_items"][-1]["seq"] >= steps - 1
+    assert found["written"] == ["out/sitl.tlog"]
+
+
+def test_a_vehicle_that_stands_somewhere_else_is_not_sent_a_mission(run, autopilot, mission: Path) -> None:
+    with autopilot(Geodetic(47.397742, 8.547594, 488.0)) as link:  # 151 m to the east, by PROJ's geodesic
+        ended = run(f"upload {mission} --link {link}")
+        assert ended.code == 1
+        assert "the vehicle's home is 151 m from the mission's" in ended.err
+        assert "it is at 47.39774, 8.54759, and the mission takes off at 47.39774, 8.54559" in ended.err
+        assert "mock --home 47.397742 8.545594 488.0" in ended.err
+        assert json.loads(run(f"download there.plan --link {link} --json").out)["items"] == 0
+        anyway = json.loads(run(f"upload {mission} --link {link} --anyway --json").out)
+        assert any("151 m from the mission's" in remark for remark in anyway["remarks"])
+
+
+def test_a_vehicle_that_stands_higher_is_remarked_upon(run, autopilot, mission: Path) -> None:
+    with autopilot(Geodetic(47.397742, 8.545594, 500.0)) as link:
+        ended = run(f"upload {mission} --link {link}")
+    assert ended.code == 0
+    assert "note: the vehicle's home is 12.0 m higher than the mission's (500.0 m AMSL, not 488.0 m)" in ended.out
+
+
+def test_a_passphrase_signs_is_never_told_and_its_time_only_grows(run, autopilot, mission: Path, monkeypatch) -> None:
+    mark = Path("state/ipoa-mission/signing-station.timestamp")
+    with autopilot(passphrase=PASSPHRASE) as link:
+        assert run(f"scan --link {link.split()[0]} --seconds 0.3").code == 1  # who does not sign is not answered
+        monkeypatch.setenv("IPOA_MISSION_PASSPHRASE", PASSPHRASE)
+        marks = []
+        for _ in range(2):
+            ended = run(f"-vv upload {mission} --link {link} --log up.tlog")
+            assert ended.code == 0, ended.err
+            marks.append(int(mark.read_text()))
+            for told in (ended.out, ended.err, mark.read_text(), Path("up.tlog").read_bytes().decode("latin-1")):
+                assert PASSPHRASE not in told
+    assert marks[1] > marks[0]
+
+
+def test_a_key_in_a_file_goes_before_the_passphrase(run, autopilot, mission: Path, monkeypatch) -> None:
+    Path("key").write_text(PASSPHRASE)
+    monkeypatch.setenv("IPOA_MISSION_KEY", "key")
+    monkeypatch.setenv("IPOA_MISSION_PASSPHRASE", "another")
+    with autopilot(passphrase=PASSPHRASE) as link:
+        assert run(f"upload {mission} --link {link} --log up.tlog").code == 0
+
+
+def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(run, autopilot, mission: Path, monkeypatch) -> None:
+    receive, heard = Line.receive, []
+
+    def impatient(line: Line, until: float) -> list:
+        heard.append(receive(line, until))
+        if len(heard) == 12:
+            raise KeyboardInterrupt
+        return heard[-1]
+
+    with autopilot() as link:
+        monkeypatch.setattr(Line, "receive", impatient)
+        ended = run(f"upload {mission} --link {link} --log up.tlog")
+    assert ended.code == 130
+    assert ended.out == ""
+    assert ended.err.startswith(("error: cancelled: the vehicle keeps the mission it had", "error: stopped: nothing"))
+
+
+def test_ctrl_c_during_a_flight_says_that_the_vehicle_flies_on(run, autopilot, mission: Path, monkeypatch) -> None:
+    def watch(vehicle: Vehicle, progress: object) -> None:
+        raise Cancelled("cancelled")
+
+    monkeypatch.setattr(Vehicle, "watch", watch)
+    with autopilot() as link:
+        ended = run(f"fly {mission} --out out --link {link}")
+    assert ended.code == 130
+    assert "stopped: nobody watches, and the vehicle flies on" in ended.err
+
+
+def test_a_port_in_use_and_nobody_listening_are_told_with_a_hint(run, autopilot, mission: Path) -> None:
+    with autopilot() as link:
+        port = link.split()[0].rpartition(":")[2]
+        ended = run(f"scan --link udpin:127.0.0.1:{port}")
+    assert ended.code == 1
+    assert "cannot be opened: Address already in use" in ended.err
+    assert "hint: is another ground station using it?" in ended.err
+    nobody = run(f"upload {mission} --link tcp:127.0.0.1:1")
+    assert nobody.code == 1
+    assert "hint: nobody listens there" in nobody.err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("clear --link 127.0.0.1:14550", "link: expected udpin:HOST:PORT"),
+        (
+            "download back.kml --link udpin:127.0.0.1:14550",
+            'expected a name that ends in .plan or .waypoints, not in ".kml"',
+        ),
+        ("clear --link serial:/dev/there-is-none:57600", "there is no such device"),
+    ],
+)
+def test_a_link_that_is_none_is_told(run, words: str, told: str) -> None:
+    ended = run(words)
+    assert ended.code in (1, 2)
+    assert told in ended.err

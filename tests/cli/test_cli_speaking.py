@@ -1,0 +1,197 @@
+"""How the command line speaks: to machines, to people, to terminals, and when it is stopped."""
+
+import json
+import logging
+import os
+import pty
+import subprocess
+import sys
+import tomllib
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+import typer
+
+from ipoa_mission.cli.app import app
+from ipoa_mission.experiments import reproduce
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.planning import planner
+
+VERBS = sorted(typer.main.get_command(app).commands)
+
+
+@pytest.fixture
+def mission(planned) -> Path:
+    return planned("sitl")[1] / "sitl.plan"
+
+
+@pytest.mark.parametrize("verb", ["", *VERBS])
+def test_help_fits_eighty_columns_and_never_names_a_type_for_a_flag(run, monkeypatch, verb: str) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    said = run(f"{verb} --help")
+    assert said.code == 0
+    lines = said.out.splitlines()
+    assert max(len(line) for line in lines) <= 80
+    assert [line for line in lines if "<bool>" in line and "--help" not in line and "-completion" not in line] == []
+
+
+@pytest.mark.parametrize("verb", [verb for verb in VERBS if verb != "schema"])
+def test_every_verb_has_an_answer_for_machines(run, verb: str) -> None:
+    assert "--json" in run(f"{verb} --help").out
+
+
+def test_a_mistake_is_json_for_machines_and_words_for_people(run) -> None:
+    ended = run("check nothing.plan --json")
+    told = json.loads(ended.out)
+    assert ended.code == told["exit_code"] == 2
+    assert told["error"] == "nothing.plan: cannot be read: No such file or directory"
+    assert ended.err.startswith(f"error: {told['error']}")
+
+
+def test_new_and_export_tell_machines_what_they_wrote(run, mission: Path) -> None:
+    words = "new first.toml --yes --json --answer 'home=47.3977, 8.5456' --answer 'goal=47.3987, 8.5470'"
+    assert json.loads(run(words).out)["written"] == "first.toml"
+    assert tomllib.loads(Path("first.toml").read_text())["home"]["latitude_deg"] == 47.3977
+    assert json.loads(run(f"export {mission} out.kml --json").out) == {"written": "out.kml", "remarks": []}
+
+
+def test_questions_are_asked_on_standard_error(run, monkeypatch) -> None:
+    answers = iter(["47.3977, 8.5456", "488", "47.3987, 8.5470", "", "", "", "", "", ""])
+    monkeypatch.setattr("typer._click.termui.visible_prompt_func", lambda _: next(answers), raising=False)
+    monkeypatch.setattr("click.termui.visible_prompt_func", lambda _: next(answers), raising=False)
+    ended = run("new first.toml --json")
+    assert json.loads(ended.out)["answers"]["altitude"] == "488"
+
+
+def test_the_version_is_that_of_the_package(run) -> None:
+    assert run("--version").out == f"ipoa-mission {version('ipoa-mission')}\n"
+
+
+def test_v_logs_to_standard_error_and_leaves_the_result_alone(run, mission: Path) -> None:
+    quiet, loud = (run(f"{option} fly {mission} --json") for option in ("", "-v"))
+    assert quiet.out == loud.out
+    assert quiet.err == ""
+    assert "INFO" in loud.err
+    assert "ipoa_mission.cli" in loud.err
+    assert logging.getLogger("ipoa_mission").handlers != logging.getLogger().handlers
+
+
+def test_a_warning_of_the_package_is_heard_without_v(run, mission: Path) -> None:
+    plan = json.loads(mission.read_text())
+    plan["geoFence"]["breachReturn"] = [47.0, 8.0, 30.0]
+    Path("fenced.plan").write_text(json.dumps(plan))
+    assert run("show fenced.plan").err.startswith("warning: ")
+
+
+@pytest.mark.parametrize("no_color", [False, True])
+def test_a_terminal_gets_colour_unless_no_color_says_otherwise(tmp_path: Path, no_color: bool) -> None:
+    theirs, ours = pty.openpty()
+    environment = {name: value for name, value in os.environ.items() if name != "NO_COLOR"} | {"TERM": "xterm-256color"}
+    if no_color:
+        environment["NO_COLOR"] = "1"
+    command = [sys.executable, "-m", "ipoa_mission.cli.app", "show", "nothing.plan"]
+    ended = subprocess.run(command, stdout=ours, stderr=ours, env=environment, cwd=tmp_path, timeout=60, check=False)
+    os.close(ours)
+    said = os.read(theirs, 10_000).decode()
+    os.close(theirs)
+    assert ended.returncode == 2
+    assert "nothing.plan: cannot be read" in said
+    assert ("\x1b[1;31m" in said) is not no_color
+
+
+def test_names_that_look_like_markup_are_told_as_they_are(run, mission: Path) -> None:
+    Path("[bold]").mkdir()
+    assert "written: [bold]/x.csv" in run(f"export {mission} [bold]/x.csv").out
+    assert "[red]x.plan: cannot be read" in run("show [red]x.plan").err
+
+
+def test_show_and_estimate_fit_a_hundred_columns(run, planned, missions: Path) -> None:
+    mission = planned("campus")[1] / "campus.plan"
+    for words in (f"show {mission} --scenario {missions}/campus.toml", f"estimate {mission}"):
+        lines = run(words).out.splitlines()
+        assert len(lines) > len(read_mission(mission).items)
+        assert max(len(line) for line in lines) <= 100
+        assert not any(line.endswith(" ") for line in lines)
+
+
+def test_ctrl_c_while_planning_leaves_nothing_behind(run, missions: Path, monkeypatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(planner, "search", interrupted, raising=False)
+    monkeypatch.setattr("ipoa_mission.cli.job.plan_path", interrupted)
+    ended = run(f"plan {missions}/sitl.toml --out out")
+    assert (ended.code, ended.out) == (130, "")
+    assert ended.err == "error: stopped: nothing was written\n"
+    assert not Path("out").exists()
+
+
+def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run, monkeypatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(reproduce, "reproduce", interrupted)
+    ended = run("reproduce table-3 --out kept")
+    assert ended.code == 130
+    assert "the runs made so far are kept in kept" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("plan {sitl} --seed -1", "Invalid value for '--seed'"),
+        ("plan {sitl} --out {file}", "file: expected a folder, but file is none"),
+        ("plan {sitl} --out {file}/deeper", "file/deeper: expected a folder, but"),
+        ("plan {typo}", "typo.toml: "),
+        ("plan {file}", "file: "),
+        ("fly {mission} --report", "--report: expected a scenario"),
+        ("fly {mission} --link udpin:127.0.0.1:0 --loss 0.1", "--link: expected without --loss"),
+        ("fly {mission} --param-file nothing.parm", "nothing.parm: cannot be read"),
+        ("export {mission} there/is/none.kml", "there/is/none.kml: cannot be written: No such file or directory"),
+        ("export {mission} picture.png", 'expected a name that ends in .kml, .geojson, .csv, .gpx, not in ".png"'),
+        ("estimate {sitl}", "expected a .plan file, or a .waypoints file"),
+        ("compare {mission} {sitl}", "sitl.toml"),
+        ("new there/is/none.toml --yes --answer home=1,2 --answer goal=1,2.001", "cannot be written"),
+        ("new first.toml --yes", "home: expected, but not there"),
+        ("mock --home 95 8 400", "--home: expected latitude and longitude in degrees"),
+        ("mock --link mavlink:1", "link: expected udpin:HOST:PORT"),
+        ("reproduce table-33", "table-33"),
+        ("upload {mission} --link udpin:127.0.0.1:0 --key {folder}", "cannot be read: Is a directory"),
+    ],
+)
+def test_a_usual_mistake_ends_with_2_and_says_what_was_expected(
+    run, planned, missions: Path, words: str, told: str
+) -> None:
+    Path("file").write_text("nothing")
+    Path("typo.toml").write_text((missions / "sitl.toml").read_text().replace("[goal]", "[goal"))
+    names = {"sitl": missions / "sitl.toml", "mission": planned("sitl")[1] / "sitl.plan"}
+    ended = run(words.format(**names, file="file", typo="typo.toml", folder="."))
+    assert ended.code == 2, ended.err
+    assert told in " ".join(ended.err.split())
+    assert "Traceback" not in ended.err
+    assert ended.out == ""
+
+
+@pytest.mark.parametrize(
+    ("module", "words", "extra"),
+    [
+        ("rasterio", "plan {missions}/oldtown.toml", "maps"),
+        ("pyulog", "compare {mission} flight.ulg", "logs"),
+        ("mavsdk", "upload {mission} --link udpin:127.0.0.1:0 --backend mavsdk", "mavsdk"),
+        ("serial", "clear --link serial:/dev/ttyUSB0:57600", "serial"),
+        ("minionpy", "reproduce table-3 --runs 1 --jobs 1", "experiments"),
+        ("distributed", "reproduce table-3 --runs 1 --executor tcp://127.0.0.1:1", "cluster"),
+    ],
+)
+def test_an_extra_that_is_not_installed_is_named(
+    run, missions: Path, mission: Path, monkeypatch, module: str, words: str, extra: str
+) -> None:
+    for name in [name for name in sys.modules if name.split(".")[0] == module]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, module, None)
+    Path("flight.ulg").write_bytes(b"ULog\x01\x12\x35\x01" + bytes(8))
+    ended = run(words.format(missions=missions, mission=mission))
+    assert ended.code in (1, 2)
+    assert f"ipoa-mission[{extra}]" in ended.err
+    assert "Traceback" not in ended.err
