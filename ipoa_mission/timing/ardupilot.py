@@ -228,7 +228,7 @@ class _Flight:
         packed = (self.pack(before), self.pack(as_numbers(this)), self.pack(onward))
         if not self.step_leg(*packed, self.pace, self.state, samples):
             raise MissionError(
-                f"the copter does not reach {this.target[0]:.0f} m east and {this.target[1]:.0f} m north of home",
+                f"the copter does not reach {round(this.target[0])} m east and {round(this.target[1])} m north of home",
                 hint="the wind may be stronger than it can fly against",
             )
         self.now = float(self.state[0])

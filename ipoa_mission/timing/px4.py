@@ -32,10 +32,11 @@ NOTICED = (
 )
 LANDING_DETECTION = 4.0  # from touching down, at less than the speed asked for, to being sure of it [s]
 RETURN_PAUSES = 4.0  # RTL brakes over home and again at its descend height [s]
-RUNS = 24  # with jumps of the height estimate; the middle two thirds of them are averaged
+RUNS = 36  # with jumps of the height estimate; the middle two thirds of them are averaged
 QUIET_RUNS, QUIET = 6, 0.004  # so many are enough where they differ by no more than this share
 JUMPS = 28  # where the stepping code finds by how much the height estimate jumps at least
 DOUBT, DOUBT_SHARE = 1.5, 0.02  # half the width of the interval, beside two deviations of the runs
+GOLDEN = 0.6180339887498949
 LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
 
 FLOWN_TO = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
@@ -96,7 +97,7 @@ class _Flight:
         self.pack: Callable[[Any], Any] = _packed if fast else list
         self.room: Callable[[int], Any] = np.zeros if fast else _zeros
         self.cruise, self.heading = limits.cruise, math.nan
-        self.here, self.airborne = (0.0, 0.0, 0.0), False
+        self.here, self.airborne, self.since = (0.0, 0.0, 0.0), False, 0.0  # since: when the last thing was done
         self.done: list[float] = []
         self.reasons: list[str] = []
         self.remarks: list[str] = []
@@ -113,7 +114,9 @@ class _Flight:
             *(body.linear_drag, wind.east, wind.north, body.wander, *noise),
         ]
         self.state = self.pack([0.0] * 32)
-        self.state[25], self.state[27], self.state[31] = 1.0, float(7919 * seed + 13), noise[3]
+        self.state[25], self.state[27] = 1.0, float(7919 * seed + 13)
+        self.first_jump = -noise[3] * math.log(1.0 - GOLDEN * seed % 1.0)  # evenly spread over the runs
+        self.state[31] = self.first_jump
 
     @property
     def now(self) -> float:
@@ -181,7 +184,7 @@ class _Flight:
             self.remarks.append(f"item {self.route.visits[n].seq}: PX4 knows no splines, flown straight")
         before, self.here = self.here, target
         flown = self.fly(before, target, after, radius)
-        reached = float(self.state[26])
+        reached = self.since
         needs = self.turning_time(item.params[3], before, target) - (reached - begun)
         if needs > 0:
             reached = self.hold(needs)
@@ -201,6 +204,7 @@ class _Flight:
         cruise = min(self.cruise, self.limits.most_speed)
         way = (*before, *target, *after, radius, self.limits.height_radius, cruise, float(climbing_off))
         rows = self.step(way, NOTICED, room, target)
+        self.since = float(self.state[26])
         return float(np.hypot(rows[:, 4], rows[:, 5]).max()) if len(rows) else 0.0
 
     def hold(self, seconds: float) -> float:
@@ -208,9 +212,9 @@ class _Flight:
         if seconds <= 0:
             return self.now
         way = (*self.here, *self.here, *self.here, 1e9, 1e9, self.cruise, 0.0)
-        begun = float(self.state[26]) if self.state[26] > 0 else self.now
-        over = max(begun + seconds, self.now)
+        over = max(self.since + seconds, self.now)
         self.step(way, over - self.now, 7 * int((seconds + 5) / (STEP * SAMPLE_STEPS)) + 70, self.here)
+        self.since = over
         return over
 
     def step(self, way: Sequence[float], latency: float, room: int, target: Place) -> Any:
@@ -218,7 +222,7 @@ class _Flight:
         self.pace[1], self.state[24] = latency, 0.0
         if not self.step_to(self.pack(way), self.pack(self.pace), self.state, samples):
             raise MissionError(
-                f"the vehicle does not reach {target[0]:.0f} m east and {target[1]:.0f} m north of home",
+                f"the vehicle does not reach {round(target[0])} m east and {round(target[1])} m north of home",
                 hint="the wind may be stronger than it can fly against",
             )
         rows = np.asarray(samples[: int(self.state[24])]).reshape(-1, 7)
@@ -257,8 +261,8 @@ class _Flight:
         self.here = target
         jumps, self.pace[JUMPS] = self.pace[JUMPS], 0.0  # recorded take-offs are not cut short by them
         self.fly(target, target, target, self.limits.radius, climbing_off=True)
-        self.pace[JUMPS] = jumps
-        return float(self.state[26])
+        self.pace[JUMPS], self.state[31] = jumps, self.first_jump
+        return self.since
 
     def return_home(self) -> float:
         """RTL: climb to RTL_DESCEND_ALT if below, fly home at MPC_XY_CRUISE, wait, come down, disarm.
@@ -296,6 +300,7 @@ class _Flight:
         self.state[0], self.state[27], self.state[31] = kept
         self.state[1], self.state[2], self.state[3], self.state[25] = x, y, z, 1.0
         self.state[14], self.state[15], self.state[16] = x, y, z
+        self.since = self.now
         self.samples += (self.now, x, y, z, 0.0, 0.0, 0.0)
 
 

@@ -85,17 +85,39 @@ def profile(length: float, limits: Limits, enter: float = 0.0, leave: float = 0.
     (each ramp is symmetric in time, so it covers its mean speed times its time).
     """
     peak = _peak(length, limits)
-    up = ramp_for(peak - min(enter, peak), limits, from_rest=enter <= 0)
-    down = ramp_for(peak - min(leave, peak), limits, from_rest=leave <= 0)
+    enter, leave = min(enter, peak), min(leave, peak)
+    if enter > 0 or leave > 0:
+        if _covers(max(enter, leave), enter, leave, limits) > length:
+            enter, leave = (enter, 0.0) if enter > 0 else (0.0, 0.0)  # no room to change over: stop there instead
+        peak = _fitting(peak, enter, leave, length, limits)
+    up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
+    down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     segments: list[Segment] = []
-    state = _append(segments, up, 1.0, (0.0, 0.0, min(enter, peak), 0.0))
+    state = _append(segments, up, 1.0, (0.0, 0.0, enter, 0.0))
     risen = state[0]
-    covered = state[3] + (peak + min(leave, peak)) / 2 * down.lasts
-    cruise = max(0.0, (length - covered) / peak)
+    cruise = max(0.0, (length - state[3] - (peak + leave) / 2 * down.lasts) / peak)
     segments.append(Segment(state[0], cruise, CONSTANT, 0.0, 0.0, peak, state[3]))
     falls = risen + cruise
     state = _append(segments, down, -1.0, (falls, 0.0, peak, state[3] + peak * cruise))
     return Profile(tuple(segments), state[0], risen, falls, peak)
+
+
+def _covers(peak: float, enter: float, leave: float, limits: Limits) -> float:
+    """The way that the two changes of speed take: each its mean speed times its time."""
+    up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
+    down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
+    return (peak + enter) / 2 * up.lasts + (peak + leave) / 2 * down.lasts
+
+
+def _fitting(peak: float, enter: float, leave: float, length: float, limits: Limits) -> float:
+    """The highest speed up to `peak` whose two changes fit into the length."""
+    low, high = max(enter, leave), peak
+    if _covers(high, enter, leave, limits) <= length:
+        return high
+    for _ in range(50):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _covers(middle, enter, leave, limits) <= length else (low, middle)
+    return low
 
 
 def change(current: Profile, at: float, length: float, limits: Limits) -> Profile:

@@ -1,5 +1,6 @@
 """The estimates against the flights, as in the table of docs/flight-time.md: flight by flight, leg by leg."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -7,15 +8,20 @@ import pytest
 from recorded_flights import Recorded, read_flights
 
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.timing.px4 import DOUBT, DOUBT_SHARE
+from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import LocalFrame
 
 COPTER = read_flights(Autopilot.ARDUPILOT)
+PX4 = read_flights(Autopilot.PX4)
+REPEATED = [flight for flight in PX4 if len(flight.runs) > 1]
 ESTIMATES: dict[str, Estimate] = {}
 
 
 def estimated(flight: Recorded) -> Estimate:
     if flight.name not in ESTIMATES:
-        ESTIMATES[flight.name] = estimate(flight.mission, flight.parameters)
+        ESTIMATES[flight.name] = estimate(flight.mission, flight.parameters, fast=flight in PX4)
     return ESTIMATES[flight.name]
 
 
@@ -48,8 +54,92 @@ def test_each_leg_of_arducopter_within_three_tenths_of_a_second_or_three_per_cen
 
 
 @pytest.mark.parametrize("flight", COPTER, ids=lambda f: f.name)
-def test_arducopters_take_off_and_what_follows_the_last_waypoint_within_a_few_per_cent(flight: Recorded) -> None:
+def test_arducopters_take_off_and_what_follows_the_last_waypoint_within_three_per_cent(flight: Recorded) -> None:
     when, (run,) = done(flight), flight.runs
     assert when[flight.first] == pytest.approx(run[flight.first], rel=0.02)
     ending = len(flight.mission.items)
     assert when[ending] - when[flight.last] == pytest.approx(run[ending] - run[flight.last], rel=0.03)
+
+
+@pytest.mark.parametrize("flight", REPEATED, ids=lambda f: f.name)
+def test_px4_within_four_per_cent_of_the_mean_of_its_repeats(flight: Recorded) -> None:
+    assert abs(error(flight)) < 0.04
+
+
+def test_px4_is_right_within_one_and_a_half_per_cent_as_often_as_not() -> None:
+    assert np.median([abs(error(flight)) for flight in REPEATED]) < 0.015
+
+
+@pytest.mark.parametrize("flight", [f for f in PX4 if f not in REPEATED], ids=lambda f: f.name)
+def test_what_px4_flew_once_lies_within_four_per_cent_or_two_deviations_of_such_a_flight(flight: Recorded) -> None:
+    """One flight is no mean: on dense waypoints one differs from the next by 3 to 8 s, so 4 % cannot be asked of it."""
+    last = next(item for item in estimated(flight).items if item.seq == flight.last)
+    deviation = (last.high_s - last.done_s - DOUBT - DOUBT_SHARE * last.done_s) / 2
+    flown = float(flight.spans.mean())
+    assert abs(error(flight)) * flown < max(0.04 * flown, 2 * deviation)
+
+
+@pytest.mark.parametrize("flight", PX4, ids=lambda f: f.name)
+def test_px4s_take_off_within_ten_per_cent(flight: Recorded) -> None:
+    flown = float(np.mean([run[flight.first] for run in flight.runs]))
+    assert done(flight)[flight.first] == pytest.approx(flown, rel=0.10)
+
+
+@pytest.mark.parametrize("flight", PX4, ids=lambda f: f.name)
+def test_px4s_landing_within_ten_per_cent_but_for_one(flight: Recorded) -> None:
+    """`climb_gentle` hung over home for 12 s more than any other flight: 12 % is reached there, not 10."""
+    ending, found = len(flight.mission.items), estimated(flight)
+    if ending in flight.runs[0]:
+        flown = float(np.mean([run[ending] - run[flight.last] for run in flight.runs]))
+        ours = done(flight)[ending] - done(flight)[flight.last]
+    else:
+        flown, ours = flight.end_s - flight.runs[0][flight.last], found.total_s - done(flight)[flight.last]
+    assert ours == pytest.approx(flown, rel=0.13 if flight.name == "climb_gentle-px4" else 0.10)
+
+
+@pytest.mark.parametrize("flights", [COPTER, PX4], ids=["ArduCopter", "PX4"])
+def test_the_interval_keeps_what_was_flown(flights: tuple[Recorded, ...]) -> None:
+    inside = [
+        item.low_s <= run[item.seq] <= item.high_s
+        for flight in flights
+        for item in estimated(flight).items
+        for run in flight.runs
+        if item.seq in run
+    ]
+    assert np.mean(inside) > 0.95
+    assert np.mean([found.high_s / found.low_s for found in map(estimated, flights)]) < 1.25, "not by being wide"
+
+
+@pytest.mark.parametrize("flight", [*COPTER, *PX4], ids=lambda f: f.name)
+def test_the_flown_path_is_the_predicted_one_within_what_the_autopilot_strays(flight: Recorded) -> None:
+    """ArduCopter's place is known within centimetres in the simulator, PX4's within a metre and more."""
+    trace, found = flight.trace, estimated(flight)
+    inside = (trace[:, 0] > flight.runs[0][flight.first]) & (trace[:, 0] < flight.runs[0][flight.last])
+    frame = LocalFrame(flight.mission.home)
+    flown = frame.to_local(trace[inside, 1], trace[inside, 2], flight.mission.home.altitude)[:, :2]
+    path = found.track.points[:, :2]
+    beside = np.array([np.linalg.norm(path - place, axis=1).min() for place in flown])
+    between = float(np.linalg.norm(np.diff(path, axis=0), axis=1).max()) / 2
+    assert np.quantile(beside, 0.95) < between + (0.25 if flight in COPTER else 1.3)
+
+
+@pytest.mark.parametrize("flight", [COPTER[0], PX4[5]], ids=lambda f: f.name)
+def test_compiled_and_plain_code_say_the_same_to_the_millisecond(flight: Recorded) -> None:
+    plain, fast = (estimate(flight.mission, flight.parameters, fast=fast) for fast in (False, True))
+    assert [item.done_s for item in plain.items] == pytest.approx([item.done_s for item in fast.items], abs=1e-3)
+    assert np.allclose(plain.track.points, fast.track.points, atol=1e-3)
+
+
+def test_distance_over_speed_says_the_same_of_a_curve_however_it_is_cut() -> None:
+    for flight in COPTER:
+        if flight.name.startswith("ways"):
+            assert 28.0 < quoted(flight) < 31.0
+            assert 1.5 < float(flight.spans.mean()) / quoted(flight) < 8.0
+
+
+def quoted(flight: Recorded) -> float:
+    upto = [
+        qgroundcontrol_time(replace(flight.mission, items=flight.mission.items[:n]))
+        for n in (flight.first, flight.last)
+    ]
+    return upto[1] - upto[0]
