@@ -4,10 +4,11 @@
     python tools/benchmark_link.py --runs 5 --loss 0 30   less of it
 
 Each upload has an autopilot, a UDP socket and a radio of its own, in real time; several run at once, for they mostly
-wait. A run succeeds when the client says so within its time limit AND the autopilot holds every item, exact to the
-last 1e-7 degree. Times are from the order to upload until the client has the final MISSION_ACK; ours is given a second
-time with reading back and comparing, which the others leave out. Bytes are those of mission messages, both ways, until
-the vehicle's first MISSION_ACK. Every client has a process of its own; connecting is not counted.
+wait. A run is exact when the client says "done" within its time limit AND the autopilot holds every item to the last
+1e-7 degree; those that are off by one such unit are counted in brackets; anything else that was called done is false.
+Times are from the order to upload until the client has the final MISSION_ACK; ours is given a second time with reading
+back and comparing, which the others leave out. Bytes are those of mission messages, both ways, until the vehicle's
+first MISSION_ACK. Every client has a process of its own; connecting is not counted.
 """
 
 import argparse
@@ -25,7 +26,7 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ipoa_mission.errors import MissionError
@@ -35,7 +36,7 @@ from ipoa_mission.link.channel import Peer, UdpChannel
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import connect
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.server import Server
@@ -44,8 +45,8 @@ from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
-MISSION_MESSAGES = frozenset({39, 40, 43, 44, 47, 51, 73})
-CLIENTS = ("ours", "mavsdk", "mavproxy")
+MISSION_MESSAGES = frozenset({39, 40, 43, 44, 47, 51, 73, 110})
+CLIENTS = ("ours", "by-file", "mavsdk", "mavproxy")
 LIMIT_S = 240.0
 
 
@@ -55,6 +56,7 @@ class Run:
 
     said: bool
     exact: bool
+    near: bool  # exact but for one unit of 1e-7 degree
     seconds: float
     verified_s: float | None
     bytes: int
@@ -86,9 +88,10 @@ class CountingChannel(UdpChannel):
 
 
 def mission(autopilot: Autopilot, items: int) -> Mission:
-    """A mission of so many items whose coordinates need every digit."""
+    """A mission of so many items whose coordinates need every digit, and whose params every client's file can hold."""
     legs = [waypoint(Geodetic(47.4 + 0.000123457 * n, 8.5 - 0.000098763 * n), 30.0) for n in range(1, items - 1)]
-    return Mission(HOME, (takeoff(HOME, 20.0), *legs, return_to_launch()), autopilot)
+    items = (takeoff(HOME, 20.0), *legs, return_to_launch())
+    return Mission(HOME, tuple(replace(item, params=(0.0,) * 4) for item in items), autopilot)
 
 
 @contextmanager
@@ -120,15 +123,15 @@ def in_process(client: str, port: int, sent: Mission) -> tuple[bool, float, floa
     return said, seconds, verified_s
 
 
-def ours(port: str, sent: Mission) -> tuple[bool, float, float | None]:
-    """Our client's upload, in the process of the client."""
+def ours(port: str, sent: Mission, fast: bool = False) -> tuple[bool, float, float | None]:
+    """Our client's upload, in the process of the client; `fast`: ArduPilot's mission file."""
     acknowledged: list[float] = []
 
     def note(done: int, total: int) -> None:
         if done == total and not acknowledged:
             acknowledged.append(time.monotonic())
 
-    with connect(f"udpout:127.0.0.1:{port}") as here:
+    with connect(f"udpout:127.0.0.1:{port}", fast=fast) as here:
         items = to_wire(sent)
         begun = time.monotonic()
         try:
@@ -137,6 +140,11 @@ def ours(port: str, sent: Mission) -> tuple[bool, float, float | None]:
             return False, LIMIT_S, None
         verified = time.monotonic()
     return True, (acknowledged or [verified])[0] - begun, verified - begun
+
+
+def by_file(port: str, sent: Mission) -> tuple[bool, float, float | None]:
+    """Our client's fast path; its time is that of the last piece written, its bytes those of reading back, too."""
+    return ours(port, sent, fast=True)
 
 
 def mavsdk(port: str, sent: Mission) -> tuple[bool, float, float | None]:
@@ -207,7 +215,18 @@ def run(client: str, autopilot: Autopilot, items: int, faults: Faults, seed: int
         here = mavproxy(channel.port, sent) if client == "mavproxy" else in_process(client, channel.port, sent)
         held = mock.transfers.listed(MissionType.MISSION)
     said, seconds, verified_s = here
-    return Run(said, compare(to_wire(sent), held, autopilot) is None, seconds, verified_s, channel.counted)
+    exact = compare(to_wire(sent), held, autopilot) is None
+    return Run(said, exact, exact or is_near(to_wire(sent), held), seconds, verified_s, channel.counted)
+
+
+def is_near(sent: tuple[Item, ...], held: tuple[Item, ...]) -> bool:
+    """Whether every item is there, at most one unit of 1e-7 degree off."""
+    return len(sent) == len(held) and all(
+        one.command == other.command
+        and abs(one.latitude_deg - other.latitude_deg) < 1.6e-7
+        and abs(one.longitude_deg - other.longitude_deg) < 1.6e-7
+        for one, other in zip(sent, held, strict=True)
+    )
 
 
 def cell(client: str, autopilot: Autopilot, arguments: argparse.Namespace, delay_ms: float, loss: float) -> str:
@@ -216,14 +235,16 @@ def cell(client: str, autopilot: Autopilot, arguments: argparse.Namespace, delay
     with ThreadPoolExecutor(arguments.at_once) as pool:
         seeds = range(arguments.runs)
         runs = list(pool.map(lambda seed: run(client, autopilot, arguments.items, faults, seed), seeds))
-    good = [one for one in runs if one.said and one.exact]
-    lies = sum(one.said and not one.exact for one in runs)
+    good = [one for one in runs if one.said and one.near]
+    exact = sum(one.exact for one in good)
+    lies = sum(one.said and not one.near for one in runs)
+    told = f"{exact}/{len(runs)}" + (f" ({len(good) - exact} more)" if len(good) > exact else "")
     if not good:
-        return f"| {autopilot} | {delay_ms:g} | {loss:g} | {client} | 0/{len(runs)} | {lies} | | | | |"
+        return f"| {autopilot} | {delay_ms:g} | {loss:g} | {client} | {told} | {lies} | | | | |"
     median = statistics.median(one.seconds for one in good)
     verified = [one.verified_s for one in good if one.verified_s is not None]
     return (
-        f"| {autopilot} | {delay_ms:g} | {loss:g} | {client} | {len(good)}/{len(runs)} | {lies} | {median:.2f} | "
+        f"| {autopilot} | {delay_ms:g} | {loss:g} | {client} | {told} | {lies} | {median:.2f} | "
         f"{f'{statistics.median(verified):.2f}' if verified else ''} | {arguments.items / median:.1f} | "
         f"{statistics.median(one.bytes for one in good) / arguments.items:.0f} |"
     )
@@ -241,20 +262,22 @@ def main() -> None:
     parser.add_argument("--autopilots", nargs="+", type=Autopilot, default=list(Autopilot))
     arguments = parser.parse_args()
     needs = {"mavsdk": "mavsdk", "mavproxy": "MAVProxy"}
-    clients = [one for one in arguments.clients if one == "ours" or importlib.util.find_spec(needs[one])]
+    clients = [one for one in arguments.clients if one not in needs or importlib.util.find_spec(needs[one])]
     print("| autopilot | delay, ms | loss, % | client | exact | false successes | to the Ack, s | verified, s "
           "| items/s | bytes an item |")  # fmt: skip
     print("|---|---|---|---|---|---|---|---|---|---|")
     for autopilot, delay_ms, loss, client in itertools.product(
         arguments.autopilots, arguments.delay, arguments.loss, clients
     ):
+        if client == "by-file" and autopilot is not Autopilot.ARDUPILOT:
+            continue
         print(cell(client, autopilot, arguments, delay_ms, loss), flush=True)
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--as"]:
         name, port, family, count = sys.argv[2:6]
-        act = {"ours": ours, "mavsdk": mavsdk}[name]
+        act = {"ours": ours, "by-file": by_file, "mavsdk": mavsdk}[name]
         result = act(port, mission(Autopilot(family), int(count)))
         sys.stderr.write("\nRESULT " + json.dumps(result) + "\n")
     else:
