@@ -18,7 +18,7 @@ from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 if TYPE_CHECKING:
     from ipoa_mission.timing.estimate import Estimate
 
-BAR = 12  # characters for the item that takes longest
+BAR = 10  # characters for the item that takes longest
 
 
 def check(
@@ -48,7 +48,7 @@ def check(
         tell_json({"ok": not errors, "findings": rows})
     else:
         tell(*(str(finding) for finding in findings))
-        counts = f"{errors} errors, {len(findings) - errors} warnings, {len(mission.items)} items"
+        counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
         tell(f"{file}: {counts} for {mission.autopilot}")
     if errors:
         raise typer.Exit(1)
@@ -111,6 +111,10 @@ def estimate_as_json(found: "Estimate") -> dict[str, Any]:
         "items": [{"seq": item.seq, "done_s": round(item.done_s, 3), "reason": item.reason} for item in found.items],
         "remarks": list(found.remarks),
     }
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _number(value: float) -> str:
