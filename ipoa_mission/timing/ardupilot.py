@@ -13,7 +13,7 @@ import numpy as np
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.mission.items import Command
 from ipoa_mission.timing import _ardupilot_steps
-from ipoa_mission.timing._compiled import compiled
+from ipoa_mission.timing._compiled import stepping
 from ipoa_mission.timing.body import ARDUPILOT_SIMULATOR, GRAVITY, Body
 from ipoa_mission.timing.copter_legs import (
     NO_LEG,
@@ -55,9 +55,13 @@ TO_A_PLACE = FLOWN_ON_INTO | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
 
 
 def fly_arducopter(
-    route: Itinerary, parameters: Parameters, wind: Wind = CALM, fast: bool = False, body: Body = ARDUPILOT_SIMULATOR
+    route: Itinerary,
+    parameters: Parameters,
+    wind: Wind = CALM,
+    fast: bool | None = None,
+    body: Body = ARDUPILOT_SIMULATOR,
 ) -> Prediction:
-    """Fly the itinerary as ArduCopter does; `fast` steps by compiled code.
+    """Fly the itinerary as ArduCopter does; `fast` is as in `estimate`.
 
     Raises:
         BadInput: an item never ends, or a parameter has no sense.
@@ -81,11 +85,13 @@ class _Flight:
     the last one ended, and `tail` that last one.
     """
 
-    def __init__(self, route: Itinerary, limits: CopterLimits, wind: Wind, body: Body, fast: bool) -> None:
+    def __init__(self, route: Itinerary, limits: CopterLimits, wind: Wind, body: Body, fast: bool | None) -> None:
         self.route, self.limits = route, limits
-        self.step_leg = (compiled("_ardupilot_steps") if fast else _ardupilot_steps).fly_leg
-        self.pack: Callable[[Any], Any] = _packed if fast else list
-        self.room: Callable[[int], Any] = np.zeros if fast else _zeros
+        steps = stepping("_ardupilot_steps", fast, 0.0)
+        plain = steps is _ardupilot_steps
+        self.step_leg = steps.fly_leg
+        self.pack: Callable[[Any], Any] = list if plain else _packed
+        self.room: Callable[[int], Any] = _zeros if plain else np.zeros
         self.speeds = Speeds(limits.speed, limits.climb, limits.descent)
         self.now, self.here, self.airborne = 0.0, (0.0, 0.0, 0.0), False
         self.done: list[float] = []

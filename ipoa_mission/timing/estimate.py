@@ -59,12 +59,13 @@ class Estimate:
 
 
 def estimate(
-    mission: Mission, parameters: Parameters = NO_PARAMETERS, wind: Wind = CALM, fast: bool = False
+    mission: Mission, parameters: Parameters = NO_PARAMETERS, wind: Wind = CALM, fast: bool | None = None
 ) -> Estimate:
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
     `parameters` replace the autopilot's defaults by its own names; names that the model does not use are passed over.
-    `fast` runs the same arithmetic compiled: some seconds the first time on a machine, then milliseconds a mission.
+    `fast` runs the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
+    mission), plain (False), or, by default, compiled only where that is ready and quicker. The result is the same.
 
     Raises:
         BadInput: the mission has no end, or a parameter has no sense.

@@ -7,6 +7,7 @@ is flown once without jumps, which gives the path, and then again and again with
 
 import math
 from collections.abc import Callable, Sequence
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Command
 from ipoa_mission.timing import _px4_steps
-from ipoa_mission.timing._compiled import compiled
+from ipoa_mission.timing._compiled import stepping
 from ipoa_mission.timing.body import GRAVITY, PX4_SIMULATOR, Body
 from ipoa_mission.timing.itinerary import Itinerary
 from ipoa_mission.timing.prediction import Prediction, Track
@@ -33,7 +34,7 @@ NOTICED = (
 LANDING_DETECTION = 4.0  # from touching down, at less than the speed asked for, to being sure of it [s]
 RETURN_PAUSES = 4.0  # RTL brakes over home and again at its descend height [s]
 RUNS = 36  # with jumps of the height estimate; the middle two thirds of them are averaged
-QUIET_RUNS, QUIET = 6, 0.004  # so many are enough where they differ by no more than this share
+SOME_RUNS, WELL_KNOWN = 6, 0.002  # fewer will do once the mean is known to this share of it; asked every so many
 JUMPS = 28  # where the stepping code finds by how much the height estimate jumps at least
 DOUBT, DOUBT_SHARE = 1.5, 0.02  # half the width of the interval, beside two deviations of the runs
 GOLDEN = 0.6180339887498949
@@ -47,24 +48,27 @@ Place = tuple[float, float, float]
 
 
 def fly_px4(
-    route: Itinerary, parameters: Parameters, wind: Wind = CALM, fast: bool = False, body: Body = PX4_SIMULATOR
+    route: Itinerary, parameters: Parameters, wind: Wind = CALM, fast: bool | None = None, body: Body = PX4_SIMULATOR
 ) -> Prediction:
-    """Fly the itinerary as PX4 does; `fast` steps by compiled code.
+    """Fly the itinerary as PX4 does; `fast` is as in `estimate`.
 
     Raises:
         BadInput: an item never ends, or a parameter has no sense.
         MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
     """
     limits = px4_limits(parameters)
-    smooth = _Flight(route, limits, wind, body, fast, seed=0)
+    smooth = _Flight(
+        route, limits, wind, body, _px4_steps if fast is None else stepping("_px4_steps", fast, 0.0), seed=0
+    )
     smooth.run()
     samples = np.array(smooth.samples, dtype=np.float64).reshape(-1, 7)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
     times = [np.array(smooth.done)]
     if body.jumps is not None and route.visits:
         times = []
-        while len(times) < RUNS and not (len(times) == QUIET_RUNS and _alike(times)):
-            run = _Flight(route, limits, wind, body, fast, seed=len(times) + 1)
+        steps = stepping("_px4_steps", fast, RUNS * smooth.now / STEP)
+        while len(times) < RUNS and not (len(times) % SOME_RUNS == 0 and _known(times)):
+            run = _Flight(route, limits, wind, body, steps, seed=len(times) + 1)
             run.run()
             times.append(np.array(run.done))
     done, spread = _middle(times)
@@ -75,9 +79,10 @@ def fly_px4(
     return Prediction(tuple(done), doubt, tuple(smooth.reasons), track, tuple(smooth.remarks))
 
 
-def _alike(times: Sequence[Vector]) -> bool:
-    ends = [run[-1] for run in times]
-    return bool(max(ends) - min(ends) <= QUIET * max(ends))
+def _known(times: Sequence[Vector]) -> bool:
+    """Whether the mean of the runs is known well enough: its standard error is a small share of it."""
+    ends = np.array([run[-1] for run in times])
+    return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= WELL_KNOWN * ends.mean())
 
 
 def _middle(times: Sequence[Vector]) -> tuple[list[float], list[float]]:
@@ -91,11 +96,14 @@ def _middle(times: Sequence[Vector]) -> tuple[list[float], list[float]]:
 class _Flight:
     """One flight under way: the time, the place last bound for, the cruise speed in force, where the nose points."""
 
-    def __init__(self, route: Itinerary, limits: Px4Limits, wind: Wind, body: Body, fast: bool, seed: int) -> None:
+    def __init__(
+        self, route: Itinerary, limits: Px4Limits, wind: Wind, body: Body, steps: ModuleType, seed: int
+    ) -> None:
         self.route, self.limits = route, limits
-        self.step_to = (compiled("_px4_steps") if fast else _px4_steps).fly_to
-        self.pack: Callable[[Any], Any] = _packed if fast else list
-        self.room: Callable[[int], Any] = np.zeros if fast else _zeros
+        plain = steps is _px4_steps
+        self.step_to = steps.fly_to
+        self.pack: Callable[[Any], Any] = list if plain else _packed
+        self.room: Callable[[int], Any] = _zeros if plain else np.zeros
         self.cruise, self.heading = limits.cruise, math.nan
         self.here, self.airborne, self.since = (0.0, 0.0, 0.0), False, 0.0  # since: when the last thing was done
         self.done: list[float] = []
