@@ -41,7 +41,7 @@ def _draw_world(above: Any, front: Any, scenario: Scenario) -> None:
     grid = np.stack(np.meshgrid(east, north), axis=-1)
     ground = scenario.airspace.ground(grid.reshape(-1, 2)).reshape(121, 121)
     extent = (east[0], east[-1], north[0], north[-1])
-    above.imshow(ground, extent=extent, origin="lower", cmap="Greens", alpha=0.7, interpolation="bilinear")
+    above.imshow(ground, extent=extent, origin="lower", cmap="Greens", alpha=0.7, interpolation="none")
     front.fill_between(east, ground.max(axis=0), ground.min(), color="0.85")
     circle = np.linspace(0, 2 * np.pi, 60)
     for body in scenario.airspace.obstacles:
