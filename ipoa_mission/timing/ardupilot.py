@@ -166,7 +166,7 @@ class _Flight:
             this = joined(this, following)
             corner = corner_deg(this.origin, target, following.target)
         flown_at = self.fly(this, following)
-        planned = this.shape.peak if this.shape is not None else None
+        planned = this.shape.peak if this.shape is not None and this.length > 1.0 else None
         why = slow_because(planned, this.limits.speed, self.speeds.level, flown_at, corner, following is None)
         self.here, self.planned = target, following
         self.tail = this if following is not None and this.shape is not None else None

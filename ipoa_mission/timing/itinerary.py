@@ -19,7 +19,7 @@ MOST_VISITS = 20_000
 
 @dataclass(frozen=True)
 class Visit:
-    """An item as its turn comes: `seq` counts from 1 (home is 0); `place` is its index in the `Itinerary`'s places."""
+    """An item as its turn comes; `seq` counts from 1 (home is 0)."""
 
     seq: int
     item: Item
@@ -47,7 +47,7 @@ def itinerary(mission: Mission) -> Itinerary:
     over_terrain = tuple(
         n
         for n, item in enumerate(mission.items, 1)
-        if item.frame in (Frame.GLOBAL_TERRAIN_ALT, 11) and item.has_position
+        if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT) and item.has_position
     )
     visits = tuple(Visit(n + 1, mission.items[n]) for n in order)
     return Itinerary(visits, places[list(order)] if order else places[:0], over_terrain)

@@ -200,7 +200,7 @@ class _Flight:
         level = math.dist(before[:2], target[:2])
         stop = _px4_steps.speed_to(level / 2, 0.0, self.limits.accel, self.limits.jerk)
         asked = min(self.cruise, self.limits.most_speed)
-        why = slow_because(min(stop, asked), asked, asked, flown, corner, onward is None)
+        why = slow_because(min(stop, asked) if level > 1.0 else None, asked, asked, flown, corner, onward is None)
         if self.holds(n) > 0:
             return self.hold(self.holds(n)), "hold"
         return reached, why
