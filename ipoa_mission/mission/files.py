@@ -10,7 +10,7 @@ from ipoa_mission.mission.waypoints_file import FIRST_LINE, read_waypoints, writ
 from ipoa_mission.vehicle import Autopilot
 
 
-def read_mission(path: Path, autopilot: Autopilot | None = None) -> Mission:
+def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
     """Read a `.plan` or a `.waypoints` file, whatever it is called.
 
     `autopilot` goes before what a `.plan` says of itself; a `.waypoints` file says nothing, and is for PX4 without it.
@@ -18,6 +18,7 @@ def read_mission(path: Path, autopilot: Autopilot | None = None) -> Mission:
     Raises:
         BadInput: the file cannot be read or is neither; the message names the place.
     """
+    path = Path(path)
     beginning = read_text(path).lstrip()[: len(FIRST_LINE)]
     if beginning.startswith("{") or (path.suffix == ".plan" and not beginning.startswith("QGC WPL")):
         return read_plan(path, autopilot)
@@ -26,12 +27,13 @@ def read_mission(path: Path, autopilot: Autopilot | None = None) -> Mission:
     raise BadInput(f"{path}: expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}")
 
 
-def write_mission(mission: Mission, path: Path) -> tuple[str, ...]:
+def write_mission(mission: Mission, path: str | Path) -> tuple[str, ...]:
     """Write a `.plan` or a `.waypoints` file, by the suffix; returned in words: what the file could not hold.
 
     Raises:
         BadInput: another suffix, or the mission cannot be put into this format.
     """
+    path = Path(path)
     match path.suffix:
         case ".plan":
             write_plan(mission, path)

@@ -29,7 +29,7 @@ ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.
 CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and params[6] AMSL
 
 
-def write_plan(mission: Mission, path: Path) -> None:
+def write_plan(mission: Mission, path: str | Path) -> None:
     """Write a mission with its fence and rally points; the same mission gives the same bytes.
 
     Raises:
@@ -37,7 +37,7 @@ def write_plan(mission: Mission, path: Path) -> None:
             jump to nowhere.
     """
     text = json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False)
-    write_atomically(path, text + "\n")
+    write_atomically(Path(path), text + "\n")
 
 
 def read_plan(path: Path, autopilot: Autopilot | None = None) -> Mission:

@@ -25,7 +25,7 @@ FIELDS = ("seq", "current", "frame", "command", *PARAMS, "latitude", "longitude"
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
 
 
-def write_waypoints(mission: Mission, path: Path) -> tuple[str, ...]:
+def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
     """Write home and items; what the format cannot hold is returned in words, for the caller to tell.
 
     Raises:
@@ -37,7 +37,7 @@ def write_waypoints(mission: Mission, path: Path) -> tuple[str, ...]:
     if mission.autopilot is Autopilot.ARDUPILOT:
         items = tuple(map(_without_nan, items))
     lines = [FIRST_LINE, *(_line(seq, item) for seq, item in enumerate((home_item(mission.home), *items)))]
-    write_atomically(path, "\n".join(lines) + "\n")
+    write_atomically(Path(path), "\n".join(lines) + "\n")
     return left_out(mission)
 
 

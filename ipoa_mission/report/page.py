@@ -37,7 +37,7 @@ AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
 
 
 def write_report(
-    path: Path,
+    path: str | Path,
     scenario: Scenario,
     plan: Plan | None,
     mission: Mission,
@@ -52,7 +52,7 @@ def write_report(
     Raises:
         BadInput: the folder may not be written.
     """
-    write_atomically(path, report_html(scenario, plan, mission, estimate, flight, remarks))
+    write_atomically(Path(path), report_html(scenario, plan, mission, estimate, flight, remarks))
 
 
 def report_html(

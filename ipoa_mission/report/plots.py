@@ -98,12 +98,13 @@ def draw_convergence(
     return figure
 
 
-def write_picture(figure: Figure, path: Path) -> None:
+def write_picture(figure: Figure, path: str | Path) -> None:
     """Write a figure as PNG, SVG or PDF, by the name's ending; without dates, so the same figure gives the same bytes.
 
     Raises:
         BadInput: another ending, or a folder that may not be written.
     """
+    path = Path(path)
     nothing_dated: dict[str, dict[str, str | None]] = {
         ".png": {"Software": None},
         ".svg": {"Date": None, "Creator": None},

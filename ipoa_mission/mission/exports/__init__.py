@@ -21,12 +21,13 @@ EXPORTS: dict[str, Callable[[Mission, str], str]] = {
 }
 
 
-def write_export(mission: Mission, path: Path) -> None:
+def write_export(mission: Mission, path: str | Path) -> None:
     """Write the mission in the format of the suffix, named as the file; the same mission gives the same bytes.
 
     Raises:
         BadInput: no such format, a position or height that cannot be drawn, or the file cannot be written.
     """
+    path = Path(path)
     if path.suffix not in EXPORTS:
         raise BadInput(f'{path}: expected a name that ends in {", ".join(EXPORTS)}, not in "{path.suffix}"')
     refuse_unsound(mission)

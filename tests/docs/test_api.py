@@ -1,0 +1,72 @@
+"""docs/api.md: its examples run, one after the other, and it names what there is."""
+
+import re
+import socket
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import ipoa_mission
+from ipoa_mission.link.channel import open_channel
+from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.server import Server
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Autopilot as Family
+from ipoa_mission.world.frame import Geodetic
+
+REPOSITORY = Path(__file__).parents[2]
+TEXT = (REPOSITORY / "docs" / "api.md").read_text(encoding="utf-8")
+PORT = "14550"
+
+
+@pytest.fixture
+def vehicle_at() -> Iterator[str]:
+    """A port to which the built-in autopilot speaks, a hundred times as fast as real, as if it were a vehicle."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    channel = open_channel(f"udpout:127.0.0.1:{port}")
+    station = Station(Autopilot(Family.PX4, Geodetic(47.397742, 8.545594, 488.0)), 1, None, channel.datagrams)
+    enough = threading.Event()
+    thread = threading.Thread(target=Server(channel, station, speedup=100.0).run, args=(enough.is_set,))
+    thread.start()
+    yield str(port)
+    enough.set()
+    thread.join()
+    channel.close()
+
+
+def test_the_examples_run_one_after_the_other(vehicle_at: str, tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("missions").symlink_to(REPOSITORY / "missions")
+    names: dict[str, object] = {}
+    for example in re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL):
+        exec(compile(example.replace(PORT, vehicle_at), "docs/api.md", "exec"), names)
+    said = capsys.readouterr().out
+    assert re.search(r"^-\d+\.\d+ mast \(", said, re.MULTILINE)
+    assert re.search(r"^1 px4 Geodetic\(latitude_deg=47\.3977", said, re.MULTILINE)
+    assert "nothing.plan: cannot be read" in said
+    assert names["record"].completed
+    assert names["later"].total_s == pytest.approx(ipoa_mission.fly(names["mission"]).total_s, abs=0.5)
+    assert [item.command for item in names["same"].items] == [item.command for item in names["mission"].items]
+    assert names["best"].cost < 1000.0
+    for file in ("sitl.plan", "sitl.waypoints", "sitl.kml", "sitl.tlog", "sitl.html", "sitl.png", "vehicle.tlog"):
+        assert Path(file).stat().st_size > 300
+
+
+def test_the_page_names_all_that_is_public() -> None:
+    table = TEXT[TEXT.index("## All names") :]
+    assert set(re.findall(r"`(\w+)[(`]", "".join(re.findall(r"^\| (.*?) \|", table, re.MULTILINE)))) == set(
+        ipoa_mission.__all__
+    )
+    assert dir(ipoa_mission) == ipoa_mission.__all__ == sorted(ipoa_mission.__all__)
+    for name in ipoa_mission.__all__:
+        assert callable(getattr(ipoa_mission, name))
+
+
+def test_the_index_names_every_page() -> None:
+    index = (REPOSITORY / "docs" / "README.md").read_text(encoding="utf-8")
+    pages = {path.name for path in (REPOSITORY / "docs").glob("*.md")} - {"README.md"}
+    assert pages <= set(re.findall(r"\]\(([\w-]+\.md)\)", index))
