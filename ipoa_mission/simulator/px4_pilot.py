@@ -1,0 +1,323 @@
+"""PX4 in AUTO.MISSION, AUTO.RTL, AUTO.LAND and AUTO.LOITER: what it makes of each item, take-off and landing."""
+
+import math
+from collections.abc import Callable
+
+from ipoa_mission.mission.items import Command, Item
+from ipoa_mission.simulator.body import GRAVITY, Body
+from ipoa_mission.simulator.program import NAVIGATED
+from ipoa_mission.simulator.px4_control import PositionControl
+from ipoa_mission.simulator.px4_guidance import PathFollower
+from ipoa_mission.simulator.scurve import Triple
+from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
+from ipoa_mission.vehicle import Parameters
+
+ON_GROUND_SINK = 0.7  # before taking off the target sinks at this rate [m/s]
+CONE_DISTANCE = 10.0  # RTL_MIN_DIST: nearer to home than that, the return climbs less
+HEADING_ERROR = math.radians(12.0)  # MIS_YAW_ERR
+#: Items that hide the report of the waypoint before them (as measured).
+HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
+Manoeuvre = Callable[[float], None]
+
+
+class PX4Pilot:
+    """One manoeuvre at a time: a method that is called at each step."""
+
+    def __init__(self, body: Body, situation: Situation, parameters: Parameters) -> None:
+        self._body, self._now, self._p = body, situation, parameters
+        body.attitude_s = 1.0 / parameters.get("MC_ROLL_P", 6.5)
+        self._path = PathFollower(parameters)
+        self._control = PositionControl(parameters, body.airframe.most_thrust)
+        self._manoeuvre: Manoeuvre = self._wait
+        self._goal: Triple = body.place
+        self._radius = parameters["NAV_ACC_RAD"]
+        self._heading: float | None = None  # none: the way it flies
+        self._entered_s: float | None = None
+        self._touched_s: float | None = None
+        self._ramp = 0.0
+        self._flying = False
+
+    # --- orders -----------------------------------------------------------------------------------------------------
+
+    def enter(self) -> None:
+        """The mode has changed."""
+        match self._now.mode:
+            case FlightMode.MISSION:
+                self._begin(self._now.current)
+            case FlightMode.RETURN:
+                self._begin_return()
+            case FlightMode.LAND:
+                self._begin_landing(self._body.place)
+            case FlightMode.HOLD:
+                self._stay()
+
+    def replaced(self, before: tuple[Item, ...]) -> None:
+        """Another mission lies in the store while one is flown: it goes on at the present index."""
+        self._begin(self._now.current)
+
+    def step(self, dt: float) -> None:
+        """Decide, and let the body move."""
+        if not self._now.armed:
+            self._ramp, self._flying = 0.0, False
+            self._body.step((0.0, 0.0), 0.0, dt)
+            return
+        self._manoeuvre(dt)
+
+    # --- the mission ------------------------------------------------------------------------------------------------
+
+    def _begin(self, index: int | None) -> None:
+        """Start item `index`, doing at once those at which no time is spent."""
+        program = self._now.program
+        while index is not None and index < len(program) and program.items[index].command not in NAVIGATED:
+            item = program.items[index]
+            self._now.current = index
+            if item.command == Command.DO_JUMP:
+                index = program.after(index - 1, taking=True)
+                continue
+            if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0.0 and item.params[0] in (0.0, 1.0):
+                self._path.set_speed(item.params[1])
+            self._now.done(index, announced=False)
+            index = program.after(index, taking=True)
+        if index is None or index >= len(program):
+            self._now.mission = MissionState.COMPLETE
+            self._now.mode = FlightMode.HOLD
+            self._stay()
+            return
+        self._now.current = index
+        self._start(index, program.items[index])
+
+    def _done(self) -> None:
+        items, index = self._now.program.items, self._now.current
+        hidden = index + 1 < len(items) and items[index + 1].command in HIDING
+        self._now.done(index, announced=not hidden)
+        self._begin(self._now.program.after(index, taking=True))
+
+    def _start(self, index: int, item: Item) -> None:
+        here = self._body.place
+        self._entered_s = None
+        self._radius = self._p["NAV_ACC_RAD"]
+        match item.command:
+            case Command.NAV_TAKEOFF:
+                self._begin_takeoff(self._now.program.place(index, here))
+            case Command.NAV_RETURN_TO_LAUNCH:
+                self._now.mission = MissionState.COMPLETE
+                self._now.mode = FlightMode.RETURN
+                self._now.done(index)
+                self._begin_return()
+            case Command.NAV_LAND:
+                place = self._now.program.place(index, here)
+                self._begin_landing(place if item.has_position else here)
+            case Command.NAV_DELAY:
+                self._lead(self._goal, None)
+                self._entered_s = self._now.time_s
+                self._manoeuvre = self._delay
+            case _ if self._now.landed:  # told to begin in the air: it climbs first
+                self._begin_takeoff(self._now.program.place(index, here))
+            case _:
+                self._fly_to(index, item)
+
+    def _begin_takeoff(self, target: Triple) -> None:
+        here = self._body.place
+        self._heading = self._body.yaw
+        self._top = max(target[2], here[2])
+        self._lead((here[0], here[1], self._top), None)
+        self._path.begin(here, (0.0, 0.0, -ON_GROUND_SINK) if self._now.landed else self._body.motion)
+        self._manoeuvre = self._take_off
+
+    def _fly_to(self, index: int, item: Item) -> None:
+        program, here = self._now.program, self._body.place
+        if item.params[1] > 0.001 and item.command == Command.NAV_WAYPOINT:
+            self._radius = item.params[1]
+        heading = item.params[3]
+        self._heading = math.radians(heading) if math.isfinite(heading) else None
+        beyond = program.next_flown(index) if self._hold_s(item) <= 0.0 else None
+        while beyond is not None and not program.items[beyond].has_position:
+            if program.items[beyond].command == Command.NAV_RETURN_TO_LAUNCH:
+                beyond = None
+                break
+            beyond = program.next_flown(beyond)
+        self._lead(program.place(index, here), program.place(beyond, here) if beyond is not None else None)
+        self._manoeuvre = self._follow
+
+    @staticmethod
+    def _hold_s(item: Item) -> float:
+        if item.command == Command.NAV_LOITER_UNLIM:
+            return math.inf
+        return item.params[0] if item.command in (Command.NAV_WAYPOINT, Command.NAV_LOITER_TIME) else 0.0
+
+    def _lead(self, goal: Triple, beyond: Triple | None) -> None:
+        """Follow the line from the last goal to the next."""
+        self._path.radius = self._radius
+        self._path.lead(self._goal, goal, beyond)
+        self._goal = goal
+
+    # --- manoeuvres: one is called at each step ---------------------------------------------------------------------
+
+    def _wait(self, dt: float) -> None:
+        """On the ground, motors idle."""
+        self._body.step((0.0, 0.0), 0.0, dt)
+
+    def _take_off(self, dt: float) -> None:
+        if self._now.landed and self._now.time_s - self._now.armed_s < self._p["COM_SPOOLUP_TIME"]:
+            self._path.begin(self._body.place, (0.0, 0.0, -ON_GROUND_SINK))
+            self._control.reset()
+            self._body.step((0.0, 0.0), 0.0, dt)
+            return
+        self._now.landed = False
+        low = self._body.z < self._p["MPC_LAND_ALT1"]
+        slow = (self._p["MPC_TKO_SPEED"], self._p["MPC_TKO_SPEED"] / self._p["MPC_TKO_RAMP_T"])
+        if low:
+            self._path.axes[2].place = self._body.z
+        self._ramp = min(self._ramp + dt / max(self._p["MPC_TKO_RAMP_T"], dt), 1.0)
+        self._fly(dt, climb=slow if low else None)
+        if self._body.z > self._top - self._p["NAV_MC_ALT_RAD"]:
+            self._flying = True
+            here = self._body.place
+            target = self._now.program.place(self._now.current, here)
+            if math.hypot(target[0] - here[0], target[1] - here[1]) > self._radius:
+                self._lead((target[0], target[1], self._top), None)
+                self._manoeuvre = self._follow
+            else:
+                self._done()
+
+    def _follow(self, dt: float) -> None:
+        self._fly(dt)
+        item = self._now.program.items[self._now.current]
+        if self._entered_s is None and self._arrived():
+            self._entered_s = self._now.time_s
+        if self._entered_s is not None and self._now.time_s - self._entered_s >= self._hold_s(item):
+            self._done()
+
+    def _arrived(self) -> bool:
+        body, goal = self._body, self._goal
+        near = math.hypot(goal[0] - body.x, goal[1] - body.y) <= self._radius
+        if not near or abs(goal[2] - self._body.z) > self._p["NAV_MC_ALT_RAD"]:
+            return False
+        if self._heading is None:
+            return True
+        return abs((self._heading - body.yaw + math.pi) % (2.0 * math.pi) - math.pi) < HEADING_ERROR
+
+    def _delay(self, dt: float) -> None:
+        self._fly(dt)
+        wait = self._now.program.items[self._now.current].params[0]
+        if self._now.time_s - (self._entered_s or 0.0) >= wait:
+            self._done()
+
+    def _hover(self, dt: float) -> None:
+        self._fly(dt)
+
+    def _begin_return(self) -> None:
+        here = self._body.place
+        if self._now.landed:
+            self._manoeuvre = self._wait
+            return
+        self._path.set_speed(self._p["MPC_XY_CRUISE"])
+        self._radius = self._p["NAV_ACC_RAD"]
+        self._heading = None
+        home = math.hypot(here[0], here[1])
+        height = self._p["RTL_RETURN_ALT"]
+        if home <= self._radius:
+            height = 2.0 * home
+        else:
+            if home <= CONE_DISTANCE:
+                height = min(home, height)  # a cone of 45 degrees
+            height = max(height, 2.0 * self._radius)
+        self._return_height = max(height, here[2])
+        self._goal = here
+        self._lead((here[0], here[1], self._return_height), None)
+        self._manoeuvre = self._climb_to_return
+
+    def _climb_to_return(self, dt: float) -> None:
+        self._fly(dt)
+        if self._arrived():
+            self._lead((0.0, 0.0, self._return_height), None)
+            self._manoeuvre = self._go_home
+
+    def _go_home(self, dt: float) -> None:
+        self._fly(dt)
+        if self._arrived():
+            self._begin_landing((0.0, 0.0, self._body.z))
+
+    def _begin_landing(self, place: Triple) -> None:
+        """Over the place first, at the present height, then down."""
+        here = self._body.place
+        if self._now.landed:
+            self._manoeuvre = self._wait
+            return
+        self._touched_s = None
+        over = (place[0], place[1], here[2])
+        self._lead(over, None)
+        away = math.hypot(over[0] - here[0], over[1] - here[1]) > self._radius
+        self._manoeuvre = self._fly_over_landing if away else self._descend
+
+    def _fly_over_landing(self, dt: float) -> None:
+        self._fly(dt)
+        if self._arrived():
+            self._manoeuvre = self._descend
+
+    def _descend(self, dt: float) -> None:
+        if self._body.on_ground and self._touched_s is None:
+            self._touched_s = self._now.time_s
+        if self._touched_s is not None:
+            self._stand(dt)
+            return
+        slow, fast = self._p["MPC_LAND_SPEED"], self._p["MPC_Z_V_AUTO_DN"]
+        low, high = self._p["MPC_LAND_ALT2"], max(self._p["MPC_LAND_ALT1"], self._p["MPC_LAND_ALT2"] + 1e-3)
+        share = min(max((self._body.z - low) / (high - low), 0.0), 1.0)
+        self._fly(dt, sink=slow + share * (fast - slow))
+
+    def _stand(self, dt: float) -> None:
+        """On the ground, until it is sure to have landed: contact, perhaps, landed; then it disarms."""
+        self._body.step((0.0, 0.0), 0.0, dt)
+        stood = self._now.time_s - (self._touched_s or 0.0)
+        sure = 2.0 * self._p.get("LNDMC_TRIG_TIME", 1.0)
+        if stood >= sure and not self._now.landed:
+            self._now.landed = True
+            if self._now.mode is FlightMode.MISSION:
+                self._now.done(self._now.current)
+                self._now.mission = MissionState.COMPLETE
+        if stood >= sure + self._p.get("COM_DISARM_LAND", 2.0):
+            self._now.disarm()
+            self._now.mode = FlightMode.HOLD
+            self._manoeuvre = self._wait
+
+    # --- following --------------------------------------------------------------------------------------------------
+
+    def _stay(self) -> None:
+        """Brake as the path's limits allow, and stay where that ends."""
+        if self._now.landed:
+            self._manoeuvre = self._wait
+            return
+        body, most = self._body, self._p["MPC_ACC_HOR"]
+        speed = math.hypot(body.vx, body.vy)
+        way = speed / (2.0 * most) + most / (2.0 * self._p["MPC_JERK_AUTO"])
+        self._goal = body.place
+        self._lead((body.x + body.vx * way, body.y + body.vy * way, body.z), None)
+        self._manoeuvre = self._hover
+
+    def _fly(self, dt: float, climb: tuple[float, float] | None = None, sink: float | None = None) -> None:
+        body, path = self._body, self._path
+        path.advance(self._body.place, dt, climb, sink)
+        up = self._p.get("MPC_Z_VEL_MAX_UP", 3.0)
+        down = self._p.get("MPC_Z_VEL_MAX_DN", 1.5)
+        if self._ramp < 1.0:
+            none = -GRAVITY / self._p.get("MPC_Z_VEL_P_ACC", 4.0)
+            up = none + self._ramp * (up - none)
+        place, push = path.place, path.push
+        if sink is not None:
+            place = (place[0], place[1], math.nan)
+        if self._ramp < 1.0:
+            push = (push[0], push[1], 0.0)
+        lean, thrust = self._control.lean_and_thrust(
+            body, (self._body.place, self._body.motion), place, path.motion, push, (up, down), dt
+        )
+        self._turn(dt)
+        body.step(lean, thrust, dt)
+
+    def _turn(self, dt: float) -> None:
+        heading = self._heading
+        if heading is None:
+            east, north = self._goal[0] - self._body.x, self._goal[1] - self._body.y
+            heading = math.atan2(east, north) if math.hypot(east, north) > self._radius else self._body.yaw
+        rate = math.radians(self._p["MPC_YAWRAUTO_MAX"])
+        self._body.turn(heading, rate, math.radians(self._p.get("MPC_YAWRAUTO_ACC", 20.0)), dt)
