@@ -7,11 +7,13 @@ from typing import Annotated
 import typer
 
 from ipoa_mission.cli.options import JsonOption
-from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.cli.telling import notes, tell, tell_json
 
 GivenOption = Annotated[
     list[str] | None, typer.Option("--answer", metavar="KEY=VALUE", help="Answer a question beforehand. Repeatable.")
 ]
+
+UNKNOWN_ALTITUDE = "home's altitude is taken as 0 m: --answer altitude=METRES, or --elevation FILE"
 
 
 def new(
@@ -38,6 +40,8 @@ def new(
     from ipoa_mission.files import write_atomically
     from ipoa_mission.scenario.new import QUESTIONS, new_scenario, suggest_answers
 
+    if target.suffix != ".toml":
+        raise BadInput(f'{target}: expected a name that ends in .toml, not in "{target.suffix}"')
     if target.exists() and not force:
         raise BadInput(f"{target}: there is such a file already", hint="--force writes over it")
     answers = suggest_answers(buildings, elevation)
@@ -53,8 +57,15 @@ def new(
                     f"{question.words} ({question.form})", default=question.default, err=True
                 )
                 question.check(question.key, answers[question.key])
+    needed = [question.key for question in QUESTIONS if question.default is None and question.key not in answers]
+    if needed:
+        raise BadInput(
+            f"{needed[0]}: expected, but not there",
+            hint=f"--answer {needed[0]}=..., or --buildings FILE, or leave out --yes and be asked",
+        )
+    remarks = [] if "altitude" in answers or elevation is not None else [UNKNOWN_ALTITUDE]
     write_atomically(target, new_scenario(answers, target, buildings, elevation))
     if as_json:
-        tell_json({"written": str(target), "answers": answers})
+        tell_json({"written": str(target), "answers": answers, "remarks": remarks})
     else:
-        tell(f"written: {target}", f"plan it: ipoa-mission plan {shlex.quote(str(target))}")
+        tell(f"written: {target}", *notes(remarks), f"plan it: ipoa-mission plan {shlex.quote(str(target))}")

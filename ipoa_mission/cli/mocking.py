@@ -77,13 +77,31 @@ def mock(
     faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
     parameters = read_parameter_options(param, param_file)
     signer = signer_of(key, "mock")
-    if as_json:
-        place = {"latitude_deg": latitude_deg, "longitude_deg": longitude_deg, "altitude_amsl": altitude}
-        told = {"autopilot": str(autopilot), "link": str(address), "system": system or 1, "home": place}
-        tell_json(told | {"speedup": speedup}, indent=None)
-    else:
-        tell(f"{autopilot} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
+    place = {"latitude_deg": latitude_deg, "longitude_deg": longitude_deg, "altitude_amsl": altitude}
+    told = {"autopilot": str(autopilot), "link": str(address), "system": system or 1, "home": place, "speedup": speedup}
+    is_told = False
+
+    def tell_once() -> bool:
+        nonlocal is_told
+        if not is_told and as_json:
+            tell_json(told, indent=None)
+        elif not is_told:
+            tell(f"{autopilot} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
+        is_told = True
+        return False
+
     try:
-        serve(link, autopilot, Geodetic(*home), speedup, faults, parameters, system or 1, seed, signer)
+        serve(
+            link,
+            autopilot,
+            Geodetic(*home),
+            speedup,
+            faults,
+            parameters,
+            system or 1,
+            seed,
+            signer,
+            until=tell_once,  # first asked when the link is open
+        )
     except KeyboardInterrupt:
         return

@@ -1,5 +1,6 @@
 """Options that several verbs share, each said once."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -13,8 +14,45 @@ from ipoa_mission.vehicle import Autopilot
 ON_THE_LINK = "The link"
 BAD_LINK = "A worse link than there is, to see what happens"
 
-ScenarioArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file (TOML).")]
-FileArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="FILE", help="Mission file: .plan or .waypoints.")]
+
+class Planner(StrEnum):
+    """How a path is sought."""
+
+    DEFAULT = "default"
+    PAPER = "paper"
+
+
+def expect_scenario(path: Path) -> Path:
+    """Raise BadInput for a mission file where a scenario is expected."""
+    if path.suffix in (".plan", ".waypoints"):
+        raise BadInput(
+            f"{path}: expected a scenario (.toml), not a mission", hint=f"fly takes missions: ipoa-mission fly {path}"
+        )
+    return path
+
+
+def expect_mission(path: Path) -> Path:
+    """Raise BadInput for a scenario where a mission file is expected."""
+    if path.suffix == ".toml":
+        raise BadInput(
+            f"{path}: expected a mission (.plan, .waypoints), not a scenario", hint=f"first: ipoa-mission plan {path}"
+        )
+    return path
+
+
+def optimizer_names() -> list[str]:
+    """What `--optimizer` is completed to."""
+    from ipoa_mission.optimize.registry import OPTIMIZERS
+
+    return list(OPTIMIZERS)
+
+
+ScenarioArgument: TypeAlias = Annotated[
+    Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML).")
+]
+FileArgument: TypeAlias = Annotated[
+    Path, typer.Argument(metavar="FILE", callback=expect_mission, help="Mission file: .plan or .waypoints.")
+]
 FileOrScenario: TypeAlias = Annotated[
     Path,
     typer.Argument(metavar="SCENARIO|FILE", help="Scenario (.toml) to plan first, or mission (.plan, .waypoints)."),
@@ -24,10 +62,16 @@ OutOption: TypeAlias = Annotated[
 ]
 SeedOption: TypeAlias = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Same seed, same bytes.")]
 OptimizerOption: TypeAlias = Annotated[
-    str | None, typer.Option("--optimizer", metavar="NAME", help="Search by this optimiser: ipoa, poa, dbo, ...")
+    str | None,
+    typer.Option(
+        "--optimizer",
+        metavar="NAME",
+        autocompletion=optimizer_names,
+        help="Search by this optimiser: ipoa, poa, dbo, ...",
+    ),
 ]
 PlannerOption: TypeAlias = Annotated[
-    str | None, typer.Option("--planner", metavar="NAME", help="default, or paper: the algorithm as printed.")
+    Planner | None, typer.Option("--planner", help="How to seek: paper is the algorithm as printed.")
 ]
 PolishOption: TypeAlias = Annotated[
     bool, typer.Option("--polish/--no-polish", metavar="", help="Refine the best paths found.")

@@ -4,6 +4,7 @@ import json
 import logging
 import os
 import pty
+import signal
 import subprocess
 import sys
 import tomllib
@@ -54,6 +55,38 @@ def test_new_and_export_tell_machines_what_they_wrote(run, mission: Path) -> Non
     assert json.loads(run(words).out)["written"] == "first.toml"
     assert tomllib.loads(Path("first.toml").read_text())["home"]["latitude_deg"] == 47.3977
     assert json.loads(run(f"export {mission} out.kml --json").out) == {"written": "out.kml", "remarks": []}
+
+
+def test_an_altitude_that_nobody_knows_is_remarked_upon(run) -> None:
+    words = "new first.toml --yes --answer 'home=47.3977, 8.5456' --answer 'goal=47.3987, 8.5470'"
+    assert "note: home's altitude is taken as 0 m" in run(words).out
+    assert "note" not in run(f"{words} --force --answer altitude=488").out
+
+
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [
+        ("ipoa-mission pl", "plan"),
+        ("ipoa-mission plan --optimizer ip", "ipoa"),
+        ("ipoa-mission plan a.plan --se", "--seed"),
+    ],
+)
+def test_a_shell_completes_verbs_options_and_names(tmp_path: Path, words: str, completed: str) -> None:
+    asked = {"COMP_WORDS": words, "COMP_CWORD": str(words.count(" ")), "_IPOA_MISSION_COMPLETE": "complete_bash"}
+    command = [str(Path(sys.executable).with_name("ipoa-mission"))]
+    said = subprocess.run(command, env=os.environ | asked, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert said.stdout.split() == [completed]
+    assert said.stderr == ""
+
+
+def test_a_mock_says_where_it_is_and_ctrl_c_is_how_it_ends(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "ipoa_mission.cli.app", "mock", "--link", "tcpin:127.0.0.1:0", "--json"]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as mock:
+        assert mock.stdout is not None
+        assert json.loads(mock.stdout.readline())["autopilot"] == "px4"
+        mock.send_signal(signal.SIGINT)
+        assert mock.communicate(timeout=60) == ("", "")
+        assert mock.returncode == 0
 
 
 def test_questions_are_asked_on_standard_error(run, monkeypatch) -> None:
@@ -150,10 +183,14 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run, monkeypatch) ->
         ("fly {mission} --param-file nothing.parm", "nothing.parm: cannot be read"),
         ("export {mission} there/is/none.kml", "there/is/none.kml: cannot be written: No such file or directory"),
         ("export {mission} picture.png", 'expected a name that ends in .kml, .geojson, .csv, .gpx, not in ".png"'),
-        ("estimate {sitl}", "expected a .plan file, or a .waypoints file"),
+        ("estimate {sitl}", "expected a mission (.plan, .waypoints), not a scenario"),
         ("compare {mission} {sitl}", "sitl.toml"),
         ("new there/is/none.toml --yes --answer home=1,2 --answer goal=1,2.001", "cannot be written"),
-        ("new first.toml --yes", "home: expected, but not there"),
+        ("new first.toml --yes", "hint: --answer home=..., or --buildings FILE"),
+        ("new first.json --yes", "expected a name that ends in .toml"),
+        ("plan {mission}", "expected a scenario (.toml), not a mission"),
+        ("show {sitl}", "hint: first: ipoa-mission plan"),
+        ("plan {sitl} --planner quick", "Invalid value for '--planner'"),
         ("mock --home 95 8 400", "--home: expected latitude and longitude in degrees"),
         ("mock --link mavlink:1", "link: expected udpin:HOST:PORT"),
         ("reproduce table-33", "table-33"),
