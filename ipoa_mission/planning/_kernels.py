@@ -191,22 +191,22 @@ def path_costs(points, chart, rules):
 
 
 @njit(inline="always")
-def _add(gradient, hessian, window, i, base, pull, slope, curvature):
+def _add(gradient, hessian, window, i, base, pull, flat, slope, curvature):
     """Adds a term that changes by `pull` (3, 3) with the nodes before, at and after i.
 
-    Its first derivative is `slope`, its second `curvature`; both are handed on to the five control points.
+    Its first derivative is `slope`, its second `curvature`; both are handed on to the five control points, on which
+    it depends by `flat` (15,).
     """
     for a in range(15):
         k, axis = a // 3, a % 3
-        here = window[i, 0, k] * pull[0, axis] + window[i, 1, k] * pull[1, axis] + window[i, 2, k] * pull[2, axis]
-        pull[3 + a // 3, axis] = here
-        gradient[base + a] += slope * here
+        flat[a] = window[i, 0, k] * pull[0, axis] + window[i, 1, k] * pull[1, axis] + window[i, 2, k] * pull[2, axis]
+        gradient[base + a] += slope * flat[a]
     if curvature > 0.0:
         for a in range(15):
-            here = curvature * pull[3 + a // 3, a % 3]
+            here = curvature * flat[a]
             if here != 0.0:
                 for b in range(a + 1):
-                    hessian[base + a, base + b] += here * pull[3 + b // 3, b % 3]
+                    hessian[base + a, base + b] += here * flat[b]
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -222,7 +222,7 @@ def path_model(nodes, first, window, count, chart, rules, soft):
     kind, shape, edges, heights, low_zones = chart.kind, chart.shape, chart.edges, chart.heights, chart.low_zones
     value, gradient, hessian = 0.0, np.zeros(3 * count), np.zeros((3 * count, 3 * count))
     step, level, leg, danger = np.zeros((n, 3)), np.zeros(n), np.zeros(n), np.zeros(n)
-    pull = np.zeros((8, 3))
+    pull, flat = np.zeros((3, 3)), np.zeros(15)
     for i in range(n - 1):
         for axis in range(3):
             step[i, axis] = nodes[i + 1, axis] - nodes[i, axis]
@@ -243,18 +243,18 @@ def path_model(nodes, first, window, count, chart, rules, soft):
             broken = _least_height(low_zones, rules.height + soft.above, x, y) - (z - ground)
             if broken > 0.0:
                 value += 0.5 * stiffness * broken**2
-                _add(gradient, hessian, window, i, base, pull, stiffness * broken, stiffness)
+                _add(gradient, hessian, window, i, base, pull, flat, stiffness * broken, stiffness)
             broken = z - ground - (rules.ceiling - soft.above)
             if broken > 0.0:
                 value += 0.5 * stiffness * broken**2
-                _add(gradient, hessian, window, i, base, pull, -stiffness * broken, stiffness)
+                _add(gradient, hessian, window, i, base, pull, flat, -stiffness * broken, stiffness)
         for axis in range(3):
-            broken = max(chart.lower[axis] - nodes[i, axis], nodes[i, axis] - chart.upper[axis])
+            broken = max(chart.lower[axis] - nodes[i, axis], nodes[i, axis] - chart.upper[axis]) + soft.aside
             if broken > 0.0:
                 pull[1] = 0.0
-                pull[1, axis] = 1.0 if nodes[i, axis] > chart.upper[axis] else -1.0
+                pull[1, axis] = 1.0 if 2.0 * nodes[i, axis] > chart.lower[axis] + chart.upper[axis] else -1.0
                 value += 0.5 * stiffness * broken**2
-                _add(gradient, hessian, window, i, base, pull, stiffness * broken, stiffness)
+                _add(gradient, hessian, window, i, base, pull, flat, stiffness * broken, stiffness)
         for k in range(listed_from[cell], listed_from[cell + 1]):
             body = listed[k]
             if not around[body, 3] < z < around[body, 4]:
@@ -284,7 +284,7 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 slope += weight * change
                 curvature += weight * max(bend, 0.0)
             if slope != 0.0 or curvature > 0.0:
-                _add(gradient, hessian, window, i, base, pull, slope, curvature)
+                _add(gradient, hessian, window, i, base, pull, flat, slope, curvature)
 
     # Length of each leg (which threats make dearer), even spacing, climb limits
     for i in range(n - 1):
@@ -302,6 +302,7 @@ def path_model(nodes, first, window, count, chart, rules, soft):
             i,
             base,
             pull,
+            flat,
             price + soft.evenness / even * (leg[i] - even),
             soft.evenness / even,
         )
@@ -314,8 +315,8 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 pull[2, 2] = level[i] / leg[i]
             for axis in range(3):
                 pull[1, axis] = -pull[2, axis]
-            _add(gradient, hessian, window, i, base, pull, 0.0, price / leg[i])
-        for sign, limit in ((1.0, rules.climb), (-1.0, rules.descent)):
+            _add(gradient, hessian, window, i, base, pull, flat, 0.0, price / leg[i])
+        for sign, limit in ((1.0, rules.climb - soft.flatter), (-1.0, rules.descent - soft.flatter)):
             broken = sign * step[i, 2] - limit * level[i]
             if broken > 0.0:
                 for axis in range(2):
@@ -324,7 +325,17 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 for axis in range(3):
                     pull[1, axis] = -pull[2, axis]
                 value += 0.5 * soft.stiffness / even * broken**2
-                _add(gradient, hessian, window, i, base, pull, soft.stiffness / even * broken, soft.stiffness / even)
+                _add(
+                    gradient,
+                    hessian,
+                    window,
+                    i,
+                    base,
+                    pull,
+                    flat,
+                    soft.stiffness / even * broken,
+                    soft.stiffness / even,
+                )
 
     # Turning and climbing at each inner node
     for i in range(1, n - 1):
@@ -350,8 +361,7 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 pull[1, axis] = -pull[0, axis] - pull[2, axis]
             smooth = math.sqrt(angle * angle + soft.bend**2)
             value += rate * (smooth - soft.bend)
-            _add(gradient, hessian, window, i, base, pull, rate * angle / smooth, rate / smooth)
-
+            _add(gradient, hessian, window, i, base, pull, flat, rate * angle / smooth, rate / smooth)
     for a in range(3 * count):
         for b in range(a):
             hessian[b, a] = hessian[a, b]

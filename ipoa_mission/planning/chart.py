@@ -82,6 +82,7 @@ class Soft(NamedTuple):
     evenness: float  # how much nodes are drawn to be evenly spaced
     aside: float  # kept in addition to the required clearance [m]
     above: float  # kept in addition to the required height [m]
+    flatter: float  # taken off the steepest slopes allowed
 
 
 def chart_of(airspace: Airspace, limits: Limits, reach: float) -> Chart:

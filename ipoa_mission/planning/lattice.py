@@ -10,14 +10,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.problem import PathProblem
+from ipoa_mission.planning.problem import PathProblem, Trail, follow
 
 NODES = 60_000  # about how many nodes a lattice has
+FINER = (1.0, 2.0, 3.0)  # how much finer the next lattice is if one knows no way
+MOST = 8  # ways that are returned
 DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
 
 
@@ -42,6 +45,24 @@ class Lattice:
     def place(self, node: NDArray[np.intp]) -> Points:
         """Where nodes (n,) are, (n, 3)."""
         return self.corner + self.spacing * np.column_stack(np.unravel_index(node, self.price.shape))
+
+
+def guesses(problem: PathProblem, coarsest: int) -> list[Trail]:
+    """Curves from start over all via points to the goal: the straight one, then those that follow lattice ways.
+
+    Lattices before number `coarsest` of `FINER` are not tried.
+    """
+    scenario = problem.scenario
+    straight = places(scenario)
+    inner = max(scenario.planning.control_points, 3, 5 * (len(straight) - 1))
+    found: list[Points] = []
+    for fineness in FINER[coarsest:]:
+        lattice = lay(problem, fineness)
+        if found := ways(lattice, problem, MOST):
+            break
+    turns = max((_turns(way, 2 * lattice.spacing[0]) for way in found), default=0)
+    inner = int(min(max(inner, 4 + 2 * turns), 40))
+    return [follow(guide, inner, scenario) for guide in (straight, *found)]
 
 
 def lay(problem: PathProblem, fineness: float = 1.0) -> Lattice:
@@ -103,7 +124,7 @@ def _leg_ways(lattice: Lattice, start: Vector, goal: Vector, most: int) -> list[
 def _passages(through: Vector, there: Vector, shape: tuple[int, ...]) -> Iterator[int]:
     """Nodes at which a way through is cheaper than through any node around, the cheapest first."""
     best = through[np.isfinite(through)].min()
-    share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through))
+    share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through) & (through > 0))
     chosen: list[tuple[float, int]] = []
     for middle in (0.25, 0.5, 0.75):
         on_surface = (np.abs(share - middle) < 0.04) & (through < DEAREST * best)
@@ -128,6 +149,11 @@ def _apart(a: Points, b: Points) -> float:
 def _even(points: Points, count: int = 24) -> Points:
     travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
     return np.column_stack([np.interp(np.linspace(0, travelled[-1], count), travelled, points[:, k]) for k in range(3)])
+
+
+def _turns(way: Points, tolerance: float) -> int:
+    """How many corners a way has if it may be shortened within a tolerance [m] (Douglas and Peucker)."""
+    return len(shapely.simplify(shapely.LineString(way[:, :2]), tolerance).coords) - 2
 
 
 def _region(problem: PathProblem) -> tuple[Vector, Vector]:

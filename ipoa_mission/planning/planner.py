@@ -1,46 +1,107 @@
-"""From a scenario to a plan: search, then prove."""
+"""From a scenario to a plan: guess, search, polish, prove.
 
-from collections.abc import Callable
+Short searches begin at different guesses, a straight line and the distinct ways through a coarse lattice, so that
+they end in different passages between the obstacles; each result is polished to the nearest optimum. Then the best
+curves, with twice the control points, are searched again piece by piece. The best of all are settled: polished until
+their proof holds.
+"""
+
+from typing import TypeAlias
 
 import numpy as np
 
-from ipoa_mission.errors import MissionError
-from ipoa_mission.optimize.registry import build_optimizer
-from ipoa_mission.optimize.search import minimise
 from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.lattice import FINER, guesses
 from ipoa_mission.planning.limits import places
+from ipoa_mission.planning.obstruction import NoPath, explain, refuse_places
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.problem import encode, pose
-from ipoa_mission.planning.proof import prove_curve
+from ipoa_mission.planning.polish import polish, settle
+from ipoa_mission.planning.problem import Trail, follow, pose, refine
+from ipoa_mission.planning.proof import Proof, prove_curve
+from ipoa_mission.planning.search import Progress, Searcher, optimizer_of
+from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
 
+__all__ = ["NoPath", "plan_path"]
 
-class NoPath(MissionError):
-    """The best path found still collides, leaves the bounds or breaks another limit; the message says which."""
+Proved: TypeAlias = tuple[Spline, Proof]
+
+STRAIGHT = 3  # searches that begin at the straight line
+WIDE, NARROW, LOCAL = 0.25, 0.08, 0.12  # widths of a search: round the straight line, a better guess, a piece
+KEPT = 3  # curves that are searched again
+PIECE = 10  # control points that are then varied at a time
+WANTED, TRIED = 2, 6  # curves that are settled and hold, and how many are tried for that
 
 
-def plan_path(
-    scenario: Scenario, seed: int = 0, progress: Callable[[float, str], None] = lambda done, words: None
-) -> Plan:
-    """The best path that the scenario's optimiser finds, proved to keep every limit.
-
-    `progress` is told the share of the work that is done, and a few words.
+def plan_path(scenario: Scenario, seed: int = 0, progress: Progress = lambda done, words: None) -> Plan:
+    """The best path that was found, proved to keep every limit; the same for the same scenario, seed and version.
 
     Raises:
-        BadInput: the optimiser has no such setting.
-        NoPath: no path that keeps the limits was found.
+        BadInput: the optimiser is unknown, or has no such setting; start and goal are the same place.
+        NoPath: a given place breaks a limit, or no path was found that keeps them all; the message says which, where
+            and by how much.
     """
-    optimizer = build_optimizer(scenario.optimizer.name, scenario.optimizer.settings)
-    problem, guide = pose(scenario), places(scenario)
-    paper = scenario.planning.planner == "paper"
-    name = scenario.planning.encoding or ("absolute" if paper else "sine")
-    direct = float(np.linalg.norm(scenario.goal_point - scenario.start_point))
-    encoding = encode(name, guide, scenario.planning.control_points, direct / 2, scenario)
-    rng = np.random.default_rng(seed)
-    found = minimise(problem.costs(encoding), encoding.box, optimizer, rng)
-    curve = encoding.curve(found.x)
-    proof = prove_curve(curve, scenario)
-    if not proof.holds:
-        raise NoPath(f"no safe path was found; the best one is {proof.words()}", hint="try another --seed")
-    cost = curve_cost(curve, scenario)
-    return Plan(curve, cost, proof, scenario.optimizer.name, seed, found.evaluations, found.history)
+    problem, planning = pose(scenario), scenario.planning
+    refuse_places(problem)
+    as_printed = planning.planner == "paper" or not planning.polish
+    optimizer = optimizer_of(scenario, short=not as_printed)
+    searcher = Searcher(problem, optimizer, np.random.default_rng(seed))
+    curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
+    safe = [(curve_cost(curve, scenario), curve, proof) for curve, proof in curves if proof.holds]
+    if not safe:
+        raise explain(problem, curves[0][1])
+    cost, curve, proof = min(safe, key=lambda found: found[0].total)
+    return Plan(curve, cost, proof, scenario.optimizer.name, seed, *searcher.history())
+
+
+def _search_once(searcher: Searcher, progress: Progress) -> Proved:
+    """As the paper does: one long search, and what it finds."""
+    scenario = searcher.problem.scenario
+
+    def tell(spent: int, best: float) -> None:
+        progress(spent / (spent + 30_000), f"{spent} evaluations, cost {best:.1f}")
+
+    straight = follow(places(scenario), scenario.planning.control_points, scenario)
+    found = searcher.search(straight, 2 * WIDE, progress=tell)
+    return found.curve, prove_curve(found.curve, scenario)
+
+
+def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
+    """A few settled curves; if none of them holds, the search begins anew with guesses from a finer lattice."""
+    proved: list[Proved] = []
+    for coarsest in range(len(FINER) - 1):
+        trails = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
+        for trail in trails[:TRIED]:
+            proved.append(settle(trail, searcher.problem))
+            if sum(proof.holds for _, proof in proved) == WANTED:
+                return proved
+        if any(proof.holds for _, proof in proved):
+            return proved
+    return proved
+
+
+def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Trail]:
+    """The best few curves, of those that a guess, or a search round one, was polished to."""
+    problem = searcher.problem
+    straight, *ways = guesses(problem, coarsest)
+    starts = [(straight, WIDE)] * STRAIGHT + [(way, NARROW) for way in ways]
+    found = [polish(way, problem) for way in (straight, *ways)]
+    for i, (guess, width) in enumerate(starts):
+        progress(0.5 * i / len(starts), f"passage {i + 1} of {len(starts)}")
+        found.append(polish(searcher.search(guess, width), problem))
+    return sorted(found, key=problem.cost)[:KEPT]
+
+
+def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> list[Trail]:
+    """These curves with twice the control points and what became of them piece by piece, the best first."""
+    found = [refine(trail) for trail in trails]
+    inner = len(found[0].curve.control) - 2
+    rounds = max(inner - 9, 6)
+    for i in range(rounds):
+        progress(0.5 + 0.4 * i / rounds, f"piece {i + 1} of {rounds}")
+        base = found[int(searcher.rng.integers(min(2, len(found))))]
+        first = int(searcher.rng.integers(max(inner - PIECE, 0) + 1))
+        piece = slice(first, first + PIECE)
+        found.append(polish(searcher.search(base, LOCAL, piece), searcher.problem, part=piece))
+        found.sort(key=searcher.problem.cost)
+    return found

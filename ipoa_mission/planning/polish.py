@@ -6,6 +6,7 @@ clearance than is required.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -13,37 +14,105 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.chart import Soft
-from ipoa_mission.planning.problem import Matrix, PathProblem, Trail, freedom
+from ipoa_mission.planning.problem import ALL, Matrix, PathProblem, Trail, freedom
+from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
-NODES_PER_SPAN = 12
-SOFTER, SOFT = Soft(0.02, 0.5, 1.0, 0.05, 0.0, 0.0), Soft(5e-3, 0.3, 10.0, 0.05, 0.01, 0.01)
-HARD, HARDER = Soft(1e-3, 0.1, 100.0, 0.05, 0.01, 0.02), Soft(1e-4, 0.05, 1000.0, 0.05, 0.01, 0.02)
-HARDEST = Soft(1e-5, 0.02, 10000.0, 0.05, 0.005, 0.02)
-ROUGH = (SOFTER, SOFT, HARD, HARDER)
+NODES_PER_SPAN = 8  # at least, and for a rough polish
+ATTEMPTS = 4
+FELT = 8  # how many control points away a change is felt, via points included
+SOFTER = Soft(bend=0.02, edge=0.5, stiffness=1.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
+SOFT = SOFTER._replace(bend=5e-3, edge=0.3, stiffness=10.0, aside=0.01, above=0.01)
+HARD = SOFT._replace(bend=1e-3, edge=0.1, stiffness=100.0, above=0.02, flatter=1e-3)
+HARDER = HARD._replace(bend=1e-4, edge=0.05, stiffness=1000.0)
+HARDEST = HARDER._replace(bend=1e-5, edge=0.02, stiffness=10_000.0, aside=0.005)
+ROUGH = (SOFTER, SOFT, HARD)
 FINE = (HARD, HARDER, HARDEST)
 
 
-def polish(trail: Trail, problem: PathProblem, stages: Sequence[Soft], steps: int = 15) -> Trail:
-    """The curve after at most `steps` Gauss-Newton steps at each stage; its ends and its via points stay."""
-    control, nodes = trail.curve.control, max(problem.nodes, NODES_PER_SPAN * trail.curve.spans)
-    free = freedom(trail, problem.scenario)
+def polish(
+    trail: Trail,
+    problem: PathProblem,
+    stages: Sequence[Soft] = ROUGH,
+    steps: int = 8,
+    part: slice = ALL,
+    finer: int = 1,
+) -> Trail:
+    """The curve after at most `steps` Gauss-Newton steps at each stage.
+
+    Its ends and via points stay; `part` says which of the inner control points may move. It is looked at as closely
+    as in the search, or `finer` times so.
+    """
+    nodes = finer * max(problem.nodes, NODES_PER_SPAN * trail.curve.spans)
+    control, bench = trail.curve.control, _prepare(trail, problem, part, nodes)
     for soft in stages:
-        control = _descend(control, nodes, problem, soft, free, steps)
+        control = _descend(control, problem, bench, soft, steps)
     return Trail(Spline(control), trail.via_at)
 
 
-def _descend(control: Points, nodes: int, problem: PathProblem, soft: Soft, free: Matrix, steps: int) -> Points:
+def settle(trail: Trail, problem: PathProblem) -> tuple[Spline, Proof]:
+    """The curve polished until its proof holds, or as near to that as it comes.
+
+    Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
+    to keep more than is required.
+    """
+    more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
+    for _ in range(ATTEMPTS):
+        stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
+        trail = polish(trail, problem, stages, steps=40, finer=2)
+        proof = prove_curve(trail.curve, problem.scenario)
+        if proof.worst.slack >= 0:
+            break
+        for check in proof.checks:
+            short = max(-1.2 * check.slack, 0.0)
+            more[_REMEDY[check.limit]] += np.radians(short) if check.unit == "deg" else short
+    return trail.curve, proof
+
+
+_REMEDY = {
+    "obstacles": "aside",
+    "bounds": "aside",
+    "ground": "above",
+    "ceiling": "above",
+    "climb": "flatter",
+    "descent": "flatter",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class _Bench:
+    """The nodes that depend on the control points `some`, how they do, and the ways in which those may move."""
+
+    some: slice
+    look: Matrix  # (nodes, n)
+    first: NDArray[np.int64]
+    window: NDArray[np.float64]
+    spread: Matrix  # (3 some, f)
+
+
+def _prepare(trail: Trail, problem: PathProblem, part: slice, nodes: int) -> _Bench:
+    n = len(trail.curve.control)
+    varied = np.arange(1, n - 1)[part]
+    low, high = max(int(varied[0]) - FELT, 0), min(int(varied[-1]) + FELT + 1, n)
+    first, window = _windows(n, nodes)
+    seen = slice(*np.searchsorted(first, (low, high - 4)))
+    free = freedom(trail, problem.scenario, part)[low:high]
+    spread = np.einsum("nf,ab->nafb", free, np.eye(3)).reshape(3 * len(free), -1)
+    return _Bench(slice(low, high), even_basis(n, nodes)[seen], first[seen] - low, window[seen], spread)
+
+
+def _descend(control: Points, problem: PathProblem, bench: _Bench, soft: Soft, steps: int) -> Points:
     """Levenberg and Marquardt: the less damped the better the model has been right."""
-    n = len(control)
-    look, (first, window) = even_basis(n, nodes), _windows(n, nodes)
-    spread = np.einsum("nf,ab->nafb", free, np.eye(3)).reshape(3 * n, -1)
+    from ipoa_mission.planning._kernels import path_model
+
+    count = bench.some.stop - bench.some.start
 
     def model(control: Points) -> tuple[float, Vector, NDArray[np.float64]]:
-        from ipoa_mission.planning._kernels import path_model
-
-        value, gradient, hessian = path_model(look @ control, first, window, n, problem.chart, problem.rules, soft)
-        return value, gradient @ spread, spread.T @ hessian @ spread
+        nodes = bench.look @ control
+        value, gradient, hessian = path_model(
+            nodes, bench.first, bench.window, count, problem.chart, problem.rules, soft
+        )
+        return value, gradient @ bench.spread, bench.spread.T @ hessian @ bench.spread
 
     value, gradient, hessian = model(control)
     damping = 1e-3
@@ -51,7 +120,8 @@ def _descend(control: Points, nodes: int, problem: PathProblem, soft: Soft, free
         scale = np.diag(hessian)
         for _ in range(6):
             damped = hessian + np.diag(damping * scale + 1e-6 * scale.mean())
-            trial = control + (spread @ np.linalg.solve(damped, -gradient)).reshape(n, 3)
+            trial = control.copy()
+            trial[bench.some] += (bench.spread @ np.linalg.solve(damped, -gradient)).reshape(count, 3)
             trial_value, trial_gradient, trial_hessian = model(trial)
             if trial_value < value:
                 break

@@ -21,7 +21,9 @@ from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis
 from ipoa_mission.scenario import Scenario
 
 Matrix: TypeAlias = NDArray[np.float64]
+ALL = slice(None)
 CLOSELY = 4  # times as many nodes when curves are compared
+LENIENCE = 0.1  # what a rough curve may break a limit by; the fine polish mends it [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +73,17 @@ class PathProblem:
         return cost
 
     def cost(self, trail: Trail) -> float:
-        """The cost of one curve, looked at closely: what curves are compared by."""
+        """The cost of one curve, looked at closely, forgiven a limit broken a little: to compare rough curves by."""
         from ipoa_mission.planning._kernels import path_costs
 
         nodes = even_basis(len(trail.curve.control), CLOSELY * self.nodes) @ trail.curve.control
-        return float(path_costs(np.ascontiguousarray(nodes.T)[None], self.chart, self.rules)[0])
+        chart = self.chart._replace(lower=self.chart.lower - LENIENCE, upper=self.chart.upper + LENIENCE)
+        rules = self.rules._replace(
+            clearance=self.rules.clearance - LENIENCE,
+            height=self.rules.height - LENIENCE,
+            collision=self.rules.collision,
+        )
+        return float(path_costs(np.ascontiguousarray(nodes.T)[None], chart, rules)[0])
 
 
 def pose(scenario: Scenario) -> PathProblem:
@@ -100,11 +108,16 @@ def pinned(trail: Trail, scenario: Scenario) -> Trail:
     return Trail(Spline(lift + project @ trail.curve.control), trail.via_at)
 
 
-def freedom(trail: Trail, scenario: Scenario) -> Matrix:
-    """How control points may move if ends and via points stay: a basis of those ways, (n, n - 2 - vias)."""
+def refine(trail: Trail) -> Trail:
+    """The same curve with twice as many spans."""
+    return Trail(trail.curve.refined(), trail.via_at)
+
+
+def freedom(trail: Trail, scenario: Scenario, part: slice = ALL) -> Matrix:
+    """How a part of the inner control points may move if ends and via points stay: a basis of those ways, (n, f)."""
     _, project, moved = _pins(trail, scenario)
-    inner = np.setdiff1d(np.arange(1, len(project) - 1), moved)
-    return np.ascontiguousarray(project[:, inner])
+    varied = np.setdiff1d(np.arange(1, len(project) - 1)[part], moved)
+    return np.ascontiguousarray(project[:, varied])
 
 
 def encode(name: str, guide: Points, inner: int, spread: float, scenario: Scenario) -> Encoding:
@@ -112,27 +125,28 @@ def encode(name: str, guide: Points, inner: int, spread: float, scenario: Scenar
     return surround(name, follow(guide, inner, scenario), spread, scenario)
 
 
-def surround(name: str, around: Trail, spread: float, scenario: Scenario) -> Encoding:
-    """The search space `name`, `spread` [m] wide in each direction round a curve.
+def surround(name: str, around: Trail, spread: float, scenario: Scenario, part: slice = ALL) -> Encoding:
+    """The search space `name`, `spread` [m] wide in each direction round a curve, or round a part of it.
 
     `absolute` varies the control points themselves within the bounds, and has no use for the curve; `chord` varies
     their offsets aside and upwards from it; `sine` the amplitudes of sine waves of such offsets, the k-th scaled by
-    1 / k.
+    1 / k. `part` says which of the inner control points are varied.
     """
     control = around.curve.control
-    n, inner = len(control), len(control) - 2
+    varied = np.arange(1, len(control) - 1)[part]
+    n, inner = len(control), len(varied)
     if name == "absolute":
         lower, upper = np.asarray(scenario.airspace.bounds.lower), np.asarray(scenario.airspace.bounds.upper)
         origin, box = control.copy(), Box(np.tile(lower, inner), np.tile(upper, inner))
-        origin[1:-1] = 0.0
+        origin[varied] = 0.0
         matrix = np.zeros((inner, 3, n, 3))
         for k in range(3):
-            matrix[np.arange(inner), k, np.arange(1, n - 1), k] = 1.0
+            matrix[np.arange(inner), k, varied, k] = 1.0
     else:
         shapes = np.eye(inner) if name == "chord" else _waves(inner)
         origin, box = control, Box(np.full(2 * inner, -spread), np.full(2 * inner, spread))
         matrix = np.zeros((inner, 2, n, 3))
-        matrix[:, :, 1:-1] = np.einsum("mi,iak->maik", shapes, _axes(control))
+        matrix[:, :, varied] = np.einsum("mi,iak->maik", shapes, _axes(control)[part])
     lift, project, _ = _pins(around, scenario)
     matrix = np.einsum("ij,djk->dik", project, matrix.reshape(-1, n, 3))
     return Encoding(lift + project @ origin, matrix, box, around.via_at)

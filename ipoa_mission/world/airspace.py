@@ -7,7 +7,6 @@ of buildings nearly as quick as ten.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -146,7 +145,7 @@ class Airspace:
         tracks[upright] = shapely.points(starts[upright, :2])
         for body, legs in _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0))):
             obstacle = self.obstacles[body]
-            floor = obstacle.distance(middles[legs]) - half[legs]  # distance changes by a metre a metre at most
+            floor = _floor(obstacle, starts[legs], middles[legs], ends[legs], half[legs])
             for i in np.argsort(floor, kind="stable"):
                 if floor[i] > min(least.distance, reach):
                     break
@@ -158,13 +157,30 @@ class Airspace:
 
     def bounds_margin(self, points: Points) -> Clearance:
         """The least margin to the bounds of the legs between consecutive points (n, 3)."""
-        margins = (replace(self.bounds.leg_margin(a, b), leg=leg) for leg, (a, b) in enumerate(pairwise(points)))
-        return min(margins, key=lambda c: c.distance)
+        floor = self.bounds.margin((points[:-1] + points[1:]) / 2) - leg_lengths(points) / 2
+        least = NOTHING_NEAR
+        for leg in np.argsort(floor, kind="stable"):
+            if floor[leg] > least.distance:
+                break
+            found = self.bounds.leg_margin(points[leg], points[leg + 1])
+            if (found.distance, leg) < (least.distance, least.leg):
+                least = replace(found, leg=int(leg))
+        return least
 
     @cached_property
     def _index(self) -> shapely.STRtree:
         boxes = np.array([obstacle.bounds[:, :2].ravel() for obstacle in self.obstacles])
         return shapely.STRtree(shapely.box(*boxes.T))
+
+
+def _floor(obstacle: Obstacle, starts: Points, middles: Points, ends: Points, half: Vector) -> Vector:
+    """What the distance along legs cannot be less than: it changes by a metre a metre at most, or is convex."""
+    middle = obstacle.distance(middles)
+    floor = middle - half
+    if obstacle.convex:
+        beyond = 2 * middle - np.maximum(obstacle.distance(starts), obstacle.distance(ends))
+        floor = np.maximum(floor, np.minimum(middle, beyond))
+    return np.asarray(floor)
 
 
 def _clearance(points: Points, what: str, distance: float, leg: int, fraction: float) -> Clearance:

@@ -32,6 +32,11 @@ class Obstacle(Protocol):
         """The box around it, (2, 3): lower and upper corner [m]."""
         ...
 
+    @property
+    def convex(self) -> bool:
+        """Whether it is convex; then distance along a straight leg is a convex function."""
+        ...
+
     def distance(self, points: Points) -> Vector:
         """Euclidean distance of points (n, 3) to the surface, (n,) [m]: negative inside."""
         ...
@@ -56,6 +61,11 @@ class Sphere:
     def bounds(self) -> NDArray[np.float64]:
         """The box around it, (2, 3)."""
         return np.array([np.subtract(self.center, self.radius), np.add(self.center, self.radius)])
+
+    @property
+    def convex(self) -> bool:
+        """It is."""
+        return True
 
     def distance(self, points: Points) -> Vector:
         """Signed distance of points (n, 3), (n,)."""
@@ -86,6 +96,11 @@ class Cylinder:
         """The box around it, (2, 3)."""
         r = self.radius
         return np.array([[self.east - r, self.north - r, self.base], [self.east + r, self.north + r, self.top]])
+
+    @property
+    def convex(self) -> bool:
+        """It is."""
+        return True
 
     def distance(self, points: Points) -> Vector:
         """Signed distance of points (n, 3), (n,)."""
@@ -140,6 +155,11 @@ class Prism:
         """The box around it, (2, 3)."""
         corners = self.footprint.starts
         return np.array([[*corners.min(axis=0), self.base], [*corners.max(axis=0), self.top]])
+
+    @property
+    def convex(self) -> bool:
+        """Whether the footprint is, and has no holes."""
+        return self.footprint.convex
 
     def distance(self, points: Points) -> Vector:
         """Signed distance of points (n, 3), (n,)."""

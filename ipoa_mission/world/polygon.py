@@ -54,6 +54,13 @@ class Polygon:
         rings = (self.outer, *self.holes)
         return np.array([corner for ring in rings for corner in (*ring[1:], ring[0])], float)
 
+    @cached_property
+    def convex(self) -> bool:
+        """Whether it has no holes and turns the same way at every corner."""
+        along = self.ends - self.starts
+        turns = _cross(along, np.roll(along, -1, axis=0))
+        return not self.holes and bool((turns >= 0).all() or (turns <= 0).all())
+
     def distance(self, points: Plane) -> Vector:
         """Signed distance of points (n, 2) to the outline, (n,): negative inside."""
         nearest = self.edge_distances(points).min(axis=1)

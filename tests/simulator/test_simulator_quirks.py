@@ -125,6 +125,7 @@ def test_an_item_gets_the_measured_result(row: ItemRow) -> None:
 
 # --- conversations --------------------------------------------------------------------------------------------------
 
+
 @dataclass(frozen=True)
 class Row:
     """What is said to a vehicle in some state, and its answer; words (STATUSTEXT) by what they contain."""

@@ -1,0 +1,158 @@
+"""Why there is no path: a place that breaks a limit, a way that is walled in, a gap that is too narrow."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.ndimage import label
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geometry import Vector
+from ipoa_mission.planning.lattice import Lattice, lay
+from ipoa_mission.planning.limits import places
+from ipoa_mission.planning.problem import PathProblem
+from ipoa_mission.planning.proof import Check, Proof
+from ipoa_mission.world.obstacles import Obstacle
+
+ROUNDING, NUDGE, SAME = 1e-6, 1e-4, 0.1  # [m]
+FINENESS = 2.0  # of the lattice on which gaps are sought
+HINT = "try another --seed, more planning.control_points, or more iterations of the optimizer"
+
+
+class NoPath(MissionError):
+    """No path keeps the limits, or none was found; the message says what is in the way, where and by how much."""
+
+
+def refuse_places(problem: PathProblem) -> None:
+    """Refuse a start, goal or via point at which the vehicle may not be.
+
+    Raises:
+        BadInput: the goal is where the start is, with nothing on the way.
+        NoPath: naming the place, what it breaks, and by how much.
+    """
+    scenario, limits, airspace = problem.scenario, problem.limits, problem.scenario.airspace
+    stops = places(scenario)
+    if np.linalg.norm(np.diff(stops, axis=0), axis=1).max() < SAME:
+        raise BadInput("goal: expected a place other than the start, or via points on the way")
+    names = ["start", *(f"via[{i}]" for i in range(len(stops) - 2)), "goal"]
+    for name, stop in zip(names, stops, strict=True):
+        spot = np.array([stop, stop])
+        height = airspace.terrain_clearance(spot)
+        checks = [
+            Check("obstacles", airspace.obstacle_clearance(spot), limits.obstacle_distance),
+            Check("bounds", airspace.bounds_margin(spot), 0.0),
+            Check("ground", height, 0.0),
+            Check("ceiling", height, limits.ceiling_above_ground, at_most=True),
+        ]
+        worst = min(checks, key=lambda check: check.slack)
+        if worst.slack < -ROUNDING:
+            raise NoPath(f"{name}: nothing can fly there: {worst.words()}", hint=f"move {name} or what is in its way")
+
+
+def explain(problem: PathProblem, proof: Proof) -> NoPath:
+    """The error that tells why no path was found; `proof` is that of the best one."""
+    lattice = lay(problem, FINENESS)
+    for a, b in pairwise(places(problem.scenario)):
+        slack, gate = _widest(lattice, _entrance(lattice, a), _entrance(lattice, b))
+        if slack < 0:
+            return _closed(problem, lattice.place(np.array([gate]))[0])
+    return NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
+
+
+def _entrance(lattice: Lattice, place: Vector) -> int:
+    """The node with the most slack beside a place, by its flat number."""
+    shape = np.array(lattice.slack.shape)
+    beside = (
+        np.round((place - lattice.corner) / lattice.spacing).astype(int) + np.indices((3, 3, 3)).reshape(3, -1).T - 1
+    )
+    nodes = np.ravel_multi_index(tuple(np.clip(beside, 0, shape - 1).T), lattice.slack.shape)
+    return int(nodes[np.argmax(lattice.slack.ravel()[nodes])])
+
+
+def _widest(lattice: Lattice, start: int, goal: int) -> tuple[float, int]:
+    """The greatest slack with which the goal can be reached on the lattice, and the node where it is least."""
+    slack = lattice.slack.ravel()
+    levels = np.unique(slack[np.isfinite(slack)])
+    low, high = 0, len(levels)  # reached at levels[low], not at levels[high]
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if _joined(lattice, levels[middle], start, goal) else (low, middle)
+    gates = np.nonzero(slack == levels[low])[0]  # more than one under a level roof: the one least out of the way
+    ends, spots = lattice.place(np.array([start, goal])), lattice.place(gates)
+    detour = np.linalg.norm(spots - ends[0], axis=1) + np.linalg.norm(spots - ends[1], axis=1)
+    return float(levels[low]), int(gates[np.argmin(detour)])
+
+
+def _joined(lattice: Lattice, level: float, start: int, goal: int) -> bool:
+    parts, _ = label(lattice.slack >= level, structure=np.ones((3, 3, 3)))
+    parts = parts.ravel()
+    return bool(parts[start] > 0 and parts[start] == parts[goal])
+
+
+@dataclass(frozen=True, eq=False)
+class _Wall:
+    """Something near the gate: how far its surface is, how far it must be, and which way leads away from it."""
+
+    name: str
+    distance: float
+    required: float
+    away: Vector
+    body: Obstacle | None = None
+
+
+def _closed(problem: PathProblem, gate: Vector) -> NoPath:
+    """What stands on both sides of the widest place that still is too narrow."""
+    walls = sorted(_walls(problem, gate), key=lambda wall: wall.distance - wall.required)
+    east, north, up = gate
+    where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+    first = walls[0]
+    if first.distance < 0:
+        return NoPath(f"every way is walled off: even where it is easiest to pass, {first.name} closes it, {where}")
+    opposite = [wall for wall in walls[1:] if wall.away @ first.away < -0.5]
+    if not opposite:
+        return NoPath(f"the widest way comes within {first.distance:.2f} m of {first.name} {where}, {_needs(first)}")
+    width, needed = _gap(first, opposite[0], gate), first.required + opposite[0].required
+    return NoPath(
+        f"no gap is wide enough: the widest is {width:.2f} m between {first.name} and {opposite[0].name} {where}, "
+        f"at least {needed:.2f} m required",
+        hint="reduce safety_distance or the vehicle's radius, or leave a wider way",
+    )
+
+
+def _needs(wall: _Wall) -> str:
+    return f"at least {wall.required:.2f} m required"
+
+
+def _walls(problem: PathProblem, gate: Vector) -> list[_Wall]:
+    """Everything near a point that a limit keeps it away from."""
+    limits, airspace, spot = problem.limits, problem.scenario.airspace, gate[None, :]
+    height = float(gate[2] - airspace.ground(spot)[0])
+    upwards = np.array([0.0, 0.0, 1.0])
+    walls = [_Wall("the ground", height, float(limits.required_height(spot)[0]), upwards)]
+    if np.isfinite(limits.ceiling_above_ground):
+        walls.append(_Wall("the greatest height allowed", limits.ceiling_above_ground - height, 0.0, -upwards))
+    for side, sign, edges in (("lower", 1.0, airspace.bounds.lower), ("upper", -1.0, airspace.bounds.upper)):
+        for axis, edge in enumerate(edges):
+            name = (("west", "south", "lower"), ("east", "north", "upper"))[side == "upper"][axis]
+            walls.append(_Wall(f"the {name} bound", sign * (gate[axis] - edge), 0.0, sign * np.eye(3)[axis]))
+    for body, _, distance in airspace.near(spot, 4 * limits.obstacle_distance + 10.0):
+        walls.append(_Wall(body.name, float(distance[0]), limits.obstacle_distance, _away(body, gate), body))
+    return walls
+
+
+def _away(body: Obstacle, place: Vector) -> Vector:
+    """The direction in which the distance to a body grows fastest."""
+    steps = NUDGE * np.vstack([np.eye(3), -np.eye(3)])
+    distance = body.distance(place + steps)
+    slope = distance[:3] - distance[3:]
+    return np.asarray(slope / max(float(np.linalg.norm(slope)), 1e-300))
+
+
+def _gap(a: _Wall, b: _Wall, place: Vector) -> float:
+    """The width between two walls near a place: between two bodies by projecting to and fro."""
+    if a.body is None or b.body is None:
+        return a.distance + b.distance
+    for _ in range(50):
+        other, place = place, place - a.body.distance(place[None])[0] * _away(a.body, place)
+        other, place = place, place - b.body.distance(place[None])[0] * _away(b.body, place)
+    return float(np.linalg.norm(place - other))
