@@ -136,7 +136,7 @@ class ArduPilotPilot:
         if item.command != Command.NAV_SPLINE_WAYPOINT:
             return Stop(place)
         after = program.next_flown(index) if self._passes(item) else None
-        if after is None or not program.items[after].has_position:
+        if after is None or program.items[after].command not in FLOWN_THROUGH or not program.items[after].has_position:
             return Stop(place, True)
         beyond = program.items[after].command == Command.NAV_SPLINE_WAYPOINT
         return Stop(place, True, program.place(after, here), beyond)
