@@ -103,10 +103,11 @@ def prove_curve(curve: Spline, scenario: Scenario) -> Proof:
 def _prove(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Proof:
     """`stray`: how far the path may be from its legs [m]; over sloping ground that is more in height."""
     vertical = stray * (1 + airspace.terrain.steepness)
-    checks = [Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0)]
+    checks = list[Check]()
     if airspace.obstacles:
         found = _less(airspace.obstacle_clearance(legs), stray)
         checks.append(Check("obstacles", found, limits.obstacle_distance))
+    checks.append(Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0))
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits):
         found = airspace.terrain_clearance(run)
