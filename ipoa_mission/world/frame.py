@@ -34,12 +34,12 @@ class LocalFrame:
         lat, lon, alt = np.broadcast_arrays(
             *(np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))
         )
-        return np.column_stack(_topocentric(self.home).transform(lon, lat, alt))
+        return np.column_stack(self._transform(lon, lat, alt, "FORWARD"))
 
     def to_geodetic(self, points: Points) -> tuple[Vector, Vector, Vector]:
         """Latitude [deg], longitude [deg, -180 to 180] and altitude [m AMSL] of local points (n, 3), each (n,)."""
         east, north, up = np.atleast_2d(np.asarray(points, float)).T
-        lon, lat, alt = _topocentric(self.home).transform(east, north, up, direction="INVERSE")
+        lon, lat, alt = self._transform(east, north, up, "INVERSE")
         return lat, (lon + 180.0) % 360.0 - 180.0, alt
 
     def local(self, place: Geodetic) -> Vector:
@@ -50,6 +50,12 @@ class LocalFrame:
         """The place of one local point (3,)."""
         lat, lon, alt = self.to_geodetic(np.asarray(point)[None, :])
         return Geodetic(float(lat[0]), float(lon[0]), float(alt[0]))
+
+    def _transform(self, x: Vector, y: Vector, z: Vector, direction: str) -> tuple[Vector, Vector, Vector]:
+        """PROJ's answer as arrays. The first point goes twice: pyproj takes an array of one for a number, and warns."""
+        doubled = (np.concatenate([axis[:1], axis]) for axis in (x, y, z))
+        x, y, z = _topocentric(self.home).transform(*doubled, direction=direction)
+        return x[1:], y[1:], z[1:]
 
 
 @lru_cache(maxsize=64)
