@@ -7,14 +7,12 @@ By default the threat is integrated over arc length, so that cost does not depen
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
 from ipoa_mission.planning.chart import LEAST, STEEP, Rules
 from ipoa_mission.planning.limits import Limits
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.airspace import Airspace
 
 FINE = 0.05  # the step at which a plan's cost is integrated [m]
 
@@ -93,35 +91,6 @@ def rules_of(scenario: Scenario, limits: Limits) -> Rules:
         collision=100.0 + 10.0 * direct,
         depth=10.0,
     )
-
-
-def path_costs(paths: NDArray[np.float64], airspace: Airspace, rules: Rules, limits: Limits) -> Vector:
-    """The kernel of this name in plain NumPy: cost of many paths (m, 3, n), those that break limits included, (m,)."""
-    return np.array([_search_cost(path.T, airspace, rules, limits) for path in paths])
-
-
-def _search_cost(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits) -> float:
-    legs, step = leg_lengths(nodes), np.diff(nodes, axis=0)
-    cost, share = rules.length * legs.sum(), node_weights(nodes, per_node=False)
-    level = np.hypot(step[:, 0], step[:, 1])
-    excess = np.maximum(step[:, 2] - rules.climb * level, 0.0) + np.maximum(-step[:, 2] - rules.descent * level, 0.0)
-    lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
-    outside = np.maximum(lower - nodes, 0.0) + np.maximum(nodes - upper, 0.0)
-    height = nodes[:, 2] - airspace.ground(nodes)
-    broken = np.maximum(np.maximum(limits.required_height(nodes) - height, height - rules.ceiling), 0.0)
-    if airspace.bounds.footprint is not None:
-        broken += np.maximum(airspace.bounds.footprint.distance(nodes[:, :2]), 0.0)
-    threat = np.zeros(len(nodes))
-    for _, which, distance in airspace.near(nodes, max(rules.clearance, rules.d_safe + rules.radius)):
-        broken[which] += np.maximum(rules.clearance - distance, 0.0)
-        hull = distance - rules.radius
-        threat[which] += np.where(hull < rules.d_safe, 1 / np.maximum(hull, LEAST), 0.0)
-    depth = excess.sum() + outside.sum() * legs.mean() + share @ broken
-    if depth > 0:
-        return float(cost + rules.collision + rules.depth * depth)
-    cost += rules.turning * turning_angles(nodes).sum()
-    cost += rules.climbing * np.abs(np.diff(climb_angles(nodes))).sum()
-    return float(cost + rules.threat * threat @ node_weights(nodes, rules.per_node))
 
 
 def _slope(angle: float) -> float:

@@ -1,0 +1,119 @@
+"""The kernels in plain NumPy, name for name: slow, but to be read, and what the tests hold the kernels against.
+
+They ask the airspace itself where the kernels ask its chart.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
+from ipoa_mission.planning.chart import LEAST, Rules, Soft
+from ipoa_mission.planning.cost import node_weights
+from ipoa_mission.planning.limits import Limits
+from ipoa_mission.world.airspace import Airspace
+
+
+def path_costs(paths: NDArray[np.float64], airspace: Airspace, rules: Rules, limits: Limits) -> Vector:
+    """Cost of each of many paths (m, 3, n), those that break limits included, (m,)."""
+    return np.array([_search_cost(path.T, airspace, rules, limits) for path in paths])
+
+
+def _search_cost(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits) -> float:
+    legs, share = leg_lengths(nodes), node_weights(nodes, per_node=False)
+    lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
+    outside = np.maximum(np.maximum(lower - nodes, nodes - upper), 0.0)
+    height = nodes[:, 2] - airspace.ground(nodes)
+    broken = np.maximum(np.maximum(limits.required_height(nodes) - height, height - rules.ceiling), 0.0)
+    if airspace.bounds.footprint is not None:
+        broken += np.maximum(airspace.bounds.footprint.distance(nodes[:, :2]), 0.0)
+    threat = np.zeros(len(nodes))
+    for _, which, distance in airspace.near(nodes, max(rules.clearance, rules.d_safe + rules.radius)):
+        broken[which] += np.maximum(rules.clearance - distance, 0.0)
+        hull = distance - rules.radius
+        threat[which] += np.where(hull < rules.d_safe, 1 / np.maximum(hull, LEAST), 0.0)
+    depth = _too_steep(nodes, rules.climb, rules.descent).sum() + outside.sum() * legs.mean() + share @ broken
+    cost = rules.length * legs.sum()
+    if depth > 0:
+        return float(cost + rules.collision + rules.depth * depth)
+    cost += rules.turning * turning_angles(nodes).sum()
+    cost += rules.climbing * np.abs(np.diff(climb_angles(nodes))).sum()
+    return float(cost + rules.threat * threat @ node_weights(nodes, rules.per_node))
+
+
+def path_model(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits, soft: Soft, even: float) -> float:
+    """The value of the smoothed cost; the kernel's gradient is its derivative. `even` is the mean leg, held fixed."""
+    legs, share = leg_lengths(nodes), node_weights(nodes, per_node=False)
+    angles = np.array([_signed_turns(nodes), np.diff(climb_angles(nodes))])
+    smooth = np.sqrt(angles**2 + soft.bend**2) - soft.bend
+    value = rules.length * legs.sum() + rules.turning * smooth[0].sum() + rules.climbing * smooth[1].sum()
+    value += 0.5 * soft.evenness / even * ((legs - even) ** 2).sum()
+    steep = _too_steep(nodes, rules.climb - soft.flatter, rules.descent - soft.flatter)
+    value += 0.5 * soft.stiffness / even * (steep**2).sum()
+
+    height = nodes[:, 2] - airspace.ground(nodes)
+    lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
+    higher = replace(limits, height_above_ground=limits.height_above_ground + soft.above)  # but not in low zones
+    broken = [
+        higher.required_height(nodes) - height,
+        height - rules.ceiling + soft.above,
+        *(np.maximum(lower - nodes, nodes - upper) + soft.aside).T,
+    ]
+    if airspace.bounds.footprint is not None:
+        broken.append(airspace.bounds.footprint.distance(nodes[:, :2]) + soft.aside)
+    for obstacle in airspace.obstacles:
+        distance = obstacle.distance(nodes)
+        broken.append(rules.clearance + soft.aside - distance)
+        hull = distance - rules.radius
+        t = np.clip((hull - rules.d_safe) / soft.edge, 0.0, 1.0)
+        threat = rules.threat / np.maximum(hull, LEAST) * (1 - t * t * (3 - 2 * t))
+        value += threat.sum() if rules.per_node else threat @ share
+    return float(value + 0.5 * soft.stiffness * even * sum((np.maximum(b, 0.0) ** 2).sum() for b in broken))
+
+
+def survey(points: Points, airspace: Airspace, rules: Rules, limits: Limits, reach: float) -> tuple[Vector, Vector]:
+    """For each point (n, 3) how much it has more than required of everything solid [m], and the threat per metre."""
+    height = points[:, 2] - airspace.ground(points)
+    slack = np.minimum(height - limits.required_height(points), rules.ceiling - height)
+    slack = np.minimum(slack, reach - rules.clearance)
+    slack = np.minimum(slack, airspace.obstacle_distance(points) - rules.clearance)
+    lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
+    slack[((points < lower) | (points > upper)).any(axis=1)] = -np.inf
+    if airspace.bounds.footprint is not None:
+        slack = np.minimum(slack, -airspace.bounds.footprint.distance(points[:, :2]))
+    threat = np.zeros(len(points))
+    for _, which, distance in airspace.near(points, rules.d_safe + rules.radius):
+        hull = distance - rules.radius
+        threat[which] += np.where(hull < rules.d_safe, rules.threat / np.maximum(hull, LEAST), 0.0)
+    return slack, threat
+
+
+def spread(price: NDArray[np.float64], spacing: Vector, source: int) -> Vector:
+    """Least cost from one lattice node to every other, (nodes,), by relaxing all steps until nothing gets cheaper."""
+    cost = np.full(price.shape, np.inf)
+    cost.ravel()[source] = 0.0
+    steps = [step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]
+    while True:
+        before = cost.copy()
+        padded, dear = np.pad(cost, 1, constant_values=np.inf), np.pad(price, 1, constant_values=np.inf)
+        for step in steps:
+            there = tuple(slice(k, k + n) for k, n in zip(step, price.shape, strict=True))
+            length = float(np.linalg.norm((np.array(step) - 1) * spacing))
+            cost = np.minimum(cost, padded[there] + length * (dear[there] + price) / 2)
+        if np.array_equal(cost, before):
+            return cost.ravel()
+
+
+def _too_steep(nodes: Points, climb: float, descent: float) -> Vector:
+    """By how much each leg climbs or descends more than the greatest slopes allow, (n-1,) [m]."""
+    step = np.diff(nodes, axis=0)
+    level = np.hypot(step[:, 0], step[:, 1])
+    return np.asarray(np.maximum(np.maximum(step[:, 2] - climb * level, -step[:, 2] - descent * level), 0.0))
+
+
+def _signed_turns(nodes: Points) -> Vector:
+    step = np.diff(nodes[:, :2], axis=0)
+    before, after = step[:-1], step[1:]
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    return np.asarray(np.arctan2(cross, (before * after).sum(axis=1)))

@@ -1,0 +1,148 @@
+"""The compiled kernels, held against their plain twins, and these against differentiation."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ipoa_mission.planning import twins
+from ipoa_mission.planning.chart import Soft, chart_of
+from ipoa_mission.planning.polish import _windows
+from ipoa_mission.planning.problem import PathProblem, pose
+from ipoa_mission.planning.spline import even_basis
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.polygon import Polygon
+
+Town = Callable[[int], Scenario]
+SOFT = Soft(bend=0.02, edge=0.4, stiffness=3.0, evenness=0.05, aside=0.1, above=0.2, flatter=0.01)
+LIMITLESS = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
+
+
+def curves(seed: int, count: int, control: int = 9) -> np.ndarray:
+    """Control points of rough ways across the town, (count, control, 3); some leave the bounds."""
+    rng = np.random.default_rng(seed)
+    way = np.linspace((0.0, 0.0, 4.0), (100.0, 0.0, 30.0), control)
+    bulge = np.sin(np.linspace(0, np.pi, control))[:, None]
+    offsets = rng.normal(size=(count, control, 3)) * (4, 6, 3) + rng.uniform((0, -40, 10), (1, 40, 40), (count, 1, 3))
+    return way + bulge * offsets * rng.uniform(0, 1.5, (count, 1, 1))
+
+
+def fenced(problem: PathProblem) -> tuple[Airspace, PathProblem]:
+    """The same problem inside a flight area with a bay."""
+    area = Polygon(((-45.0, -95.0), (145.0, -80.0), (140.0, 90.0), (60.0, 30.0), (-40.0, 95.0)))
+    airspace = problem.scenario.airspace
+    airspace = Airspace(replace(airspace.bounds, footprint=area), airspace.terrain, airspace.obstacles)
+    return airspace, replace(problem, chart=chart_of(airspace, problem.limits, problem.chart.reach))
+
+
+@pytest.mark.parametrize("per_node", [False, True])
+@pytest.mark.parametrize("limited", [False, True])
+@pytest.mark.parametrize("fence", [False, True])
+def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: bool, fence: bool) -> None:
+    from ipoa_mission.planning._kernels import path_costs
+
+    feasible = 0
+    for seed in range(8):
+        problem = pose(town(seed))
+        airspace, problem = fenced(problem) if fence else (problem.scenario.airspace, problem)
+        rules = problem.rules._replace(per_node=per_node)
+        rules = rules if limited else rules._replace(clearance=0.1, height=0.1, **LIMITLESS)
+        limits = problem.limits if limited else replace(problem.limits, height_above_ground=0.1, low_zones=())
+        chart = chart_of(airspace, limits, problem.chart.reach)
+        paths = np.ascontiguousarray((even_basis(9, 100) @ curves(seed, 30)).transpose(0, 2, 1))
+        found, expected = path_costs(paths, chart, rules), twins.path_costs(paths, airspace, rules, limits)
+        np.testing.assert_allclose(found, expected, rtol=1e-7)
+        feasible += (expected < rules.collision).sum()
+    assert (feasible > 20) != limited  # with limits next to nothing keeps them: the penalty is what is tested
+
+
+def model(problem: PathProblem, control: np.ndarray, soft: Soft = SOFT) -> tuple[float, np.ndarray, np.ndarray]:
+    from ipoa_mission.planning._kernels import path_model
+
+    n = len(control)
+    first, window = _windows(n, 60)
+    return path_model(even_basis(n, 60) @ control, first, window, n, problem.chart, problem.rules, soft)
+
+
+def value(problem: PathProblem, airspace: Airspace, control: np.ndarray, even: float) -> float:
+    spots = even_basis(len(control), 60) @ control
+    return twins.path_model(spots, airspace, problem.rules, problem.limits, SOFT, even)
+
+
+@pytest.mark.parametrize("per_node", [False, True])
+@pytest.mark.parametrize("fence", [False, True])
+def test_the_model_has_the_value_of_the_twin_and_its_derivative(town: Town, fence: bool, per_node: bool) -> None:
+    for seed in range(3):
+        problem = pose(town(seed))
+        airspace, problem = fenced(problem) if fence else (problem.scenario.airspace, problem)
+        problem = replace(problem, rules=problem.rules._replace(per_node=per_node))
+        for control in curves(seed, 3):
+            spots = even_basis(9, 60) @ control
+            even = float(np.linalg.norm(np.diff(spots, axis=0), axis=1).mean())
+            found, gradient, hessian = model(problem, control)
+            assert found == pytest.approx(value(problem, airspace, control, even), rel=1e-7)
+            nudges = 1e-6 * np.eye(27).reshape(27, 9, 3)
+            ahead, behind = (
+                np.array([value(problem, airspace, control + sign * nudge, even) for nudge in nudges])
+                for sign in (1, -1)
+            )
+            slope = (ahead - behind) / 2e-6
+            np.testing.assert_allclose(gradient, slope, atol=2e-4 * np.abs(slope).max())
+            assert np.linalg.eigvalsh(hessian).min() > -1e-8 * np.abs(hessian).max()
+            np.testing.assert_allclose(hessian, hessian.T, rtol=1e-9, atol=1e-9)
+
+
+def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town) -> None:
+    """Length alone: the Hessian is the derivative of the gradient."""
+    problem = pose(town(1))
+    rules = problem.rules._replace(turning=0.0, climbing=0.0, height=-100.0, **LIMITLESS)
+    airspace = Airspace(problem.scenario.airspace.bounds, problem.scenario.airspace.terrain, ())
+    limits = replace(problem.limits, height_above_ground=-100.0, low_zones=())
+    problem = replace(problem, rules=rules, chart=chart_of(airspace, limits, 1.0))
+    only_length = SOFT._replace(evenness=0.0)
+    rng = np.random.default_rng(2)
+    control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + rng.normal(size=(9, 3))
+    hessian = model(problem, control, only_length)[2]
+    steps = 1e-5 * np.eye(27).reshape(27, 9, 3)
+    change = [model(problem, control + h, only_length)[1] - model(problem, control - h, only_length)[1] for h in steps]
+    np.testing.assert_allclose(hessian, np.array(change) / 2e-5, atol=1e-7)
+
+
+def test_the_survey_is_that_of_the_twin(town: Town) -> None:
+    from ipoa_mission.planning._kernels import survey
+
+    for seed in range(4):
+        problem = pose(town(seed))
+        for airspace, posed in ((problem.scenario.airspace, problem), fenced(problem)):
+            points = np.random.default_rng(seed).uniform((-60, -110, -5), (160, 110, 110), (3000, 3))
+            slack, threat = survey(points, posed.chart, posed.rules)
+            expected, danger = twins.survey(points, airspace, posed.rules, posed.limits, posed.chart.reach)
+            np.testing.assert_allclose(slack, expected, atol=1e-9)
+            np.testing.assert_allclose(threat, danger, rtol=1e-9)
+
+
+def test_costs_spread_over_a_lattice_as_in_the_twin() -> None:
+    from ipoa_mission.planning._kernels import spread
+
+    rng = np.random.default_rng(5)
+    for _ in range(10):
+        price = rng.uniform(1, 3, rng.integers(2, 9, 3))
+        price[rng.random(price.shape) < 0.3] = np.inf
+        source = int(rng.choice(np.nonzero(np.isfinite(price.ravel()))[0]))
+        spacing = rng.uniform(1, 3, 3)
+        cost, before = spread(price, spacing, source)
+        np.testing.assert_allclose(cost, twins.spread(price, spacing, source), rtol=1e-12)
+        reached = np.isfinite(cost)
+        reached[source] = False
+        assert (before[reached] >= 0).all()
+        assert (cost[before[reached]] < cost[reached]).all()
+        assert (before[~reached] == -1).all()
+
+
+def test_nothing_is_compiled_before_a_path_is_planned() -> None:
+    lines = "import ipoa_mission.planning.planner, sys; sys.exit('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", lines], check=False).returncode == 0
