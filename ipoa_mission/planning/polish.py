@@ -21,8 +21,8 @@ from ipoa_mission.planning.spline import Spline, even_basis
 NODES_PER_SPAN = 8  # at least, and for a rough polish
 ATTEMPTS = 4
 FELT = 8  # how many control points away a change is felt, via points included
-SOFTER = Soft(bend=0.02, edge=0.5, stiffness=1.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
-SOFT = SOFTER._replace(bend=5e-3, edge=0.3, stiffness=10.0, aside=0.01, above=0.01)
+SOFTER = Soft(bend=0.02, edge=0.5, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
+SOFT = SOFTER._replace(bend=5e-3, edge=0.3, stiffness=30.0, aside=0.01, above=0.01)
 HARD = SOFT._replace(bend=1e-3, edge=0.1, stiffness=100.0, above=0.02, flatter=1e-3)
 HARDER = HARD._replace(bend=1e-4, edge=0.05, stiffness=1000.0)
 HARDEST = HARDER._replace(bend=1e-5, edge=0.02, stiffness=10_000.0, aside=0.005)
