@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import rasterio
 
-from ipoa_mission.maps.feature import read_features
+from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -31,21 +30,6 @@ class Feature:
         """What messages call the thing: its name, or else its number in OpenStreetMap, or its place in the file."""
         named = (self.tags.get(key) for key in ("name", "addr:housename", "@id", "id", "osm_way_id", "osm_id"))
         return next((name for name in named if name), self.place)
-
-
-def read_features(path: Path) -> tuple[Feature, ...]:
-    """The features of a GeoJSON (`.geojson`, `.json`) or KML (`.kml`) file, in its order.
-
-    Raises:
-        BadInput: naming file and place of everything that is wrong, and what was expected there.
-    """
-    from ipoa_mission.maps.geojson import read_geojson
-    from ipoa_mission.maps.kml import read_kml
-
-    readers = {".geojson": read_geojson, ".json": read_geojson, ".kml": read_kml}
-    if path.suffix.lower() not in readers:
-        raise BadInput(f"{path}: expected a file that ends in {', '.join(readers)}, not in {path.suffix or 'nothing'}")
-    return readers[path.suffix.lower()](path)
 
 
 def on_earth(corners: Corners, place: str) -> Corners:

@@ -8,7 +8,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import Zone, find_zones
 from ipoa_mission.maps.buildings import BuildingRules, Standing, find_buildings
-from ipoa_mission.maps.feature import read_features
+from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.section import Positive, Section
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.terrain import Grid

@@ -12,7 +12,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings
-from ipoa_mission.maps.feature import read_features
+from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.read import parse_scenario
 from ipoa_mission.vehicle import Autopilot
