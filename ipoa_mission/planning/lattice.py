@@ -153,7 +153,7 @@ def _even(points: Points, count: int = 24) -> Points:
 
 def _turns(way: Points, tolerance: float) -> int:
     """How many corners a way has if it may be shortened within a tolerance [m] (Douglas and Peucker)."""
-    return len(shapely.simplify(shapely.LineString(way[:, :2]), tolerance).coords) - 2
+    return len(shapely.simplify(shapely.LineString(way[:, :2]), tolerance, preserve_topology=False).coords) - 2
 
 
 def _region(problem: PathProblem) -> tuple[Vector, Vector]:

@@ -51,12 +51,20 @@ def refuse_places(problem: PathProblem) -> None:
 
 def explain(problem: PathProblem, proof: Proof) -> NoPath:
     """The error that tells why no path was found; `proof` is that of the best one."""
+    gate = narrowest(problem)
+    if gate is not None:
+        return _closed(problem, gate)
+    return NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
+
+
+def narrowest(problem: PathProblem) -> Vector | None:
+    """The narrowest place on the widest way through, (3,), if it is too narrow; nothing if there is a way."""
     lattice = lay(problem, FINENESS)
     for a, b in pairwise(places(problem.scenario)):
         slack, gate = _widest(lattice, _entrance(lattice, a), _entrance(lattice, b))
         if slack < 0:
-            return _closed(problem, lattice.place(np.array([gate]))[0])
-    return NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
+            return np.asarray(lattice.place(np.array([gate]))[0])
+    return None
 
 
 def _entrance(lattice: Lattice, place: Vector) -> int:
@@ -112,8 +120,9 @@ def _closed(problem: PathProblem, gate: Vector) -> NoPath:
     if not opposite:
         return NoPath(f"the widest way comes within {first.distance:.2f} m of {first.name} {where}, {_needs(first)}")
     width, needed = _gap(first, opposite[0], gate), first.required + opposite[0].required
+    one, other = sorted((first.name, opposite[0].name))
     return NoPath(
-        f"no gap is wide enough: the widest is {width:.2f} m between {first.name} and {opposite[0].name} {where}, "
+        f"no gap is wide enough: the widest is {width:.2f} m between {one} and {other} {where}, "
         f"at least {needed:.2f} m required",
         hint="reduce safety_distance or the vehicle's radius, or leave a wider way",
     )

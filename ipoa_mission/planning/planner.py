@@ -13,7 +13,7 @@ import numpy as np
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import FINER, guesses
 from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.obstruction import NoPath, explain, refuse_places
+from ipoa_mission.planning.obstruction import NoPath, explain, narrowest, refuse_places
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import polish, settle
 from ipoa_mission.planning.problem import Trail, follow, pose, refine
@@ -75,7 +75,7 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
             proved.append(settle(trail, searcher.problem))
             if sum(proof.holds for _, proof in proved) == WANTED:
                 return proved
-        if any(proof.holds for _, proof in proved):
+        if any(proof.holds for _, proof in proved) or narrowest(searcher.problem) is not None:
             return proved
     return proved
 

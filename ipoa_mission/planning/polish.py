@@ -20,6 +20,7 @@ from ipoa_mission.planning.spline import Spline, even_basis
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
 ATTEMPTS = 4
+HOPELESS = -1.0  # what a little more clearance does not mend [m]
 FELT = 8  # how many control points away a change is felt, via points included
 SOFTER = Soft(bend=0.02, edge=0.5, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
 SOFT = SOFTER._replace(bend=5e-3, edge=0.3, stiffness=30.0, aside=0.01, above=0.01)
@@ -61,7 +62,7 @@ def settle(trail: Trail, problem: PathProblem) -> tuple[Spline, Proof]:
         stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
         trail = polish(trail, problem, stages, steps=40, finer=2)
         proof = prove_curve(trail.curve, problem.scenario)
-        if proof.worst.slack >= 0:
+        if not HOPELESS < proof.worst.slack < 0:
             break
         for check in proof.checks:
             short = max(-1.2 * check.slack, 0.0)

@@ -8,11 +8,14 @@ import pytest
 
 from ipoa_mission.scenario import Scenario
 
+Spot = Sequence[float] | dict[str, float]
 Make = Callable[..., Scenario]
 HOME = {"latitude_deg": 39.1, "longitude_deg": 121.82}
 
 
-def place(point: Sequence[float]) -> dict[str, float]:
+def place(point: Spot) -> dict[str, float]:
+    if isinstance(point, dict):
+        return point
     east, north, up = (float(x) for x in point)
     return {"east": east, "north": north, "up": up}
 
@@ -22,8 +25,8 @@ def scenario() -> Make:
     """A scenario from start, goal, obstacles and further tables, in a box of 200 x 200 x 100 m over flat ground."""
 
     def make(
-        start: Sequence[float] = (0, 0, 20),
-        goal: Sequence[float] = (100, 0, 20),
+        start: Spot = (0, 0, 20),
+        goal: Spot = (100, 0, 20),
         obstacles: Sequence[dict[str, Any]] = (),
         via: Sequence[Sequence[float]] = (),
         **tables: Any,
@@ -59,12 +62,12 @@ def town(scenario: Make) -> Callable[[int], Scenario]:
                 ring, yard = middle + corners, middle + 0.3 * corners
                 rings = {"footprint": ring.tolist(), "holes": [yard.tolist()] if i % 2 else []}
                 obstacles.append({"kind": "prism", "name": f"{i}", "base": 0.0, "height": rng.uniform(5, 60), **rings})
-        heights = rng.uniform(0, 8, (21, 21)).tolist()
+        heights = rng.uniform(0, 8, (22, 22)).tolist()
         return scenario(
-            start=(0, 0, 4.0),
-            goal=(100, 0, 30.0),
+            start={"east": 0, "north": 0, "height_above_ground": 4},
+            goal={"east": 100, "north": 0, "height_above_ground": 30},
             obstacles=obstacles,
-            terrain={"kind": "grid", "east": -50, "north": -100, "spacing": 10, "heights": heights},
+            terrain={"kind": "grid", "east": -55, "north": -105, "spacing": 10, "heights": heights},  # smooth at start
             vehicle={"radius": 0.7},
             planning={
                 "min_height_above_ground": 12,

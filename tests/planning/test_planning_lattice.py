@@ -1,0 +1,62 @@
+"""Quick guesses: the distinct ways through a lattice."""
+
+import numpy as np
+import pytest
+
+from ipoa_mission.planning.lattice import guesses, lay, ways
+from ipoa_mission.planning.problem import pose
+
+PILLAR = {"kind": "cylinder", "name": "pillar", "east": 50, "north": 0, "radius": 15, "height": 99, "base": 0.0}
+FULL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base": 0.0}
+
+
+def test_a_pillar_is_passed_on_both_sides(scenario) -> None:
+    problem = pose(scenario(obstacles=[PILLAR]))
+    found = ways(lay(problem), problem, 8)
+    sides = [np.sign(way[np.argmin(np.abs(way[:, 0] - 50)), 1]) for way in found]
+    assert {-1.0, 1.0} <= set(sides)
+    for way in found:
+        np.testing.assert_array_equal(way[[0, -1]], [problem.scenario.start_point, problem.scenario.goal_point])
+        assert problem.scenario.airspace.obstacle_distance(way[1:-1]).min() >= problem.limits.obstacle_distance
+
+
+def test_the_cheapest_way_comes_first(scenario) -> None:
+    problem = pose(scenario(obstacles=[PILLAR | {"north": 8}], cost={"omega": (1, 0, 0)}))
+    found = ways(lay(problem), problem, 8)
+    lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in found]
+    assert np.argmin(lengths) == 0
+    assert found[0][np.argmin(np.abs(found[0][:, 0] - 50)), 1] < 0
+
+
+def test_every_way_passes_all_via_points(scenario) -> None:
+    problem = pose(scenario(obstacles=[PILLAR], via=[(50, 60, 30), (80, -40, 30)]))
+    found = ways(lay(problem), problem, 8)
+    assert len(found) > 1
+    for way in found:
+        for place in problem.scenario.via_points:
+            assert np.linalg.norm(way - place, axis=1).min() == 0
+
+
+def test_a_wall_from_bound_to_bound_leaves_no_way(scenario) -> None:
+    problem = pose(scenario(obstacles=[FULL | {"name": "wall", "depth": 300}]))
+    assert ways(lay(problem), problem, 8) == []
+    assert len(guesses(problem, 0)) == 1  # the straight one
+
+
+def test_a_finer_lattice_finds_a_door_that_a_coarse_one_misses(scenario) -> None:
+    walls = [
+        FULL | {"name": "left", "north": 62.0, "depth": 120},
+        FULL | {"name": "right", "north": -60.4, "depth": 120},
+    ]
+    problem = pose(scenario(obstacles=walls, vehicle={"radius": 0.3}, safety_distance=0.5))
+    assert ways(lay(problem), problem, 8) == []
+    assert len(ways(lay(problem, 3.0), problem, 8)) >= 1
+
+
+@pytest.mark.parametrize("fineness", [1.0, 2.0])
+def test_a_lattice_covers_the_bounds_in_even_steps(scenario, fineness: float) -> None:
+    lattice = lay(pose(scenario(obstacles=[PILLAR])), fineness)
+    far = lattice.corner + lattice.spacing * (np.array(lattice.slack.shape) - 1)
+    np.testing.assert_allclose(lattice.corner[:2], (-50, -100))
+    np.testing.assert_allclose(far[:2], (150, 100))
+    assert 20_000 * fineness**3 < lattice.slack.size < 150_000 * fineness**3

@@ -1,0 +1,96 @@
+"""Encodings: what the origin and the axes of a search space stand for."""
+
+import numpy as np
+import pytest
+
+from ipoa_mission.planning.limits import places
+from ipoa_mission.planning.problem import encode, follow, freedom, pinned, pose, refine, surround
+
+ENCODINGS = ("absolute", "chord", "sine")
+STRAIGHT = np.array([(0.0, 0.0, 20.0), (100.0, 0.0, 20.0)])
+
+
+def test_a_straight_guide_becomes_a_straight_even_curve(scenario) -> None:
+    curve = follow(STRAIGHT, 8, scenario()).curve
+    u = np.linspace(0, 1, 21)
+    expected = np.column_stack([100 * u, 0 * u, np.full(21, 20.0)])
+    np.testing.assert_allclose(curve.points(u), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["chord", "sine"])
+def test_the_origin_of_the_space_is_the_guide(scenario, name: str) -> None:
+    encoding = encode(name, STRAIGHT, 8, 30.0, scenario())
+    assert encoding.box.dimension == 16
+    np.testing.assert_allclose(encoding.curve(np.zeros(16)).control, follow(STRAIGHT, 8, scenario()).curve.control)
+
+
+def test_absolute_coordinates_are_the_inner_control_points(scenario) -> None:
+    encoding = encode("absolute", STRAIGHT, 3, 0.0, scenario())
+    x = np.arange(9.0)
+    control = encoding.curve(x).control
+    np.testing.assert_array_equal(control[1:-1].ravel(), x)
+    np.testing.assert_array_equal(control[[0, -1]], STRAIGHT)
+    np.testing.assert_array_equal(encoding.box.lower, np.tile((-50.0, -100.0, 0.0), 3))
+    np.testing.assert_array_equal(encoding.box.upper, np.tile((150.0, 100.0, 100.0), 3))
+
+
+def test_chord_offsets_go_aside_and_upwards(scenario) -> None:
+    encoding = encode("chord", STRAIGHT, 4, 30.0, scenario())
+    straight = encoding.origin
+    aside, up = encoding.curve(np.eye(8)[2]).control, encoding.curve(np.eye(8)[3]).control
+    np.testing.assert_allclose(aside - straight, [[0, 0, 0], [0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]])
+    np.testing.assert_allclose(up - straight, [[0, 0, 0], [0, 0, 0], [0, 0, 1], [0, 0, 0], [0, 0, 0], [0, 0, 0]])
+
+
+def test_sine_modes_are_waves_that_get_smaller(scenario) -> None:
+    encoding = encode("sine", STRAIGHT, 8, 30.0, scenario())
+    for mode in range(1, 4):
+        offset = (encoding.curve(np.eye(16)[2 * (mode - 1)]).control - encoding.origin)[:, 1]
+        progress = encoding.origin[:, 0] / 100
+        np.testing.assert_allclose(offset, np.sin(mode * np.pi * progress) / mode, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ENCODINGS)
+def test_every_candidate_passes_the_via_points_in_order(scenario, name: str) -> None:
+    job = scenario(via=[(30, 40, 25), (60, -30, 30)])
+    encoding = encode(name, places(job), 15, 30.0, job)
+    rng = np.random.default_rng(1)
+    for x in encoding.box.sample(20, rng):
+        curve = encoding.curve(x)
+        np.testing.assert_allclose(curve.points(encoding.via_at), job.via_points, atol=1e-9)
+        np.testing.assert_allclose(curve.control[[0, -1]], [job.start_point, job.goal_point])
+    assert (np.diff(encoding.via_at) > 0).all()
+
+
+def test_freedom_moves_everything_but_ends_and_via_points(scenario) -> None:
+    job = scenario(via=[(30, 40, 25), (60, -30, 30)])
+    trail = follow(places(job), 15, job)
+    free = freedom(trail, job)
+    assert np.linalg.matrix_rank(free) == free.shape[1] == 13
+    np.testing.assert_array_equal(free[[0, -1]], 0.0)
+    moved = trail.curve.control + free @ np.random.default_rng(2).normal(size=(13, 3))
+    assert np.abs(moved - trail.curve.control)[1:-1].min() > 0
+    again = pinned(type(trail)(type(trail.curve)(moved), trail.via_at), job)
+    np.testing.assert_allclose(again.curve.control, moved, atol=1e-9)
+
+
+def test_a_part_is_varied_and_the_rest_stays(scenario) -> None:
+    around = refine(follow(STRAIGHT, 8, scenario()))
+    encoding = surround("sine", around, 10.0, scenario(), slice(4, 9))
+    change = encoding.curve(np.ones(10)).control - around.curve.control
+    assert (np.abs(change[5:10]).max(axis=1) > 0.1).all()
+    np.testing.assert_array_equal(np.delete(change, range(5, 10), axis=0), 0.0)
+
+
+@pytest.mark.parametrize("goal", [(0, 0, 90), (0, 5, 20)])
+def test_a_way_straight_up_has_axes_too(scenario, goal) -> None:
+    job = scenario(goal=goal)
+    encoding = encode("sine", places(job), 8, 10.0, job)
+    assert np.linalg.matrix_rank(encoding.matrix.reshape(16, -1)) == 16
+    assert np.isfinite(pose(job).costs(encoding)(encoding.box.sample(10, np.random.default_rng(0)))).all()
+
+
+def test_the_search_looks_closely_enough_not_to_jump_over_what_is_near(scenario) -> None:
+    long_way = scenario(start=(-45, -95, 20), goal=(145, 95, 20), safety_distance=0.5, vehicle={"radius": 0.5})
+    assert pose(long_way).nodes >= np.linalg.norm(long_way.goal_point - long_way.start_point) / 2.0 - 1
+    assert pose(scenario(planning={"planner": "paper"})).nodes == 100
