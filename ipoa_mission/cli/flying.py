@@ -67,8 +67,9 @@ def fly(
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
-    from ipoa_mission.cli.job import PlannedJob, prepare, write_files
+    from ipoa_mission.cli.job import PlannedJob, prepare
     from ipoa_mission.cli.summary import describe
+    from ipoa_mission.cli.writing import write_files
     from ipoa_mission.errors import BadInput
     from ipoa_mission.simulator.faults import Faults
 

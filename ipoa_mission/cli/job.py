@@ -1,26 +1,21 @@
-"""The main job in order: scenario -> plan -> mission -> estimate -> files. `plan` and `fly` begin with it."""
+"""The main job in order: scenario -> plan -> mission -> estimate. `plan` and `fly` begin with it."""
 
-import json
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.cli.folders import make_folder
 from ipoa_mission.cli.interrupting import left_behind
-from ipoa_mission.cli.summary import summarise
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.energy.flight import Consumption
-from ipoa_mission.files import write_atomically
 from ipoa_mission.mission.assemble import Option, assemble, weigh_routes
 from ipoa_mission.mission.build import build_mission
 from ipoa_mission.mission.check import check_mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.unsafe import refuse_errors
-from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
+from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.scenario import Scenario, read_scenario
@@ -51,11 +46,6 @@ class PlannedJob(Job):
     energy: Consumption | None
     options: tuple[Option, ...]
     """What each way to choose waypoints would come to."""
-
-    def summary(self) -> dict[str, Any]:
-        """What it is like, for machines."""
-        summary = summarise(self.scenario, self.plan, self.mission, self.estimate, self.energy, self.remarks)
-        return summary | {"routes": [_told(option, self.scenario.route.mode) for option in self.options]}
 
 
 def prepare(
@@ -98,21 +88,7 @@ def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] 
     track = found.track
     energy = flight_energy(scenario, track.times, track.points, track.speeds)
     remarks = (*(finding.message for finding in warnings), *scenario.remarks, *left_out(mission))
-    return PlannedJob(
-        scenario.name, mission, known, found, remarks, scenario, plan, energy, weigh_routes(plan, scenario)
-    )
-
-
-def _told(option: Option, mode: str) -> dict[str, Any]:
-    return {
-        "mode": option.mode,
-        "waypoints": len(option.route.points),
-        "spline": option.route.spline,
-        "seconds": option.seconds,
-        "deviation": option.deviation,
-        "flies_clear": option.flies_clear,
-        "chosen": option.mode == mode,
-    }
+    return PlannedJob(scenario.name, mission, known, found, remarks, scenario, plan, energy, options)
 
 
 def adapt_scenario(
@@ -133,16 +109,3 @@ def adapt_scenario(
     if autopilot is not None:
         changes["vehicle"] = scenario.vehicle.model_copy(update={"autopilot": autopilot})
     return scenario.model_copy(update=changes)
-
-
-def write_files(job: PlannedJob, folder: Path) -> list[Path]:
-    """NAME.plan, NAME.waypoints and NAME.json in `folder`, which is made if it is not there.
-
-    A `.waypoints` file holds neither fence nor rally points; the remarks of the job say so.
-    """
-    make_folder(folder)
-    plan, waypoints, summary = (folder / f"{job.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
-    write_plan(job.mission, plan)
-    write_waypoints(job.mission, waypoints)
-    write_atomically(summary, json.dumps(job.summary(), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
-    return [plan, waypoints, summary]

@@ -32,8 +32,9 @@ def plan(
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
     from ipoa_mission.cli.folders import expect_folder
-    from ipoa_mission.cli.job import adapt_scenario, plan_mission, write_files
-    from ipoa_mission.cli.summary import describe
+    from ipoa_mission.cli.job import adapt_scenario, plan_mission
+    from ipoa_mission.cli.summary import describe, summarise
+    from ipoa_mission.cli.writing import write_files
 
     expect_folder(out)
     job = plan_mission(adapt_scenario(scenario, optimizer, planner, polish, autopilot), seed)
@@ -44,7 +45,7 @@ def plan(
         files.append(out / f"{job.name}.html")
         write_report(files[-1], job.scenario, job.plan, job.mission, job.estimate, remarks=job.remarks)
     if as_json:
-        tell_json(job.summary() | {"written": [str(file) for file in files]})
+        tell_json(summarise(job) | {"written": [str(file) for file in files]})
     else:
         tell(*describe(job), f"written: {', '.join(map(str, files))}")
 

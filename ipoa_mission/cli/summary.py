@@ -1,26 +1,21 @@
 """What a planned mission is like: in a few lines for a human, and as NAME.json for machines."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ipoa_mission.energy.flight import Consumption
+from ipoa_mission.cli.job import PlannedJob
 from ipoa_mission.geometry import Points
+from ipoa_mission.mission.assemble import Option
 from ipoa_mission.mission.items import Command, Mission
-from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.timing.estimate import Estimate
-
-if TYPE_CHECKING:
-    from ipoa_mission.cli.job import PlannedJob
 
 
-def describe(job: "PlannedJob") -> list[str]:
+def describe(job: PlannedJob) -> list[str]:
     """The plan in a few lines."""
     least = prove(waypoints(job.mission, job.scenario), job.scenario).clearance
     required = job.scenario.vehicle.radius + job.scenario.safety_distance
@@ -39,15 +34,9 @@ def describe(job: "PlannedJob") -> list[str]:
     return [*lines, *(f"note: {remark}" for remark in job.remarks)]
 
 
-def summarise(
-    scenario: Scenario,
-    plan: Plan,
-    mission: Mission,
-    estimate: Estimate,
-    energy: Consumption | None,
-    remarks: Sequence[str],
-) -> dict[str, Any]:
+def summarise(job: PlannedJob) -> dict[str, Any]:
     """Metres, seconds, degrees; the same plan gives the same numbers. `legs` are those that will be flown."""
+    scenario, plan, mission, estimate, energy = job.scenario, job.plan, job.mission, job.estimate, job.energy
     legs = prove(waypoints(mission, scenario), scenario)
     return {
         "name": scenario.name,
@@ -69,7 +58,8 @@ def summarise(
             "qgroundcontrol_s": _rounded(estimate.qgroundcontrol_s),
         },
         "energy_wh": None if energy is None else _rounded(energy.energy_wh),
-        "remarks": list(remarks),
+        "remarks": list(job.remarks),
+        "routes": [_route(option, scenario.route.mode) for option in job.options],
     }
 
 
@@ -80,6 +70,18 @@ def waypoints(mission: Mission, scenario: Scenario) -> Points:
         np.array([getattr(item, name) for item in flown]) for name in ("latitude_deg", "longitude_deg", "altitude")
     )
     return scenario.frame.to_local(latitude, longitude, mission.home.altitude + height)
+
+
+def _route(option: Option, mode: str) -> dict[str, Any]:
+    return {
+        "mode": option.mode,
+        "waypoints": len(option.route.points),
+        "spline": option.route.spline,
+        "seconds": option.seconds,
+        "deviation": option.deviation,
+        "flies_clear": option.flies_clear,
+        "chosen": option.mode == mode,
+    }
 
 
 def _clearance(proof: Proof) -> dict[str, Any]:

@@ -15,16 +15,17 @@ from ipoa_mission.experiments.published import ALGORITHMS
 from ipoa_mission.experiments.rows import Row
 from ipoa_mission.experiments.runs import CHECKPOINTS
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
+from ipoa_mission.report import palette
 
-#: One colour each, told apart by the colour-blind (Okabe and Ito).
+#: One colour each, told apart by the colour-blind.
 COLOURS = {
-    "ipoa": "#D55E00",
-    "dbo": "#0072B2",
-    "poa": "#009E73",
-    "ssa": "#E69F00",
-    "mpoa": "#CC79A7",
-    "hho": "#56B4E9",
-    "adaptive-pelican": "#000000",
+    "ipoa": palette.VERMILLION,
+    "dbo": palette.BLUE,
+    "poa": palette.BLUISH_GREEN,
+    "ssa": palette.ORANGE,
+    "mpoa": palette.REDDISH_PURPLE,
+    "hho": palette.SKY_BLUE,
+    "adaptive-pelican": palette.BLACK,
 }
 
 

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.cli.app import main
-from ipoa_mission.cli.job import PlannedJob, adapt_scenario, plan_mission, write_files
+from ipoa_mission.cli.job import PlannedJob, adapt_scenario, plan_mission
+from ipoa_mission.cli.writing import write_files
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
 from ipoa_mission.simulator.autopilot import Autopilot

@@ -8,7 +8,8 @@ import pytest
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Item
 
-SCENARIOS = ("campus", "mountains", "downtown", "sitl")
+REPOSITORY = Path(__file__).parents[2]
+SCENARIOS = sorted(path.stem for path in (REPOSITORY / "missions").glob("*.toml"))
 
 
 def test_fly_plans_writes_uploads_flies_and_compares(run, missions: Path) -> None:
@@ -51,6 +52,8 @@ def test_the_same_scenario_and_seed_give_the_same_bytes(run, planned, missions: 
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_both_formats_hold_the_same_mission_and_it_passes_the_checks(run, missions: Path, name: str) -> None:
     """The missions that ship beside their scenarios."""
+    if name == "oldtown":
+        pytest.importorskip("rasterio")
     plan = read_mission(missions / f"{name}.plan")
     lines = read_mission(missions / f"{name}.waypoints", plan.autopilot)
     assert [_essence(item) for item in lines.items] == [_essence(item) for item in plan.items]

@@ -9,6 +9,7 @@ from jsonschema import Draft202012Validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
+from ipoa_mission.scenario.places import Place
 
 HERE = Path("here.toml")
 SMALLEST = """
@@ -137,3 +138,13 @@ def test_the_schema_accepts_what_the_reader_accepts(missions: Path) -> None:
     for path in sorted(missions.glob("*.toml")):
         read_scenario(path)
         validator.validate(json.loads(json.dumps(tomllib.loads(path.read_text(encoding="utf-8")))))
+
+
+def test_a_copy_with_another_start_forgets_what_followed_from_the_old_one(missions: Path) -> None:
+    scenario = read_scenario(missions / "sitl.toml")
+    assert scenario.airspace.obstacles
+    assert scenario.start_point[2] != 33.0
+    moved = scenario.model_copy(update={"obstacles": (), "start": Place(east=1.0, north=2.0, up=33.0)})
+    assert moved.start_point.tolist() == [1.0, 2.0, 33.0]
+    assert moved.airspace.obstacles == ()
+    assert scenario.start_point[2] != 33.0
