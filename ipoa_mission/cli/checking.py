@@ -44,10 +44,10 @@ def check(
     findings = check_mission(mission, None if scenario is None else read_scenario(scenario))
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
-        rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message} for f in findings]
+        rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
         tell_json({"ok": not errors, "findings": rows})
     else:
-        tell(*(str(finding) for finding in findings))
+        tell(*(line for f in findings for line in (str(f), *([f"hint: {f.hint}"] if f.hint else []))))
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
         tell(f"{file}: {counts} for {mission.autopilot}")
     if errors:

@@ -15,6 +15,7 @@ from ipoa_mission.mission.check import check_mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.unsafe import refuse_errors
+from ipoa_mission.mission.way_home import told as told_of_way_home
 from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path
@@ -64,7 +65,7 @@ def prepare(
         NotEnoughBattery: it would not come home with its reserve.
     """
     if source.suffix == ".toml":
-        return plan_mission(adapt_scenario(source, optimizer, autopilot=autopilot), seed, parameters)
+        return plan_mission(adapt_scenario(source, optimizer, autopilot=autopilot, parameters=parameters), seed)
     mission = read_mission(source, autopilot)
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
@@ -72,7 +73,7 @@ def prepare(
     return Job(source.stem, mission, parameters or {}, estimate(mission, parameters or {}), remarks)
 
 
-def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] | None = None) -> PlannedJob:
+def plan_mission(scenario: Scenario, seed: int) -> PlannedJob:
     """Plan, assemble, check, estimate, and see that the battery lasts; what fails does not come out."""
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
@@ -83,11 +84,12 @@ def plan_mission(scenario: Scenario, seed: int, parameters: Mapping[str, float] 
     chosen = [option.route for option in options if option.mode == scenario.route.mode]
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
     warnings = refuse_errors(check_mission(mission, scenario))
-    known = {**scenario.vehicle.autopilot_parameters(), **(parameters or {})}
+    known = scenario.vehicle.autopilot_parameters()
     found = estimate(mission, known)
     track = found.track
     energy = flight_energy(scenario, track.times, track.points, track.speeds)
-    remarks = (*(finding.message for finding in warnings), *scenario.remarks, *left_out(mission))
+    found_out = (finding.message for finding in warnings)
+    remarks = (*found_out, *told_of_way_home(mission), *scenario.remarks, *left_out(mission))
     return PlannedJob(scenario.name, mission, known, found, remarks, scenario, plan, energy, options)
 
 
@@ -97,6 +99,7 @@ def adapt_scenario(
     planner: str | None = None,
     polish: bool = True,
     autopilot: Autopilot | None = None,
+    parameters: Mapping[str, float] | None = None,
 ) -> Scenario:
     """The scenario in a file, with what the command line says in its place."""
     scenario = read_scenario(path)
@@ -106,6 +109,9 @@ def adapt_scenario(
         changes["planning"] = scenario.planning.model_copy(update=planning)
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
-    if autopilot is not None:
-        changes["vehicle"] = scenario.vehicle.model_copy(update={"autopilot": autopilot})
+    vehicle: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
+    if parameters:
+        vehicle["parameters"] = {**scenario.vehicle.parameters, **parameters}
+    if vehicle:
+        changes["vehicle"] = scenario.vehicle.model_copy(update=vehicle)
     return scenario.model_copy(update=changes)

@@ -1,5 +1,6 @@
 """Options that several verbs share, each said once."""
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, TypeAlias
@@ -189,9 +190,9 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
     for text in given or ():
         name, equals, value = text.partition("=")
         try:
-            if not (name.strip() and equals):
+            if not (name.strip() and equals and math.isfinite(number := float(value))):
                 raise ValueError
-            parameters[name.strip()] = float(value)
+            parameters[name.strip().upper()] = number
         except ValueError:
             raise BadInput(f"--param {text}: expected NAME=VALUE with a number, like WPNAV_ACCEL=250") from None
     return parameters

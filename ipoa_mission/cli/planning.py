@@ -7,11 +7,14 @@ from ipoa_mission.cli.options import (
     JsonOption,
     OptimizerOption,
     OutOption,
+    ParameterFileOption,
+    ParameterOption,
     PlannerOption,
     PolishOption,
     ReportOption,
     ScenarioArgument,
     SeedOption,
+    read_parameter_options,
 )
 from ipoa_mission.cli.telling import tell, tell_json
 
@@ -24,6 +27,8 @@ def plan(
     planner: PlannerOption = None,
     polish: PolishOption = True,
     autopilot: AutopilotOption = None,
+    param: ParameterOption = None,
+    param_file: ParameterFileOption = None,
     report: ReportOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -37,7 +42,8 @@ def plan(
     from ipoa_mission.cli.writing import write_files
 
     expect_folder(out)
-    job = plan_mission(adapt_scenario(scenario, optimizer, planner, polish, autopilot), seed)
+    parameters = read_parameter_options(param, param_file)
+    job = plan_mission(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters), seed)
     files = write_files(job, out)
     if report:
         from ipoa_mission.report.page import write_report

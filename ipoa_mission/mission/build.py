@@ -17,6 +17,7 @@ from ipoa_mission.mission.items import (
     waypoint,
 )
 from ipoa_mission.mission.route import Route
+from ipoa_mission.mission.way_home import raise_way_home
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -27,6 +28,8 @@ LEAST_TAKEOFF_HEIGHT = 2.5
 
 def build_mission(route: Route, scenario: Scenario) -> Mission:
     """The mission that flies a route, with the scenario's speed, ending, fence and rally points.
+
+    Where the straight way home would not be clear it first climbs over the goal.
 
     Raises:
         BadInput: the start lies too low over home for a take-off to end there.
@@ -46,7 +49,7 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
         *(fly_to(place, height) for place, height in others),
         return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]),
     ]
-    return Mission(
+    mission = Mission(
         home=home,
         items=tuple(items),
         autopilot=scenario.vehicle.autopilot,
@@ -54,6 +57,7 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
         fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
         rally=_rally(scenario),
     )
+    return raise_way_home(mission, scenario)
 
 
 def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:

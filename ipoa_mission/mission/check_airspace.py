@@ -7,6 +7,7 @@ import numpy as np
 from ipoa_mission.mission.finding import Finding, Severity, error, warning
 from ipoa_mission.mission.items import Command, Mission
 from ipoa_mission.mission.legs import Leg, Phase
+from ipoa_mission.mission.way_home import remedy
 from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.scenario import Scenario
 
@@ -14,9 +15,11 @@ from ipoa_mission.scenario import Scenario
 ROUNDING = {"m": 0.02, "deg": 0.5}
 SAME_HOME = 1.0  # [m]
 
+ANGLES = {"climb", "descent"}
+
 #: The limits that each kind of leg is held against; a climb or a descent is steep, and begins or ends on the ground.
 LIMITS = {
-    Phase.CRUISE: {"obstacles", "ground", "ceiling", "bounds", "climb", "descent"},
+    Phase.CRUISE: {"obstacles", "ground", "ceiling", "bounds", *ANGLES},
     Phase.RETURN: {"obstacles", "ground", "ceiling", "bounds"},
     Phase.TAKEOFF: {"obstacles"},
     Phase.LANDING: {"obstacles"},
@@ -44,14 +47,18 @@ def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) 
         yield Finding(Severity.WARNING, None, message)
     for leg in legs:
         for broken in _broken(leg, scenario):
-            say = error if leg.phase is Phase.CRUISE or _touches(broken, scenario) else warning
-            yield say(leg.seq, mission.items[leg.seq - 1], f"{NAMES[leg.phase]}: {broken.words()}")
+            item, message = mission.items[leg.seq - 1], f"{NAMES[leg.phase]}: {broken.words()}"
+            if leg.phase is not Phase.CRUISE and not _touches(broken, scenario):
+                yield warning(leg.seq, item, message)
+            else:
+                yield error(leg.seq, item, message, remedy(mission, scenario) if leg.phase is Phase.RETURN else None)
 
 
 def _broken(leg: Leg, scenario: Scenario) -> list[Check]:
-    """The limits that a leg breaks by more than rounding."""
+    """The limits that a leg breaks by more than rounding; straight up or down no angle is too steep."""
+    limits = LIMITS[leg.phase] - (ANGLES if np.ptp(leg.points[:, :2], axis=0).max() < ROUNDING["m"] else set())
     checks = prove(leg.points, scenario).checks
-    return [c for c in checks if c.limit in LIMITS[leg.phase] and c.slack < -ROUNDING[c.unit]]
+    return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
 
 
 def _touches(broken: Check, scenario: Scenario) -> bool:

@@ -16,7 +16,8 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     Raises:
         Unsafe: there are errors.
     """
-    errors = [finding.message for finding in findings if finding.severity is Severity.ERROR]
+    errors = [finding for finding in findings if finding.severity is Severity.ERROR]
     if errors:
-        raise Unsafe("\n".join(errors), hint="`ipoa-mission check` looks at a mission without sending it")
+        hints = dict.fromkeys(error.hint for error in errors if error.hint)
+        raise Unsafe("\n".join(error.message for error in errors), hint="; ".join(hints) or None)
     return tuple(findings)

@@ -100,7 +100,8 @@ class RouteSection(Section):
     tolerance: Positive = 4.0
     """How far the legs of `corridor`, or the predicted path of `fastest`, may leave the curve [m]."""
     ending: Literal["rtl", "land"] = "rtl"
-    """`rtl`: return to home and land there; `land`: land at the goal."""
+    """`rtl`: return to home and land there, after a climb over the goal where the way would not be clear; `land`: land
+    at the goal."""
 
 
 class Scenario(Section):

@@ -158,6 +158,19 @@ def test_a_leg_through_a_building_is_an_error_that_names_it_and_the_place() -> N
     assert way_back.startswith("error: item 3 (NAV_RETURN_TO_LAUNCH): the way home: 5.00 m inside hall at east ")
 
 
+def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> None:
+    """The hall is 30 m high, 2.5 m must be left over it: 35 m is the first of every five metres that does."""
+    scenario = world()
+    px4, ardupilot = (flight(scenario, (100.0, 40.0, 20.0), autopilot=autopilot) for autopilot in (PX4, ARDUPILOT))
+    (hint,) = [f.hint for f in check_mission(px4, scenario) if f.hint]
+    assert hint.startswith("RTL_RETURN_ALT = 35 makes it clear")
+    higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 35.0"})
+    assert not any("the way home" in words for words in said(px4, higher))
+    other = world(**{"px4": "ardupilot", "RTL_RETURN_ALT = 25.0": "RTL_ALT = 1500"})
+    (hint,) = [f.hint for f in check_mission(ardupilot, other) if f.hint]
+    assert hint.startswith("RTL_ALT = 3500 makes it clear")
+
+
 def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
     scenario = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5", "up = [-5.0, 70.0]": "up = [-5.0, 31.0]"})
     near, out = said(flight(scenario, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0)), scenario)

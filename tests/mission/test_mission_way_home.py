@@ -1,0 +1,93 @@
+"""A mission sees to a clear way home, whatever return altitude the vehicle has."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapely import LineString, box
+
+from ipoa_mission.mission.build import build_mission
+from ipoa_mission.mission.check import check_mission
+from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.mission.legs import Phase, flown_legs
+from ipoa_mission.mission.route import Route
+from ipoa_mission.mission.way_home import told
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.vehicle import Autopilot
+
+ROUND_THE_HALL = ((0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0))
+HALL = box(40, -10, 60, 10)
+
+
+def world(autopilot: Autopilot, height: float, highest: float = 120.0, ending: str = "rtl") -> Scenario:
+    text = f"""
+    safety_distance = 2.0
+    home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
+    start = {{ east = 0.0, north = 0.0, up = 20.0 }}
+    goal = {{ east = 100.0, north = 0.0, up = 20.0 }}
+    bounds = {{ east = [-50.0, 150.0], north = [-50.0, 50.0], up = [-5.0, {highest}] }}
+    vehicle = {{ radius = 0.5, autopilot = "{autopilot}" }}
+    route = {{ ending = "{ending}" }}
+    planning = {{ max_climb_angle_deg = 30.0 }}
+    [[obstacles]]
+    kind = "box"
+    name = "hall"
+    east = 50.0
+    north = 0.0
+    width = 20.0
+    depth = 20.0
+    height = {height}
+    """
+    return parse_scenario(text, Path("world.toml"))
+
+
+def mission(scenario: Scenario) -> Mission:
+    return build_mission(Route(np.array(ROUND_THE_HALL)), scenario)
+
+
+def height_over_the_hall(flown: Mission, scenario: Scenario) -> float:
+    """How high the way home crosses the hall, seen from outside the package's own clearances."""
+    (way,) = [leg for leg in flown_legs(flown, scenario.frame) if leg.phase is Phase.RETURN]
+    assert LineString(way.points[:, :2]).intersects(HALL)
+    return float(way.points[-1, 2])
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "height", "climbs_to"),
+    [
+        (Autopilot.ARDUPILOT, 12.0, None),  # it is at 20 m already, and RTL_ALT is 15 m
+        (Autopilot.ARDUPILOT, 18.0, 25.0),
+        (Autopilot.ARDUPILOT, 40.0, 45.0),
+        (Autopilot.PX4, 40.0, None),  # RTL_RETURN_ALT is 60 m
+        (Autopilot.PX4, 57.0, None),
+        (Autopilot.PX4, 58.0, 65.0),
+        (Autopilot.PX4, 70.0, 75.0),
+    ],
+)
+def test_it_climbs_over_the_goal_where_the_way_home_would_not_be_clear(
+    autopilot: Autopilot, height: float, climbs_to: float | None
+) -> None:
+    scenario = world(autopilot, height)
+    flown = mission(scenario)
+    last, end = flown.items[-2:]
+    assert end.command == Command.NAV_RETURN_TO_LAUNCH
+    assert last.altitude == pytest.approx(20.0 if climbs_to is None else climbs_to, abs=0.01)
+    assert height_over_the_hall(flown, scenario) >= height + 2.5
+    assert check_mission(flown, scenario) == ()
+    assert len(list(told(flown))) == (climbs_to is not None)
+
+
+def test_it_does_not_climb_beyond_the_bounds_and_the_check_says_what_helps() -> None:
+    scenario = world(Autopilot.ARDUPILOT, 40.0, highest=42.0)
+    flown = mission(scenario)
+    assert flown.items[-2].altitude == pytest.approx(20.0, abs=0.01)
+    (found,) = check_mission(flown, scenario)
+    assert "the way home: 10.00 m inside hall" in found.message
+    assert found.hint is not None
+    assert found.hint.startswith("RTL_ALT = 4500 makes it clear")
+
+
+def test_a_mission_that_lands_at_its_goal_does_not_climb() -> None:
+    flown = mission(world(Autopilot.ARDUPILOT, 40.0, ending="land"))
+    assert flown.items[-1].command == Command.NAV_LAND
+    assert flown.items[-2].altitude == pytest.approx(20.0, abs=0.01)
