@@ -5,19 +5,15 @@ from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
 
-import numpy as np
-
 from ipoa_mission.cli.job import PlannedJob
-from ipoa_mission.geometry import Points
 from ipoa_mission.mission.assemble import Option
-from ipoa_mission.mission.items import Command, Mission
-from ipoa_mission.planning.proof import Proof, prove
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.mission.prove_route import prove_mission
+from ipoa_mission.planning.proof import Proof
 
 
 def describe(job: PlannedJob) -> list[str]:
     """The plan in a few lines."""
-    least = prove(waypoints(job.mission, job.scenario), job.scenario).clearance
+    least = prove_mission(job.mission, job.scenario).clearance
     required = job.scenario.vehicle.radius + job.scenario.safety_distance
     lines = [
         f"{job.name}: {job.plan.cost.length:.1f} m, {len(job.mission.items)} items, for {job.mission.autopilot}",
@@ -37,7 +33,7 @@ def describe(job: PlannedJob) -> list[str]:
 def summarise(job: PlannedJob) -> dict[str, Any]:
     """Metres, seconds, degrees; the same plan gives the same numbers. `legs` are those that will be flown."""
     scenario, plan, mission, estimate, energy = job.scenario, job.plan, job.mission, job.estimate, job.energy
-    legs = prove(waypoints(mission, scenario), scenario)
+    legs = prove_mission(mission, scenario)
     return {
         "name": scenario.name,
         "version": version("ipoa-mission"),
@@ -61,15 +57,6 @@ def summarise(job: PlannedJob) -> dict[str, Any]:
         "remarks": list(job.remarks),
         "routes": [_route(option, scenario.route.mode) for option in job.options],
     }
-
-
-def waypoints(mission: Mission, scenario: Scenario) -> Points:
-    """The places that the mission flies through from its start to its goal, (k, 3) in the local frame."""
-    flown = [item for item in mission.items if item.has_position and item.command != Command.NAV_LAND]
-    latitude, longitude, height = (
-        np.array([getattr(item, name) for item in flown]) for name in ("latitude_deg", "longitude_deg", "altitude")
-    )
-    return scenario.frame.to_local(latitude, longitude, mission.home.altitude + height)
 
 
 def _route(option: Option, mode: str) -> dict[str, Any]:

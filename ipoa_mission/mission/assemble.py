@@ -11,10 +11,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.build import build_mission
 from ipoa_mission.mission.fastest import fastest_route, fly
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.prove_route import prove_route
 from ipoa_mission.mission.resample import corridor, every
 from ipoa_mission.mission.route import NoRoute, Route, push_clear
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicle import Autopilot
 
@@ -82,7 +82,7 @@ def _narrowed(choose: Callable[[float], Route], width: float, scenario: Scenario
     for _ in range(HALVINGS):
         chosen = choose(width)
         route = Route(push_clear(chosen.points, scenario), chosen.spline)
-        proof = prove(route.points, scenario)
+        proof = prove_route(route, scenario)
         if proof.holds:
             return route
         width /= 2

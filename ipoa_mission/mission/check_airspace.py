@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ipoa_mission.mission.finding import Finding, Severity, error, warning
-from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.legs import Leg, Phase
 from ipoa_mission.mission.way_home import remedy
 from ipoa_mission.planning.proof import Check, prove
@@ -42,9 +42,6 @@ def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) 
     if offset.max() > SAME_HOME:
         message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
         yield Finding(Severity.WARNING, 0, message)
-    if any(item.command == Command.NAV_SPLINE_WAYPOINT for item in mission.items):
-        message = "the mission: curves between spline waypoints are checked as straight legs"
-        yield Finding(Severity.WARNING, None, message)
     for leg in legs:
         for broken in _broken(leg, scenario):
             item, message = mission.items[leg.seq - 1], f"{NAMES[leg.phase]}: {broken.words()}"
@@ -57,7 +54,7 @@ def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) 
 def _broken(leg: Leg, scenario: Scenario) -> list[Check]:
     """The limits that a leg breaks by more than rounding; straight up or down no angle is too steep."""
     limits = LIMITS[leg.phase] - (ANGLES if np.ptp(leg.points[:, :2], axis=0).max() < ROUNDING["m"] else set())
-    checks = prove(leg.points, scenario).checks
+    checks = prove(leg.points, scenario, leg.stray).checks
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
 
 

@@ -14,6 +14,7 @@ import shapely
 from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.mission.build import build_mission
 from ipoa_mission.mission.items import FLOWN_TO
+from ipoa_mission.mission.prove_route import prove_route
 from ipoa_mission.mission.resample import corridor, deviation, every
 from ipoa_mission.mission.route import Route, push_clear
 from ipoa_mission.planning.proof import prove
@@ -101,7 +102,7 @@ def _judge(route: Route, curve: Spline, scenario: Scenario, best_s: float) -> fl
     flown = fly(route, curve, scenario)
     if flown.seconds > best_s - WORTH_IT or flown.deviation > scenario.route.tolerance:
         return np.inf
-    if not prove(route.points, scenario).holds or not flown.keeps_limits(scenario):
+    if not prove_route(route, scenario).holds or not flown.keeps_limits(scenario):
         return np.inf
     return flown.seconds
 

@@ -1,11 +1,13 @@
-"""The legs that a mission is flown in: the climb after take-off, the straight legs between waypoints, the way home.
+"""The legs that a mission is flown in: the climb after take-off, the legs between waypoints, the way home.
+
+Legs are straight, but to an ArduPilot spline waypoint: that is flown along a curve, which chords stand for.
 
 Points are local (east, north, up); heights above home and AMSL become `up` with the Earth's curvature, heights above
 terrain by the ground that is handed in. Loops are not unrolled: each jump adds the leg that it makes.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TypeAlias
@@ -14,12 +16,15 @@ import numpy as np
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import FLOWN_TO, Command, Frame, Item, Mission, plain_frame
+from ipoa_mission.timing.copter_spline import Place, flies_on_to, spline_chords, spline_tangents
 from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
 
+CHORD = 0.005  # [m] by which a curve may leave its chords
 FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
+SHORTEST_CURVE = 1e-3  # [m] below which the way to a spline waypoint is no curve
 NEARBY = 0.5  # [m] a take-off this near to home is one from home
 
 
@@ -37,7 +42,7 @@ class Leg:
     """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
 
     `alternative`: flown at times only, after a jump or to a rally point. `over_terrain`: it keeps its height over the
-    ground.
+    ground. `stray`: how far the way may be from the lines [m].
     """
 
     seq: int
@@ -45,6 +50,7 @@ class Leg:
     points: Points
     alternative: bool = False
     over_terrain: bool = False
+    stray: float = 0.0
 
 
 def flown_legs(
@@ -58,6 +64,12 @@ def flown_legs(
     return tuple(_Flight(mission, frame, ground, parameters or {}).legs())
 
 
+def join(legs: Sequence[Leg]) -> tuple[Points, float]:
+    """Legs that follow each other as one way: its points, and how far the flight may be from the lines [m]."""
+    points = np.vstack([legs[0].points, *(leg.points[1:] for leg in legs[1:])])
+    return points, max(leg.stray for leg in legs)
+
+
 class _Flight:
     """Where the vehicle is, item after item."""
 
@@ -67,6 +79,8 @@ class _Flight:
         self.ground: Ground = ground or (lambda points: np.full(len(points), self.home[2]))
         self.parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **parameters}
         self.at = self.home
+        self.flown_in: Vector | None = None
+        """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""
 
     def legs(self) -> Iterator[Leg]:
         for seq, item in enumerate(self.mission.items, start=1):
@@ -80,7 +94,7 @@ class _Flight:
                 case Command.DO_JUMP:
                     yield from self._jump(item)
                 case command if command in FLOWN_TO and (target := self._target(item)) is not None:
-                    yield self._to(seq, target, _follows(item))
+                    yield self._onward(seq, item, target)
 
     def _target(self, item: Item) -> Vector | None:
         """Where an item lies, (3,) [m]; None if it names no place or no height."""
@@ -94,6 +108,27 @@ class _Flight:
         if math.isnan(amsl):
             return None
         return self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+
+    def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
+        """The leg to an item, straight or curved; the next one may begin with its direction."""
+        origin, following = self.at, flies_on_to(self.mission.items, seq - 1)
+        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot is Autopilot.ARDUPILOT
+        if is_curve and not _follows(item) and np.linalg.norm(target - origin) > SHORTEST_CURVE:
+            leg, arriving = self._curve(seq, target, following)
+        else:
+            leg, arriving = self._to(seq, target, _follows(item)), target - origin
+        self.flown_in = None if following is None else arriving
+        return leg
+
+    def _curve(self, seq: int, target: Vector, following: int | None) -> tuple[Leg, Vector]:
+        after = None
+        if following is not None and (place := self._target(item := self.mission.items[following])) is not None:
+            after = (_triple(place), item.command == Command.NAV_SPLINE_WAYPOINT)
+        begin = None if self.flown_in is None else _triple(self.flown_in)
+        tangents = spline_tangents(_triple(self.at), _triple(target), begin, after)
+        points = spline_chords(_triple(self.at), _triple(target), tangents, CHORD)
+        self.at = target
+        return Leg(seq, Phase.CRUISE, points, stray=CHORD), np.array(tangents[1])
 
     def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
         points = np.array([self.at, target])
@@ -148,17 +183,22 @@ class _Flight:
     def _jump(self, item: Item) -> Iterator[Leg]:
         if not 1 <= item.params[0] <= len(self.mission.items):
             return
-        here = self.at
+        here, flown_in = self.at, self.flown_in
         for seq, other in enumerate(self.mission.items, start=1):
             if seq >= item.params[0] and other.command in FLOWN_TO and (target := self._target(other)) is not None:
-                yield replace(self._to(seq, target, _follows(other)), alternative=True)
+                yield replace(self._onward(seq, other, target), alternative=True)
                 break
-        self.at = here
+        self.at, self.flown_in = here, flown_in
 
     def _vertical(self, seq: int, phase: Phase, up: float) -> Leg:
         points = np.array([self.at, [self.at[0], self.at[1], up]])
+        self.flown_in = None
         self.at = points[-1]
         return Leg(seq, phase, points)
+
+
+def _triple(point: Vector) -> Place:
+    return float(point[0]), float(point[1]), float(point[2])
 
 
 def _follows(item: Item) -> bool:

@@ -88,9 +88,12 @@ class Proof:
         return self.worst.words()
 
 
-def prove(legs: Points, scenario: Scenario) -> Proof:
-    """What the straight legs between waypoints (n, 3) keep of the scenario's limits, exactly."""
-    return _prove(legs, scenario.airspace, limits_of(scenario), 0.0)
+def prove(legs: Points, scenario: Scenario, stray: float = 0.0) -> Proof:
+    """What the straight legs between waypoints (n, 3) keep of the scenario's limits, exactly.
+
+    With `stray` they stand for a path that is never farther from them [m], and what is found is what it has at least.
+    """
+    return _prove(legs, scenario.airspace, limits_of(scenario), stray)
 
 
 def prove_curve(curve: Spline, scenario: Scenario) -> Proof:

@@ -15,9 +15,9 @@ import numpy as np
 from ipoa_mission.files import write_atomically
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.mission.prove_route import cruise, prove_mission
 from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.proof import prove
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.course import dangers, follow
 from ipoa_mission.report.extent import extent_of
@@ -28,7 +28,7 @@ from ipoa_mission.report.panels.legs import legs
 from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.scene import page_data
-from ipoa_mission.report.stops import Stop, route, stops
+from ipoa_mission.report.stops import Stop, stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.vehicle import Autopilot
@@ -72,8 +72,7 @@ def report_html(
     places = np.array([stop.place for stop in found if stop.place is not None])
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
-    waypoints = route(found)
-    proof = prove(waypoints, scenario) if len(waypoints) > 1 else None
+    proof = prove_mission(mission, scenario) if cruise(mission, scenario) else None
     comparison = None if flight is None else compare_flight(mission, estimate, flight)
     parts = {
         "title": escape(scenario.name),
@@ -104,7 +103,7 @@ def report_html(
 
 
 LEGS_NOTE = (
-    "Heights are above home, times from arming; clearance is the least distance of the straight leg "
+    "Heights are above home, times from arming; clearance is the least distance of the leg "
     "to the ground or an obstacle."
 )
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, polyline_length
 from ipoa_mission.mission.items import Command, Item, Mission, command_name
+from ipoa_mission.mission.prove_route import cruise
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate, ItemTime
@@ -20,8 +21,9 @@ HERE = 0.5  # a leg shorter than this over ground has no heading [m]
 class Stop:
     """One item as it is flown, for the table and the map: `place` is where it lies (None: nowhere), and the leg to it.
 
-    `heading` is in radians clockwise from north (NaN: straight up); `proof` tells what the leg keeps of the limits
-    (None: it is not flown straight between two waypoints).
+    `way` is the leg, with straight lines between its points; `heading` is from its begin to its end, in radians
+    clockwise from north (NaN: straight up); `proof` tells what the leg keeps of the limits (None: it does not lead from
+    one waypoint to another).
     """
 
     item: Item
@@ -29,6 +31,7 @@ class Stop:
     name: str
     place: Vector | None
     above_ground: float
+    way: Points
     length: float
     heading: float
     climb: float
@@ -38,13 +41,16 @@ class Stop:
 def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Stop, ...]:
     """Every item in the order flown, with the leg that leads to it."""
     found, airspace = [], scenario.airspace
+    curves = {leg.seq: leg for leg in cruise(mission, scenario) if leg.stray > 0}
     before, flying = np.zeros(3), False
     for time in estimate.items:
         item = mission.items[time.seq - 1]
         place = item_place(item, mission, scenario)
         leg = (place if place is not None else before) - before
         run = float(np.hypot(*leg[:2]))
-        straight = place is not None and flying and item.command in MOVING
+        curve = curves.get(time.seq)
+        way = curve.points if curve is not None else before + np.array([[0.0], [1.0]]) * leg
+        between = place is not None and flying and item.command in MOVING and np.linalg.norm(leg) > 0
         found.append(
             Stop(
                 item=item,
@@ -52,21 +58,16 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
                 name=_words(item),
                 place=place,
                 above_ground=math.nan if place is None else float(place[2] - airspace.ground(place[None, :])[0]),
-                length=float(np.linalg.norm(leg)),
+                way=way,
+                length=polyline_length(way),
                 heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > HERE else math.nan,
                 climb=float(leg[2]),
-                proof=prove(np.array([before, place]), scenario) if straight and np.linalg.norm(leg) > 0 else None,
+                proof=prove(way, scenario, 0.0 if curve is None else curve.stray) if between else None,
             )
         )
         if place is not None:
             before, flying = place, True
     return tuple(found)
-
-
-def route(found: tuple[Stop, ...]) -> Points:
-    """The waypoints, take-off included, between which the mission flies straight, (n, 3)."""
-    places = [stop.place for stop in found if stop.place is not None and stop.item.command in MOVING]
-    return np.array(places).reshape(-1, 3)
 
 
 def item_place(item: Item, mission: Mission, scenario: Scenario) -> Vector | None:

@@ -18,7 +18,6 @@ from ipoa_mission.timing.body import ARDUPILOT_SIMULATOR, GRAVITY, Body
 from ipoa_mission.timing.copter_legs import (
     NO_LEG,
     Leg,
-    Place,
     Speeds,
     as_numbers,
     at_speeds,
@@ -27,6 +26,7 @@ from ipoa_mission.timing.copter_legs import (
     straight_leg,
 )
 from ipoa_mission.timing.copter_parameters import CopterLimits, copter_limits
+from ipoa_mission.timing.copter_spline import FLOWN_ON_INTO, LAST_NAV, Place, flies_on_to
 from ipoa_mission.timing.copter_vertical import Climb, descend, take_off
 from ipoa_mission.timing.itinerary import Itinerary
 from ipoa_mission.timing.prediction import Prediction, Track
@@ -45,10 +45,7 @@ TAKEOFF_REST = 0.00003
 GAINS = (1.0, 2.0, 1.0, 0.25)  # position P, velocity P, I, D of the horizontal controllers: ArduCopter's defaults
 ERROR_FILTER = 1 / (2 * math.pi * 5.0)  # of the velocity error: 5 Hz by default [s]
 DOUBT, DOUBT_SHARE = 0.5, 0.015  # half the width of the interval: seconds, and share of the time
-LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the copter
 
-#: After a waypoint the copter flies on into these; before everything else it stops.
-FLOWN_ON_INTO = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 #: Of these only the flight to their place is modelled.
 ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT, Command.NAV_PAYLOAD_PLACE})
 TO_A_PLACE = FLOWN_ON_INTO | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
@@ -87,6 +84,7 @@ class _Flight:
 
     def __init__(self, route: Itinerary, limits: CopterLimits, wind: Wind, body: Body, fast: bool | None) -> None:
         self.route, self.limits = route, limits
+        self.items = [visit.item for visit in route.visits]
         steps = stepping("_ardupilot_steps", fast, 0.0)
         plain = steps is _ardupilot_steps
         self.step_leg = steps.fly_leg
@@ -146,15 +144,8 @@ class _Flight:
         return (self.here[0], self.here[1], up) if math.isnan(east) else (east, north, up)
 
     def flies_on(self, n: int) -> int | None:
-        """The visit that the copter flies on to without stopping at n; items that do not move it are no hindrance."""
-        item = self.route.visits[n].item
-        if item.command not in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT) or int(item.params[0]) > 0:
-            return None
-        for later in range(n + 1, len(self.route.visits)):
-            command = self.route.visits[later].item.command
-            if command <= LAST_NAV:
-                return later if command in FLOWN_ON_INTO else None
-        return None
+        """The visit that the copter flies on to without stopping at n."""
+        return flies_on_to(self.items, n)
 
     def fly_to(self, n: int) -> str:
         """Fly to visit n, and do there what it asks for."""

@@ -6,16 +6,13 @@ from dataclasses import dataclass, replace
 
 from ipoa_mission.timing._ardupilot_steps import along_limit, bend
 from ipoa_mission.timing.copter_parameters import CopterLimits
+from ipoa_mission.timing.copter_spline import Place, cubic, minus, spline_tangents
 from ipoa_mission.timing.scurve import Limits, Profile, change, profile
-
-Place = tuple[float, float, float]
 
 STRAIGHT, SPLINE, NOTHING = 0.0, 1.0, -1.0
 NO_LEG = (NOTHING, *[0.0] * 19)
 AT_REST = Profile((), 0.0, 0.0, 0.0, 0.0)
 SPLINE_SHARE = 0.5  # of the acceleration limits that a spline leg uses, along the curve and across it
-NO_TANGENT = (0.0, 0.0, 0.0)
-SHORTEST_TANGENT = 0.01  # a leg before that is shorter gives a spline no direction [m]
 
 
 @dataclass(frozen=True)
@@ -79,18 +76,12 @@ def spline_leg(
     speeds: Speeds,
     copter: CopterLimits,
 ) -> Leg:
-    """A cubic Hermite segment whose tangents are differences of places; an end where the copter stops has none.
-
-    It begins as the leg before ended; it ends along the line from its origin to the place `after` it if that is reached
-    by another spline (the flag), along the next leg if that is straight.
-    """
-    begin = end = NO_TANGENT
-    if previous is not None and previous.length > SHORTEST_TANGENT:
-        begin = previous.tangents[1] if previous.tangents else _minus(previous.target, previous.origin)
-    if after is not None:
-        place, bends_on = after
-        end = _minus(place, origin if bends_on else target)
-    return Leg(origin, target, speeds, copter, tangents=(begin, end))
+    """A curve that begins as the leg before ended and ends towards `after`, as `spline_tangents` has it."""
+    flown_in = None
+    if previous is not None:
+        flown_in = previous.tangents[1] if previous.tangents else minus(previous.target, previous.origin)
+    tangents = spline_tangents(origin, target, flown_in, after)
+    return Leg(origin, target, speeds, copter, tangents=tangents)
 
 
 def joined(this: Leg, following: Leg) -> Leg:
@@ -120,12 +111,14 @@ def as_numbers(leg: Leg) -> Sequence[float]:
     13 speed at the end, 14-18 limits (level, climb, descent; acceleration level, vertical), 20- segments or the cubic.
     """
     length = leg.length
-    unit = [x / length for x in _minus(leg.target, leg.origin)] if length > 1e-9 else [0.0, 0.0, 0.0]
+    unit = [x / length for x in minus(leg.target, leg.origin)] if length > 1e-9 else [0.0, 0.0, 0.0]
     speeds, copter, shape = leg.speeds, leg.copter, leg.shape
     share = SPLINE_SHARE if shape is None else 1.0
     limits = (speeds.level, speeds.climb, speeds.descent, share * copter.accel, share * copter.accel_z, 0.0)
     if shape is None:
-        return [SPLINE, *leg.origin, *unit, length, 0.0, 0.0, 0.0, 0.0, 0.0, leg.leave, *limits, *_cubic(leg)]
+        assert leg.tangents is not None
+        coefficients = cubic(leg.origin, leg.target, leg.tangents)
+        return [SPLINE, *leg.origin, *unit, length, 0.0, 0.0, 0.0, 0.0, 0.0, leg.leave, *limits, *coefficients]
     times = (shape.lasts, shape.falls, shape.risen, float(len(shape.segments)))
     numbers = [STRAIGHT, *leg.origin, *unit, length, *times, 0.0, 0.0, *limits]
     for s in shape.segments:
@@ -136,20 +129,3 @@ def as_numbers(leg: Leg) -> Sequence[float]:
 def _speed_at(leg: Leg, end: float) -> float:
     """The speed at which a leg can be entered (end 0) or left (end 1): the bend's, or a straight leg's peak."""
     return leg.shape.peak if leg.shape is not None else float(bend(as_numbers(leg), end)[7])
-
-
-def _minus(one: Place, other: Place) -> Place:
-    return one[0] - other[0], one[1] - other[1], one[2] - other[2]
-
-
-def _cubic(leg: Leg) -> list[float]:
-    """The four vector coefficients; tangents that are together longer than four chords are scaled down to that."""
-    assert leg.tangents is not None
-    begin, end = leg.tangents
-    size = math.hypot(*begin) + math.hypot(*end)
-    scale = min(1.0, 4 * leg.length / size) if size > 0 else 0.0
-    first, last = [scale * x for x in begin], [scale * x for x in end]
-    ways = list(zip(leg.origin, leg.target, first, last, strict=True))
-    square = [3 * (b - a) - 2 * m - k for a, b, m, k in ways]
-    cube = [2 * (a - b) + m + k for a, b, m, k in ways]
-    return [*leg.origin, *first, *square, *cube]

@@ -11,7 +11,7 @@ from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report.stops import route, stops
+from ipoa_mission.report.stops import MOVING, stops
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
 
@@ -45,7 +45,8 @@ def planned(bowed: Callable[[str], Flight]) -> Callable[[str], tuple[Scenario, P
 
     def plan(name: str) -> tuple[Scenario, Plan, Mission, Estimate]:
         scenario, mission, timed = bowed(name)
-        curve = Spline(route(stops(mission, timed, scenario)))
+        places = [stop.place for stop in stops(mission, timed, scenario) if stop.item.command in MOVING]
+        curve = Spline(np.array(places))
         history = np.array([9e4, 900.0, 500.0, 420.0, 401.5])
         cost, proof = curve_cost(curve, scenario), prove_curve(curve, scenario)
         return scenario, Plan(curve, cost, proof, "ipoa", 7, np.arange(1, 6) * 60, history), mission, timed

@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 
 from ipoa_mission.mission.items import return_to_launch
-from ipoa_mission.planning.proof import prove
+from ipoa_mission.mission.legs import join
+from ipoa_mission.mission.prove_route import cruise, prove_mission
 from ipoa_mission.report.chart import Axis, axis_over
 from ipoa_mission.report.course import dangers, follow
 from ipoa_mission.report.page import report_html, write_report
 from ipoa_mission.report.panels.headline import verdict
 from ipoa_mission.report.panels.profile import _near
-from ipoa_mission.report.stops import route, stops
+from ipoa_mission.report.stops import stops
 from ipoa_mission.report.words import metres, number, seconds, share
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import estimate
@@ -127,7 +128,7 @@ def test_the_script_is_given_the_world_as_it_is(bowed: Callable[[str], tuple]) -
 def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Callable[[str], tuple]) -> None:
     scenario, mission, timed = bowed("downtown.toml")
     found = stops(mission, timed, scenario)
-    least = scenario.airspace.polyline_clearance(route(found))
+    least = scenario.airspace.polyline_clearance(join(cruise(mission, scenario))[0])
     assert least.distance < 0  # an arc through a city does not miss its towers
     page = report_html(scenario, None, mission, timed)
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
@@ -138,7 +139,7 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Callabl
 
 def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Callable[[str], tuple]) -> None:
     scenario, mission, timed = bowed("campus.toml")
-    least = scenario.airspace.polyline_clearance(route(stops(mission, timed, scenario)))
+    least = scenario.airspace.polyline_clearance(join(cruise(mission, scenario))[0])
     page = report_html(scenario, None, mission, timed)
     assert f'class="verdict good"><b aria-hidden="true">✓</b> Clear by {least.distance:.2f}' in page
     assert "nearest thing is teaching block A; 2.60" in page
@@ -169,8 +170,7 @@ def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Callable[[str], tuple
 
 def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Callable[[str], tuple]) -> None:
     scenario, mission, timed = bowed("campus.toml")
-    found = stops(mission, timed, scenario)
-    proof = prove(route(found), scenario)
+    proof = prove_mission(mission, scenario)
     course = follow(timed.track, scenario.airspace)
     text = scenario.model_dump(mode="json")
     beside = scenario.airspace.obstacle_distance(course.points).min()

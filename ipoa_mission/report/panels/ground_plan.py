@@ -29,7 +29,7 @@ def ground_plan(scenario: Scenario, extent: Extent, found: Sequence[Stop], cours
     layers = [
         _relief(*ground_mesh_over(airspace, extent.lower, extent.upper, 120)),
         *(_footprint(body, highest) for body in sorted(bodies, key=lambda b: float(b.bounds[1, 2]))),
-        _line(np.array([stop.place for stop in found if stop.place is not None]), "legs"),
+        _line(np.vstack([stop.way for stop in found if stop.place is not None]), "legs"),
         _line(course.points, "planned"),
     ]
     if flown is not None:

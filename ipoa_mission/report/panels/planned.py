@@ -26,12 +26,12 @@ LIMIT_NAMES = {
 
 
 def limits_table(proof: Proof) -> str:
-    """Every limit with what the straight legs between waypoints have of it, and where that is."""
+    """Every limit with what the legs between waypoints have of it, and where that is."""
     rows = "".join(_limit(check) for check in proof.checks)
     places = "".join(f"<th>{axis}<small>m</small></th>" for axis in ("east", "north", "up"))
     head = f'<tr><th></th><th>found</th><th>required</th><th class="words">nearest</th>{places}</tr>'
     return (
-        '<section><h2>Limits, proved</h2><p class="note">The least that the straight legs between waypoints have, '
+        '<section><h2>Limits, proved</h2><p class="note">The least that the legs between waypoints have, '
         'exactly, and where.</p><div class="scroll" tabindex="0">'
         f"<table><thead>{head}</thead><tbody>{rows}</tbody></table></div></section>"
     )

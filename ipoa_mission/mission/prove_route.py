@@ -1,0 +1,33 @@
+"""What a route keeps of the scenario's limits as it will be flown: in straight legs, or along its spline's curves."""
+
+from ipoa_mission.mission.build import build_mission
+from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.mission.legs import Leg, Phase, flown_legs, join
+from ipoa_mission.mission.route import Route
+from ipoa_mission.planning.proof import Proof, prove
+from ipoa_mission.scenario import Scenario
+
+
+def prove_route(route: Route, scenario: Scenario) -> Proof:
+    """The proof from the first waypoint to the last."""
+    if not route.spline:
+        return prove(route.points, scenario)
+    mission = build_mission(route, scenario)
+    points, stray = join([leg for leg in cruise(mission, scenario) if _is_spline(leg, mission)])
+    return prove(points, scenario, stray)
+
+
+def prove_mission(mission: Mission, scenario: Scenario) -> Proof:
+    """The proof from the end of the take-off to the last waypoint."""
+    points, stray = join(cruise(mission, scenario))
+    return prove(points, scenario, stray)
+
+
+def cruise(mission: Mission, scenario: Scenario) -> list[Leg]:
+    """The legs between waypoints that are flown in any case."""
+    legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
+    return [leg for leg in legs if leg.phase is Phase.CRUISE and not leg.alternative]
+
+
+def _is_spline(leg: Leg, mission: Mission) -> bool:
+    return mission.items[leg.seq - 1].command == Command.NAV_SPLINE_WAYPOINT
