@@ -3,7 +3,7 @@
 import numpy as np
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import (
     FenceCircle,
     FencePolygon,
@@ -16,8 +16,9 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.mission.route import Route
+from ipoa_mission.mission.route import NoRoute, Route
 from ipoa_mission.mission.way_home import raise_way_home
+from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -33,6 +34,7 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
 
     Raises:
         BadInput: the start lies too low over home for a take-off to end there.
+        NoRoute: the straight way from over home to the start is not clear.
     """
     frame, home = scenario.frame, scenario.frame.home
     first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
@@ -41,6 +43,8 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
             f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         )
     over_home = bool(np.hypot(*route.points[0, :2]) < 0.5)
+    if not over_home:
+        _prove_departure(route.points[0], scenario)
     fly_to = spline_waypoint if route.spline else waypoint
     items: list[Item] = [
         takeoff(first[0] if over_home else home, first[1]),
@@ -58,6 +62,15 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
         rally=_rally(scenario),
     )
     return raise_way_home(mission, scenario)
+
+
+def _prove_departure(start: Vector, scenario: Scenario) -> None:
+    proof = prove(np.array([[0.0, 0.0, start[2]], start]), scenario)
+    if not proof.holds:
+        raise NoRoute(
+            f"start: the straight way to it from over home: {proof.words()}",
+            hint="begin over home and name this place under via: then the way to it is planned too",
+        )
 
 
 def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:

@@ -1,4 +1,4 @@
-"""A mission sees to a clear way home, whatever return altitude the vehicle has."""
+"""A mission sees to a clear way from home and back, whatever return altitude the vehicle has."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from ipoa_mission.mission.build import build_mission
 from ipoa_mission.mission.check import check_mission
 from ipoa_mission.mission.items import Command, Mission
 from ipoa_mission.mission.legs import Phase, flown_legs
-from ipoa_mission.mission.route import Route
+from ipoa_mission.mission.route import NoRoute, Route
 from ipoa_mission.mission.way_home import told
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.vehicle import Autopilot
@@ -91,3 +91,11 @@ def test_a_mission_that_lands_at_its_goal_does_not_climb() -> None:
     flown = mission(world(Autopilot.ARDUPILOT, 40.0, ending="land"))
     assert flown.items[-1].command == Command.NAV_LAND
     assert flown.items[-2].altitude == pytest.approx(20.0, abs=0.01)
+
+
+def test_a_start_behind_something_is_refused_with_what_helps() -> None:
+    scenario = world(Autopilot.PX4, 40.0)
+    with pytest.raises(NoRoute, match=r"^start: the straight way to it from over home: 10.00 m inside hall") as refused:
+        build_mission(Route(np.array([(70.0, 0.0, 20.0), (100.0, 0.0, 20.0)])), scenario)
+    assert refused.value.hint is not None
+    assert "via" in refused.value.hint
