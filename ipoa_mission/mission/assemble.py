@@ -64,17 +64,27 @@ def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
 
 
 def _even(plan: Plan, scenario: Scenario) -> Route:
-    return _narrowed(lambda spacing: Route(every(plan.curve, spacing)), scenario.route.spacing, scenario)
+    def choose(spacing: float) -> Route:
+        return Route(every(plan.curve, spacing, scenario.via_points))
+
+    return _narrowed(choose, scenario.route.spacing, scenario)
 
 
 def _corridor(plan: Plan, scenario: Scenario) -> Route:
-    return _narrowed(lambda tolerance: Route(corridor(plan.curve, tolerance)), scenario.route.tolerance, scenario)
+    def choose(tolerance: float) -> Route:
+        return Route(corridor(plan.curve, tolerance, via=scenario.via_points))
+
+    return _narrowed(choose, scenario.route.tolerance, scenario)
 
 
 def _spline(plan: Plan, scenario: Scenario) -> Route:
     if scenario.vehicle.autopilot is not Autopilot.ARDUPILOT:
         raise BadInput("route.mode: expected even, corridor or fastest: only ArduPilot flies spline waypoints")
-    return _narrowed(lambda spacing: Route(every(plan.curve, spacing), spline=True), scenario.route.spacing, scenario)
+
+    def choose(spacing: float) -> Route:
+        return Route(every(plan.curve, spacing, scenario.via_points), spline=True)
+
+    return _narrowed(choose, scenario.route.spacing, scenario)
 
 
 def _narrowed(choose: Callable[[float], Route], width: float, scenario: Scenario) -> Route:

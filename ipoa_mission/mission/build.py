@@ -36,6 +36,16 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
         BadInput: the start lies too low over home for a take-off to end there.
         NoRoute: the straight way from over home to the start is not clear.
     """
+    _prove_departure(route.points[0], scenario)
+    return raise_way_home(draft_mission(route, scenario), scenario)
+
+
+def draft_mission(route: Route, scenario: Scenario) -> Mission:
+    """The same, but nobody looked yet at the ways from home to the start and back.
+
+    Raises:
+        BadInput: the start lies too low over home for a take-off to end there.
+    """
     frame, home = scenario.frame, scenario.frame.home
     first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
     if first[1] < LEAST_TAKEOFF_HEIGHT:
@@ -43,8 +53,6 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
             f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         )
     over_home = bool(np.hypot(*route.points[0, :2]) < 0.5)
-    if not over_home:
-        _prove_departure(route.points[0], scenario)
     fly_to = spline_waypoint if route.spline else waypoint
     items: list[Item] = [
         takeoff(first[0] if over_home else home, first[1]),
@@ -53,7 +61,7 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
         *(fly_to(place, height) for place, height in others),
         return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]),
     ]
-    mission = Mission(
+    return Mission(
         home=home,
         items=tuple(items),
         autopilot=scenario.vehicle.autopilot,
@@ -61,7 +69,6 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
         fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
         rally=_rally(scenario),
     )
-    return raise_way_home(mission, scenario)
 
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:

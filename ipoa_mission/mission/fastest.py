@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.geometry import Points, leg_lengths
-from ipoa_mission.mission.build import build_mission
+from ipoa_mission.mission.build import draft_mission
 from ipoa_mission.mission.items import FLOWN_TO
 from ipoa_mission.mission.prove_route import prove_route
 from ipoa_mission.mission.resample import corridor, deviation, every
@@ -29,6 +29,7 @@ SPLINE_SPACINGS = (60.0, 40.0, 25.0, 18.0, 12.0)  # [m]
 TRIALS = 80  # of leaving a waypoint out or moving it
 STEPS = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
 WORTH_IT = 0.02  # a change must save so much [s]
+VISITED = 0.5  # a waypoint so near stands for a via point [m]
 STRAY = 0.02  # how far the thinned path may be from the predicted one [m]
 
 
@@ -64,7 +65,7 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Route) -> Route:
 
 def fly(route: Route, curve: Spline, scenario: Scenario) -> Flown:
     """A route as the time model flies it, from over the start to the last waypoint."""
-    mission = build_mission(route, scenario)
+    mission = draft_mission(route, scenario)
     flown = estimate(mission, scenario.vehicle.autopilot_parameters(), fast=True)
     done = [item.done_s for item in flown.items if item.command in FLOWN_TO]
     begin, end = done[0], done[len(route.points) - 1 if _starts_over_home(route) else len(route.points)]
@@ -89,14 +90,14 @@ def _candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     if scenario.vehicle.autopilot is Autopilot.ARDUPILOT:
         for spacing in SPLINE_SPACINGS:
             if spacing < curve.length / 2:
-                yield Route(every(curve, spacing), spline=True)
+                yield Route(every(curve, spacing, scenario.via_points), spline=True)
     for share in SHARES:
         aside = ASIDE * share * tolerance
-        yield Route(corridor(curve, share * tolerance, (-aside, 0.0, aside)))
+        yield Route(corridor(curve, share * tolerance, (-aside, 0.0, aside), scenario.via_points))
 
 
 def _judge(route: Route, curve: Spline, scenario: Scenario, best_s: float) -> float:
-    """The time of a route [s]; infinite if it is no quicker than the best, strays, or breaks a limit."""
+    """The time of a route [s]; infinite if it is no quicker than the best, strays, misses a limit."""
     if leg_lengths(route.points).min() < 0.1:
         return np.inf
     flown = fly(route, curve, scenario)
@@ -114,7 +115,7 @@ def _improve(route: Route, seconds: float, curve: Spline, scenario: Scenario) ->
         gained = True
         while gained and trials > 0:
             gained = False
-            for changed in _changes(route.points, step * scenario.route.tolerance):
+            for changed in _changes(route.points, step * scenario.route.tolerance, scenario.via_points):
                 trials -= 1
                 candidate = replace(route, points=changed)
                 quicker = _judge(candidate, curve, scenario, seconds)
@@ -126,11 +127,12 @@ def _improve(route: Route, seconds: float, curve: Spline, scenario: Scenario) ->
     return route
 
 
-def _changes(points: Points, step: float) -> Iterator[Points]:
-    """The waypoints with one left out, or one moved aside, along or up and down by `step` [m]."""
-    for i in range(1, len(points) - 1):
+def _changes(points: Points, step: float, via: Points) -> Iterator[Points]:
+    """The waypoints with one left out, or one moved aside or along by `step` [m]; those at via points stay."""
+    free = [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]
+    for i in free:
         yield np.delete(points, i, axis=0)
-    for i in range(1, len(points) - 1):
+    for i in free:
         ahead = points[i + 1, :2] - points[i - 1, :2]
         ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
         for move in ((-ahead[1], ahead[0], 0.0), (ahead[1], -ahead[0], 0.0), (*ahead, 0.0), (*-ahead, 0.0)):

@@ -1,7 +1,7 @@
 """Where on (or beside) a curve its waypoints lie: pure geometry, in metres.
 
 The vehicle flies straight legs between waypoints. `every` takes equal steps, as the paper's reader would expect;
-`corridor` takes the fewest waypoints whose legs stay near the curve.
+`corridor` takes the fewest waypoints whose legs stay near the curve. Both have one at every via point.
 """
 
 import math
@@ -17,24 +17,30 @@ from ipoa_mission.planning.spline import Spline
 SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
 STEP = 0.5  # at which a path is held against a curve [m]
 ON_THE_CURVE = (0.0,)
+NOWHERE = np.zeros((0, 3))
 
 
-def every(curve: Spline, spacing: float) -> Points:
-    """Waypoints along the curve, equally far apart and at most `spacing` [m] of arc, (k, 3): the paper's resampling."""
-    return curve.sample(max(2, math.ceil(curve.length / spacing) + 1))
+def every(curve: Spline, spacing: float, via: Points = NOWHERE) -> Points:
+    """Waypoints along the curve, equally far apart and at most `spacing` [m] of arc, (k, 3): the paper's resampling.
+
+    The nearest to each via point (m, 3) stand on it.
+    """
+    return _through(curve.sample(max(2 + len(via), math.ceil(curve.length / spacing) + 1)), via)[0]
 
 
-def corridor(curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE_CURVE) -> Points:
-    """The fewest waypoints whose straight legs stay within `tolerance` [m] of the curve, (k, 3).
+def corridor(
+    curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE_CURVE, via: Points = NOWHERE
+) -> Points:
+    """The fewest waypoints whose straight legs stay within `tolerance` [m] of the curve, (k, 3), via points among them.
 
-    Inner waypoints lie beside the curve by one of `asides` [m, to the left]: outside a bend they save more. A shortest
-    path over all pairs that a straight leg may join (Imai and Iri 1986); among routes of equal number the one with the
-    least sum of squared deviations is taken.
+    Other inner waypoints lie beside the curve by one of `asides` [m, to the left]: outside a bend they save more. A
+    shortest path over all pairs that a straight leg may join (Imai and Iri 1986); among routes of equal number the one
+    with the least sum of squared deviations is taken.
     """
     count = np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, SAMPLES // len(asides))
-    samples = curve.sample(int(count))
+    samples, stops = _through(curve.sample(int(count)), via)
     spots = samples[:, None, :] + np.asarray(asides)[:, None] * _lefts(samples)[:, None, :]  # (n, sides, 3)
-    spots[[0, -1]] = samples[[0, -1], None, :]
+    spots[[0, *stops, -1]] = samples[[0, *stops, -1], None, :]
     n, sides = spots.shape[:2]
     legs, strain = np.full((n, sides), n + 1), np.full((n, sides), np.inf)
     before = np.zeros((n, sides, 2), int)
@@ -44,6 +50,7 @@ def corridor(curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE
             deviation = _reachable(spots[i, side], samples[i:], spots[i:], tolerance)
             reached = np.zeros((n, sides), bool)
             reached[i + 1 : i + 1 + len(deviation)] = deviation <= tolerance
+            reached[min((stop for stop in stops if stop > i), default=n) + 1 :] = False
             worn = np.full((n, sides), np.inf)
             worn[i + 1 : i + 1 + len(deviation)] = strain[i, side] + deviation**2
             fewer = (legs[i, side] + 1 < legs) | ((legs[i, side] + 1 == legs) & (worn < strain))
@@ -56,14 +63,34 @@ def corridor(curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE
 
 
 def deviation(path: Points, curve: Spline) -> float:
-    """The greatest distance of a path of straight legs (n, 3) from a curve [m], to a centimetre or two."""
+    """How far a path of straight legs (n, 3) and a curve are apart [m], to a few centimetres.
+
+    The greatest distance of either from the other (Hausdorff): a path that leaves a loop out is as far as the loop is
+    wide.
+    """
+    steps = _steps(path)
+    samples = _fine(curve)
+    spacing = curve.length / (len(samples) - 1)
+    away = max(float(cKDTree(one).query(other)[0].max()) for one, other in ((samples, steps), (steps, samples)))
+    return math.sqrt(max(away**2 - spacing**2 / 4, 0.0))
+
+
+def _through(samples: Points, via: Points) -> tuple[Points, list[int]]:
+    """The samples of a curve with the nearest to each via point, in their order, put on it; and which these are."""
+    stops: list[int] = []
+    for place, left in zip(via, range(len(via), 0, -1), strict=True):
+        first = stops[-1] + 1 if stops else 1
+        away = np.linalg.norm(samples[first : len(samples) - left] - place, axis=1)
+        stops.append(first + int(np.argmin(away)))
+    samples[stops] = via
+    return samples, stops
+
+
+def _steps(path: Points) -> Points:
+    """The corners of a path and points between them, half a metre apart at most."""
     travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
     stops = np.union1d(travelled, np.linspace(0.0, travelled[-1], math.ceil(travelled[-1] / STEP) + 1))
-    steps = np.column_stack([np.interp(stops, travelled, axis) for axis in path.T])
-    samples = _fine(curve)
-    distance, _ = cKDTree(samples).query(steps)
-    spacing = curve.length / (len(samples) - 1)
-    return math.sqrt(max(float(distance.max()) ** 2 - spacing**2 / 4, 0.0))
+    return np.column_stack([np.interp(stops, travelled, axis) for axis in path.T])
 
 
 @lru_cache(maxsize=8)

@@ -120,7 +120,7 @@ class Scenario(Section):
     goal: Place
     """Where the planned path ends."""
     via: tuple[Place, ...] = ()
-    """Places to pass on the way, in this order."""
+    """Places to pass on the way, in this order: each is a waypoint of the mission."""
     bounds: BoundsSection = BoundsSection()
     """The box in which the flight must stay."""
     terrain: TerrainSection = FlatTerrain()

@@ -11,6 +11,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Command
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.scenario import Scenario, parse_scenario
@@ -91,3 +92,24 @@ def test_the_flown_path_keeps_clear_of_a_tower_inside_a_bend() -> None:
     assert fly(route, curve, scenario).keeps_limits(scenario)
     assert prove(route.points, scenario).clearance.what == "tower"
     assert prove(route.points, scenario).holds
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
+    """Out 60 m and back to 3 m beside the start: all of the short cut lies within the tolerance of the curve."""
+    text = f"""
+    home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
+    start = {{ east = 0.0, north = 0.0, up = 20.0 }}
+    via = [{{ east = 60.0, north = 0.0, up = 20.0 }}]
+    goal = {{ east = 0.0, north = 3.0, up = 20.0 }}
+    vehicle = {{ autopilot = "{autopilot}" }}
+    """
+    scenario = parse_scenario(text, Path("spur.toml"))
+    plan = plan_path(scenario)
+    options = weigh_routes(plan, scenario)
+    for option in options:
+        assert np.linalg.norm(option.route.points - (60.0, 0.0, 20.0), axis=1).min() < 0.1
+        path = fly(option.route, plan.curve, scenario).path
+        assert np.linalg.norm(path - (60.0, 0.0, 20.0), axis=1).min() < 3.0
+    (fastest,) = (option for option in options if option.mode == "fastest")
+    assert fastest.seconds == options[0].seconds
