@@ -6,6 +6,7 @@ RTL_RETURN_ALT are least heights), so a mission can see to a clear way home what
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import takewhile
 
 from ipoa_mission.mission.items import Command, Mission, waypoint
 from ipoa_mission.mission.legs import Leg, Phase, flown_legs
@@ -51,17 +52,17 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
 def remedy(mission: Mission, scenario: Scenario) -> str:
     """What a user can do about a way home that leads through something, in one line.
 
-    It names the lowest of every five metres of return altitude at which the way home keeps the required clearance, if
-    one does: near home an autopilot does not climb to it.
+    It names the lowest of every five metres of return altitude within the bounds at which the way home keeps the
+    required clearance, if one does: near home an autopilot does not climb to it.
     """
-    landing = 'route.ending = "land" lands at the goal instead'
+    others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     name, unit = PARAMETER[mission.autopilot]
     known = scenario.vehicle.autopilot_parameters()
-    for altitude in _heights(0.0):
+    for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0)):
         value = altitude / unit
         if _is_clear(_ways_home(mission, scenario, {**known, name: value}), scenario):
-            return f"{name} = {value:.0f} makes it clear: in the vehicle, and under [vehicle.parameters]; {landing}"
-    return landing
+            return f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
+    return others
 
 
 def told(mission: Mission) -> Iterator[str]:

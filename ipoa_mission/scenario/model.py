@@ -140,7 +140,7 @@ class Scenario(Section):
     maps: tuple[MapSection, ...] = ()
     """Files with buildings, no-fly zones or the flight area."""
     fence: tuple[FenceSection, ...] = ()
-    """Geofence that goes into the mission."""
+    """Geofence that the path keeps and that goes into the mission."""
     rally: tuple[Place, ...] = ()
     """Rally points that go into the mission."""
 

@@ -15,6 +15,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import Zone, join_zones
 from ipoa_mission.maps.buildings import Standing, raise_buildings
 from ipoa_mission.maps.planar import rings_of
+from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.world.airspace import Airspace, Bounds
@@ -59,13 +60,16 @@ def survey(scenario: "Scenario") -> Surroundings:
         MissionError: a library that reads a map is not installed.
     """
     maps = _read_maps(scenario)
-    lower, upper, near = _horizontal_bounds(scenario, maps)
+    allowed = allowed_area(scenario.fence, scenario.frame)
+    lower, upper, near = _horizontal_bounds(scenario, maps, allowed)
     terrain, said = _terrain(scenario, lower, upper)
     drawn = _drawn(scenario, terrain)
     raised = raise_buildings(near, terrain.height)
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
-    zones = _no_fly_prisms(maps, (lower, upper), up)
-    footprint = Polygon(*rings_of(maps.area)) if maps.area is not None else None
+    below, above = min(up[0], 0.0) - BEYOND, up[1] + BEYOND
+    zones = (*_no_fly_prisms(maps, (lower, upper), up), *forbidden(scenario.fence, scenario.frame, below, above))
+    areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
+    footprint = Polygon(*rings_of(_one(areas))) if areas else None
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
     left_out = len(maps.standing) - len(near)
     if left_out:
@@ -93,10 +97,15 @@ def _read_maps(scenario: "Scenario") -> _Maps:
                 fenced |= section.geofence
             _expect_home_allowed(section, zones)
         remarks += [f"{section.file.name}: {remark}" for remark in said]
-    area = shapely.intersection_all(areas) if areas else None
-    if area is not None and (area.geom_type != "Polygon" or area.is_empty):
-        raise BadInput("maps: expected flight areas that have one area in common")
+    area = _one(areas) if areas else None
     return _Maps(tuple(standing), tuple(no_fly), area, fenced, tuple(remarks))
+
+
+def _one(areas: list[Any]) -> Any:
+    common = shapely.intersection_all(areas)
+    if common.geom_type != "Polygon" or common.is_empty:
+        raise BadInput("maps: expected flight areas, and fences, that have one area in common")
+    return common
 
 
 def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, ...]) -> None:
@@ -112,7 +121,7 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, .
 
 
 def _horizontal_bounds(
-    scenario: "Scenario", maps: _Maps
+    scenario: "Scenario", maps: _Maps, allowed: Any | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[Standing, ...]]:
     """Lower and upper corner (2,) of the bounds, and what stands near enough to them to matter."""
     places = (scenario.start, scenario.goal, *scenario.via)
@@ -132,6 +141,9 @@ def _horizontal_bounds(
     for axis, side in enumerate((scenario.bounds.east, scenario.bounds.north)):
         if side is not None:
             least[axis], most[axis] = side
+    if allowed is not None:
+        west, south, east, north = shapely.bounds(allowed)
+        least, most = np.maximum(least, (west, south)), np.minimum(most, (east, north))
     matters = _meets(boxes, (least, most), BEYOND)
     return least, most, tuple(s for s, counts in zip(maps.standing, matters, strict=True) if counts)
 

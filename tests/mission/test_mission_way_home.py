@@ -84,7 +84,7 @@ def test_it_does_not_climb_beyond_the_bounds_and_the_check_says_what_helps() -> 
     (found,) = check_mission(flown, scenario)
     assert "the way home: 10.00 m inside hall" in found.message
     assert found.hint is not None
-    assert found.hint.startswith("RTL_ALT = 4500 makes it clear")
+    assert found.hint.startswith("plan the way home too")
 
 
 def test_a_mission_that_lands_at_its_goal_does_not_climb() -> None:

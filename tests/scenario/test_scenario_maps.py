@@ -112,6 +112,36 @@ def test_fences_drawn_by_hand_come_first(read: Read) -> None:
     assert [fence.radius for fence in scenario.geofence] == [400, None]
 
 
+def test_the_path_keeps_a_fence_that_was_drawn_by_hand(read: Read) -> None:
+    """Inside what a box and a circle of 60 m have in common, and out of a circle of 10 m, at any height."""
+    fence = """
+    fence = [
+      { polygon = [[-30, -40], [200, -40], [200, 40], [-30, 40]] },
+      { center = { east = 20, north = 0 }, radius = 60 },
+      { center = { east = 40, north = 0 }, radius = 10, inclusion = false },
+    ]
+    """
+    airspace = read("kind = 'buildings'", box(40, 25, 60, 30), flight=FLIGHT + fence, building="yes").airspace
+    spots = np.array([(-29, 0, 10), (-31, 0, 10), (79, 0, 10), (81, 0, 10), (0, 39, 10), (0, 41, 10)], float)
+    assert (airspace.bounds.margin(spots) > 0).tolist() == [True, False] * 3
+    (out,) = [obstacle for obstacle in airspace.obstacles if obstacle.name == "fence[2]"]
+    heights = np.linspace(airspace.bounds.lower[2], airspace.bounds.upper[2], 5)
+    np.testing.assert_allclose(out.distance(np.array([(40, 25, height) for height in heights])), 15.0)
+
+
+def test_a_fence_that_leaves_home_out_is_refused(read: Read) -> None:
+    house = ("kind = 'buildings'", box(40, 25, 60, 30))
+    outside = "fence = [{ center = { east = 100, north = 0 }, radius = 60 }]"
+    with pytest.raises(BadInput, match=r"^fence: expected home inside of it, not 40\.\d m outside$"):
+        _ = read(*house, flight=FLIGHT + outside, building="yes").airspace
+    inside = "fence = [{ center = { east = 10, north = 0 }, radius = 60, inclusion = false }]"
+    with pytest.raises(BadInput, match=r"^fence\[0\]: expected home outside of an exclusion$"):
+        _ = read(*house, flight=FLIGHT + inside, building="yes").airspace
+    crossed = "fence = [{ polygon = [[-10, -10], [10, 10], [10, -10], [-10, 10]] }]"
+    with pytest.raises(BadInput, match=r"^fence\[0\]: expected a polygon with an inside, not with a self-int"):
+        _ = read(*house, flight=FLIGHT + crossed, building="yes").airspace
+
+
 def test_home_outside_the_flight_area_is_refused(read: Read) -> None:
     with pytest.raises(BadInput, match=r"x\.geojson: expected home inside the flight area, not 25\.0 m outside of it"):
         _ = read("kind = 'flight_area'", box(25, -30, 150, 60)).airspace

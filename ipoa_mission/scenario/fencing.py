@@ -1,0 +1,71 @@
+"""A fence drawn by hand, as the planned path keeps it: inside of inclusions, away from exclusions."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
+
+HOME = shapely.Point(0.0, 0.0)
+SEGMENTS = 16  # of a quarter of an inclusion circle, which the path sees from the inside
+
+
+def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
+    """What all inclusions have in common, a polygon in the local plane; None without any.
+
+    PX4 joins inclusions and ArduPilot crosses them: inside of all is inside for both.
+
+    Raises:
+        BadInput: a polygon crosses itself, or home is outside, or inclusions have no area in common, or several.
+    """
+    shapes = [_shape(fence, frame, f"fence[{i}]") for i, fence in enumerate(fences) if fence.inclusion]
+    if not shapes:
+        return None
+    common = shapely.intersection_all(shapes)
+    if common.geom_type != "Polygon" or common.is_empty:
+        raise BadInput("fence: expected inclusions that have one area in common")
+    if (distance := common.distance(HOME)) > 0:
+        raise BadInput(f"fence: expected home inside of it, not {distance:.1f} m outside")
+    return common
+
+
+def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, top: float) -> tuple[Obstacle, ...]:
+    """The exclusions as obstacles between two heights.
+
+    Raises:
+        BadInput: a polygon crosses itself, or home is in one.
+    """
+    obstacles: list[Obstacle] = []
+    for i, fence in enumerate(fences):
+        if fence.inclusion:
+            continue
+        name = f"fence[{i}]"
+        shape = _shape(fence, frame, name)
+        if shape.contains(HOME):
+            raise BadInput(f"{name}: expected home outside of an exclusion")
+        if fence.center is not None and fence.radius is not None:
+            obstacles.append(Cylinder(name, *fence.center.east_north(frame), fence.radius, base, top))
+        else:
+            corners = shapely.get_coordinates(shape.exterior)[:-1]
+            obstacles.append(Prism(name, tuple((float(x), float(y)) for x, y in corners), (), base, top))
+    return tuple(obstacles)
+
+
+def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
+    if fence.center is not None and fence.radius is not None:
+        return shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=SEGMENTS)
+    corners = np.array(fence.polygon or fence.polygon_geodetic)
+    if fence.polygon_geodetic is not None:
+        latitude, longitude = corners.T
+        corners = frame.to_local(latitude, longitude, np.full(len(corners), frame.home.altitude))[:, :2]
+    shape = shapely.Polygon(corners)
+    if not shape.is_valid or math.isclose(shape.area, 0.0):
+        reason = shapely.is_valid_reason(shape).split("[")[0].lower()
+        raise BadInput(f"{name}: expected a polygon with an inside, not with a {reason}")
+    return shape
