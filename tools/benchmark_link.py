@@ -1,17 +1,20 @@
 """Upload one mission over bad radios with our client, MAVSDK and MAVProxy, side by side, to the built-in autopilot.
 
-    python tools/benchmark_link.py                        all cells, 50 uploads each; takes an hour on two cores
-    python tools/benchmark_link.py --runs 5 --loss 0 30   less of it
+    python tools/benchmark_link.py                        what the rows of docs/link/uploads.csv still lack
+    python tools/benchmark_link.py --table                the tables of docs/link.md, from those rows
+    python tools/benchmark_link.py --runs 5 --loss 0 30 --rows new.csv
 
-Each upload has an autopilot, a UDP socket and a radio of its own, in real time; several run at once, for they mostly
-wait. A run is exact when the client says "done" within its time limit AND the autopilot holds every item to the last
-1e-7 degree; those that are off by one such unit are counted in brackets; anything else that was called done is false.
-Times are from the order to upload until the client has the final MISSION_ACK; ours is given a second time with reading
-back and comparing, which the others leave out. Bytes are those of mission messages, both ways, until the vehicle's
-first MISSION_ACK. Every client has a process of its own; connecting is not counted.
+Each upload has an autopilot, a UDP socket and a radio of its own, in real time. Several run at once, for they mostly
+wait; those over a perfect link run alone. A run is exact when the client says "done" within its time limit AND the
+autopilot holds every item to the last 1e-7 degree; those that are off by one such unit are "near"; anything else that
+was called done is false. Times are from the order to upload until the client has the final MISSION_ACK; ours is given
+a second time with reading back and comparing, which the others leave out. Bytes are those of mission messages, both
+ways, until the vehicle's first MISSION_ACK. Every client has a process of its own; connecting is not counted. Rows are
+written as they come, and a rerun goes on where the last one stopped.
 """
 
 import argparse
+import csv
 import importlib.util
 import itertools
 import json
@@ -24,17 +27,18 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
+from functools import partial
 from pathlib import Path
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import mavsdk_backend
+from ipoa_mission.link import vehicle as vehicle_module
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import Peer, UdpChannel
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.link.vehicle import connect
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
@@ -47,19 +51,45 @@ from ipoa_mission.world.frame import Geodetic
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION_MESSAGES = frozenset({39, 40, 43, 44, 47, 51, 73, 110})
 CLIENTS = ("ours", "by-file", "mavsdk", "mavproxy")
+ROWS = Path(__file__).parents[1] / "docs" / "link" / "uploads.csv"
+ITEMS = 20
 LIMIT_S = 240.0
 
 
 @dataclass(frozen=True)
-class Run:
-    """One upload: what the client said, what the autopilot holds, and what it took."""
+class Cell:
+    """One client with one autopilot over one radio."""
 
+    autopilot: Autopilot
+    delay_ms: float  # one way
+    loss_percent: float  # each way
+    client: str
+
+
+@dataclass(frozen=True)
+class Run:
+    """One upload: what the client said, what the autopilot holds, and what it took. A row of the file."""
+
+    autopilot: str
+    delay_ms: float
+    loss_percent: float
+    client: str
+    seed: int
     said: bool
     exact: bool
     near: bool  # exact but for one unit of 1e-7 degree
     seconds: float
     verified_s: float | None
     bytes: int
+
+    @property
+    def cell(self) -> Cell:
+        """Which cell of the table it belongs to."""
+        return Cell(Autopilot(self.autopilot), self.delay_ms, self.loss_percent, self.client)
+
+
+class NotConnected(Exception):
+    """The client did not get as far as an upload."""
 
 
 class CountingChannel(UdpChannel):
@@ -119,7 +149,9 @@ def in_process(client: str, port: int, sent: Mission) -> tuple[bool, float, floa
     except subprocess.TimeoutExpired:
         return False, LIMIT_S, None
     line = next((line for line in done.stderr.splitlines() if line.startswith("RESULT ")), None)
-    said, seconds, verified_s = json.loads(line[7:]) if line else (False, LIMIT_S, None)
+    if line is None:
+        raise NotConnected(done.stderr[-500:])
+    said, seconds, verified_s = json.loads(line[7:])
     return said, seconds, verified_s
 
 
@@ -131,7 +163,8 @@ def ours(port: str, sent: Mission, fast: bool = False) -> tuple[bool, float, flo
         if done == total and not acknowledged:
             acknowledged.append(time.monotonic())
 
-    with connect(f"udpout:127.0.0.1:{port}", fast=fast) as here:
+    vehicle_module.PRESENCE_S = 60.0
+    with vehicle_module.connect(f"udpout:127.0.0.1:{port}", fast=fast) as here:
         items = to_wire(sent)
         begun = time.monotonic()
         try:
@@ -187,7 +220,7 @@ def mavproxy(port: int, sent: Mission) -> tuple[bool, float, float | None]:
             threading.Thread(target=lambda: [lines.put(line) for line in process.stdout or ()], daemon=True).start()
             try:
                 if not _until(lines, "online system", 60.0):
-                    return False, LIMIT_S, None
+                    raise NotConnected("MAVProxy heard nobody")
                 begun = time.monotonic()
                 process.stdin.write(f"wp load {path}\n")
                 process.stdin.flush()
@@ -208,15 +241,33 @@ def _until(lines: "queue.Queue[str]", words: str, seconds: float) -> bool:
     return False
 
 
-def run(client: str, autopilot: Autopilot, items: int, faults: Faults, seed: int) -> Run:
-    """One upload."""
-    sent = mission(autopilot, items)
-    with vehicle(autopilot, faults, seed) as (mock, channel):
-        here = mavproxy(channel.port, sent) if client == "mavproxy" else in_process(client, channel.port, sent)
+def run(cell: Cell, seed: int) -> Run:
+    """One upload; a client that did not find the vehicle gets another chance."""
+    for _ in range(4):
+        try:
+            return attempt(cell, seed)
+        except NotConnected as error:
+            print(f"{cell}, seed {seed}: not connected: {error}", file=sys.stderr)
+    raise SystemExit(f"{cell}: the client does not connect")
+
+
+def attempt(cell: Cell, seed: int) -> Run:
+    """One upload, if the client connects.
+
+    Raises:
+        NotConnected: it does not.
+    """
+    sent = mission(cell.autopilot, ITEMS)
+    faults = Faults(loss=cell.loss_percent / 100, delay_s=cell.delay_ms / 1000)
+    with vehicle(cell.autopilot, faults, seed) as (mock, channel):
+        upload = mavproxy if cell.client == "mavproxy" else partial(in_process, cell.client)
+        said, seconds, verified_s = upload(channel.port, sent)
         held = mock.transfers.listed(MissionType.MISSION)
-    said, seconds, verified_s = here
-    exact = compare(to_wire(sent), held, autopilot) is None
-    return Run(said, exact, exact or is_near(to_wire(sent), held), seconds, verified_s, channel.counted)
+    exact = compare(to_wire(sent), held, cell.autopilot) is None
+    near = exact or is_near(to_wire(sent), held)
+    place = (str(cell.autopilot), cell.delay_ms, cell.loss_percent, cell.client, seed)
+    verified = None if verified_s is None else round(verified_s, 4)
+    return Run(*place, said, exact, near, round(seconds, 4), verified, channel.counted)
 
 
 def is_near(sent: tuple[Item, ...], held: tuple[Item, ...]) -> bool:
@@ -229,49 +280,107 @@ def is_near(sent: tuple[Item, ...], held: tuple[Item, ...]) -> bool:
     )
 
 
-def cell(client: str, autopilot: Autopilot, arguments: argparse.Namespace, delay_ms: float, loss: float) -> str:
-    """One row of the table."""
-    faults = Faults(loss=loss / 100, delay_s=delay_ms / 1000)
-    with ThreadPoolExecutor(arguments.at_once) as pool:
-        seeds = range(arguments.runs)
-        runs = list(pool.map(lambda seed: run(client, autopilot, arguments.items, faults, seed), seeds))
+def read_rows(path: Path) -> list[Run]:
+    """The runs so far."""
+    if not path.exists():
+        return []
+    with path.open(newline="") as file:
+        return [
+            Run(
+                row["autopilot"],
+                float(row["delay_ms"]),
+                float(row["loss_percent"]),
+                row["client"],
+                int(row["seed"]),
+                row["said"] == "True",
+                row["exact"] == "True",
+                row["near"] == "True",
+                float(row["seconds"]),
+                float(row["verified_s"]) if row["verified_s"] else None,
+                int(row["bytes"]),
+            )
+            for row in csv.DictReader(file)
+        ]
+
+
+def add_row(path: Path, done: Run) -> None:
+    """Write one run behind the others."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    is_new = not path.exists()
+    with path.open("a", newline="") as file:
+        writer = csv.DictWriter(file, [field.name for field in fields(Run)], lineterminator="\n")
+        if is_new:
+            writer.writeheader()
+        writer.writerow(asdict(done))
+
+
+def complete(cell: Cell, runs: int, at_once: int, path: Path) -> None:
+    """Make the runs of a cell that are not in the file yet."""
+    there = {one.seed for one in read_rows(path) if one.cell == cell}
+    missing = [seed for seed in range(runs) if seed not in there]
+    is_perfect = not (cell.delay_ms or cell.loss_percent)
+    with ThreadPoolExecutor(1 if is_perfect else at_once) as pool:
+        for done in as_completed([pool.submit(run, cell, seed) for seed in missing]):
+            add_row(path, done.result())
+    print(f"{cell}: {len(missing)} runs more, {len(there)} were there", flush=True)
+
+
+def told(runs: list[Run]) -> str:
+    """A cell of the table: exact of all (near ones, false ones), median seconds, items a second, bytes an item."""
+    if not runs:
+        return ""
     good = [one for one in runs if one.said and one.near]
     exact = sum(one.exact for one in good)
     lies = sum(one.said and not one.near for one in runs)
-    told = f"{exact}/{len(runs)}" + (f" ({len(good) - exact} more)" if len(good) > exact else "")
+    words = f"{exact}/{len(runs)}"
+    words += f" ({len(good) - exact} near)" if len(good) > exact else ""
+    words += f" ({lies} false)" if lies else ""
     if not good:
-        return f"| {autopilot} | {delay_ms:g} | {loss:g} | {client} | {told} | {lies} | | | | |"
-    median = statistics.median(one.seconds for one in good)
+        return words
+    seconds = statistics.median(one.seconds for one in good)
     verified = [one.verified_s for one in good if one.verified_s is not None]
-    return (
-        f"| {autopilot} | {delay_ms:g} | {loss:g} | {client} | {told} | {lies} | {median:.2f} | "
-        f"{f'{statistics.median(verified):.2f}' if verified else ''} | {arguments.items / median:.1f} | "
-        f"{statistics.median(one.bytes for one in good) / arguments.items:.0f} |"
-    )
+    both = f" ({statistics.median(verified):.2f})" if verified else ""
+    size = statistics.median(one.bytes for one in good) / ITEMS
+    return f"{words} · {seconds:.2f}{both} s · {ITEMS / seconds:.1f}/s · {size:.0f} B"
+
+
+def table(rows: list[Run], autopilot: Autopilot) -> str:
+    """The rows of one autopilot in Markdown: a line for each radio, a column for each client."""
+    mine = [one for one in rows if one.autopilot == str(autopilot)]
+    clients = [client for client in CLIENTS if any(one.client == client for one in mine)]
+    lines = [f"| delay, ms | loss, % | {' | '.join(clients)} |", "|---" * (2 + len(clients)) + "|"]
+    for delay_ms, loss in sorted({(one.delay_ms, one.loss_percent) for one in mine}):
+        cells = [told([one for one in mine if one.cell == Cell(autopilot, delay_ms, loss, name)]) for name in clients]
+        lines.append(f"| {delay_ms:g} | {loss:g} | {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 def main() -> None:
-    """Print the table in Markdown, row by row."""
+    """Run what is missing, or print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=50)
-    parser.add_argument("--items", type=int, default=20)
+    parser.add_argument("--mavproxy-runs", type=int, default=10)
     parser.add_argument("--at-once", type=int, default=10)
     parser.add_argument("--delay", type=float, nargs="+", default=[0, 50, 200], help="one way, ms")
     parser.add_argument("--loss", type=float, nargs="+", default=[0, 5, 20, 30], help="each way, per cent")
     parser.add_argument("--clients", nargs="+", choices=CLIENTS, default=list(CLIENTS))
     parser.add_argument("--autopilots", nargs="+", type=Autopilot, default=list(Autopilot))
+    parser.add_argument("--rows", type=Path, default=ROWS)
+    parser.add_argument("--table", action="store_true")
     arguments = parser.parse_args()
+    if arguments.table:
+        for autopilot in arguments.autopilots:
+            print(f"{autopilot}:\n\n{table(read_rows(arguments.rows), autopilot)}\n")
+        return
     needs = {"mavsdk": "mavsdk", "mavproxy": "MAVProxy"}
     clients = [one for one in arguments.clients if one not in needs or importlib.util.find_spec(needs[one])]
-    print("| autopilot | delay, ms | loss, % | client | exact | false successes | to the Ack, s | verified, s "
-          "| items/s | bytes an item |")  # fmt: skip
-    print("|---|---|---|---|---|---|---|---|---|---|")
     for autopilot, delay_ms, loss, client in itertools.product(
         arguments.autopilots, arguments.delay, arguments.loss, clients
     ):
         if client == "by-file" and autopilot is not Autopilot.ARDUPILOT:
             continue
-        print(cell(client, autopilot, arguments, delay_ms, loss), flush=True)
+        runs = arguments.mavproxy_runs if client == "mavproxy" else arguments.runs
+        complete(Cell(autopilot, float(delay_ms), float(loss), client), runs, arguments.at_once, arguments.rows)
 
 
 if __name__ == "__main__":
