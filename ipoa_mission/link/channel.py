@@ -118,18 +118,12 @@ class UdpChannel(_RealTime):
         return int(self._socket.getsockname()[1])
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """See `Channel`."""
+        """See `Channel`: one datagram at a time, for the answer to it may be urgent."""
         select.select([self._socket], [], [], max(0.0, until - self.now()))
-        got: list[tuple[bytes, Peer]] = []
-        while len(got) < 64:
-            try:
-                data, peer = self._socket.recvfrom(LONGEST_READ)
-            except BlockingIOError:
-                break
-            except ConnectionError:  # an earlier datagram met a closed port: the other side may come yet
-                continue
-            got.append((data, peer))
-        return got
+        try:
+            return [self._socket.recvfrom(LONGEST_READ)]
+        except (BlockingIOError, ConnectionError):  # nothing; or an earlier datagram met a closed port
+            return []
 
     def send(self, data: bytes, peer: Peer | None) -> None:
         """See `Channel`."""

@@ -61,12 +61,12 @@ class Definition:
     crc_extra: int
 
     def pack(self, fields: wire.Fields) -> bytes:
-        """The payload; a field that is not given is zero."""
+        """The payload without the zeros at its end; a field that is not given is zero."""
         values: list[Any] = []
         for name, length, blank in zip(self.names, self.lengths, self._blanks(), strict=True):
             value = fields.get(name, blank)
             values.extend(value) if length > 1 else values.append(value)
-        return self.layout.pack(*values)
+        return self.layout.pack(*values).rstrip(b"\0") or b"\0"
 
     def unpack(self, payload: bytes) -> SimpleNamespace:
         """The fields of a payload; MAVLink 2 cuts it at its trailing zeros, MAVLink 1 before its extensions."""
@@ -135,13 +135,11 @@ class Codec:
         self.component = component
         self.signer = signer
         self._sequence = 0
+        self._prepared: tuple[Message | None, Target, tuple[Definition, bytes]] = (None, EVERYONE, (_EVENT, b"\0"))
 
     def encode(self, message: Message, target: Target, unix_s: float) -> bytes:
         """The MAVLink 2 frame of a message; `unix_s` is the time that a signature carries."""
-        name, fields = wire.write(message)
-        definition = _DEFINITIONS[_NUMBERS[name]]
-        addressed = {"target_system": target.system, "target_component": target.component, **fields}
-        payload = definition.pack(addressed).rstrip(b"\0") or b"\0"
+        definition, payload = self.prepare(message, target)
         flags = SIGNED if self.signer else 0
         header = struct.pack(
             "<BBBBBBBHB",
@@ -159,6 +157,17 @@ class Codec:
         body = header + payload
         frame = body + struct.pack("<H", checksum(body, definition.crc_extra))
         return frame if self.signer is None else frame + self.signer.signature(frame, unix_s)
+
+    def prepare(self, message: Message, target: Target) -> tuple[Definition, bytes]:
+        """The payload of a message. The last one is kept: what one is about to say can be made while one waits."""
+        last, where, made = self._prepared
+        if last is not message or where != target:
+            name, fields = wire.write(message)
+            definition = _DEFINITIONS[_NUMBERS[name]]
+            addressed = {"target_system": target.system, "target_component": target.component, **fields}
+            made = definition, definition.pack(addressed)
+            self._prepared = message, target, made
+        return made
 
     def decode(self, frame: bytes) -> Heard | None:
         """What a whole frame says; None where the signature does not convince."""
@@ -195,7 +204,10 @@ class Framer:
 
 
 def frames(data: bytes) -> Iterator[bytes]:
-    """The whole frames in one datagram, which holds no half frames."""
+    """The whole frames in one datagram, which holds no half frames, and mostly a single one."""
+    if _frame_length(data) == len(data) and _is_whole(data):
+        yield data
+        return
     rest = data
     while (start := _next_magic(rest)) >= 0:
         rest = rest[start:]
@@ -213,7 +225,7 @@ def _next_magic(data: bytes) -> int:
 
 def _frame_length(data: bytes) -> int | None:
     """Length of the frame that begins here, None while that cannot be told."""
-    if len(data) < 3:
+    if len(data) < 3 or data[0] not in (MAGIC_1, MAGIC_2):
         return None
     if data[0] == MAGIC_1:
         return 6 + data[1] + 2

@@ -87,6 +87,7 @@ def offer(
         NoAnswer: silence before the last item was asked for.
     """
     in_order = opening is Ask
+    said = [ItemAt(seq, item, kind) for seq, item in enumerate(items)]
     asked = -1
     doubt: int | None = None
     overheard = Overheard()
@@ -106,9 +107,9 @@ def offer(
                 asked = seq
                 doubt = None
                 progress(seq, len(items))
-                step = Tell(ItemAt(seq, items[seq], kind))
+                step = Tell(said[seq], next(iter(said[seq + 1 : seq + 2]), None))
                 if in_order and seq == len(items) - 1:
-                    yield Remark(step.message)
+                    yield Remark(said[seq])
                     step = Pause(ENDING_S)
             case Ack(Result.ACCEPTED, k) if k == kind:
                 if asked == len(items) - 1 or not in_order:

@@ -41,9 +41,10 @@ class Ask:
 
 @dataclass(frozen=True)
 class Tell:
-    """Say this once and wait for what the other side makes of it."""
+    """Say this once and wait for what the other side makes of it; `next` is what will probably be said then."""
 
     message: Message
+    next: Message | None = None
 
 
 @dataclass(frozen=True)
@@ -171,6 +172,11 @@ class Exchange(Generic[T]):
         if isinstance(self._awaited, Tell):
             return self._since + self._patience.silence_s
         return self._since + self._awaited.seconds
+
+    @property
+    def foreseen(self) -> Message | None:
+        """What will probably be said next, so that it can be made ready while one waits."""
+        return self._awaited.next if isinstance(self._awaited, Tell) else None
 
     def outgoing(self) -> list[Message]:
         """What is to be said now; each message once."""

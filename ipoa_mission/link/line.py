@@ -89,6 +89,8 @@ def converse(
         try:
             for message in exchange.outgoing():
                 line.send(message, target)
+            if exchange.foreseen:
+                line.codec.prepare(exchange.foreseen, target)
             for heard in line.receive(exchange.deadline):
                 if (heard.system, heard.component) == target and heard.message is not None:
                     if overhear:
