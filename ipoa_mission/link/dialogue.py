@@ -81,7 +81,7 @@ class Patience:
     alive_retries: int = 20
     item_retries: int = 8
     adapt: bool = True
-    echo_s: float = 0.1  # the same question heard twice within this time is a duplicate of the network
+    echo_s: float = 0.1  # the same question heard twice within this time, at least, is a duplicate of the network
 
     @property
     def silence_s(self) -> float:
@@ -106,6 +106,8 @@ class Tempo:
 
     def __init__(self, patience: Patience) -> None:
         self._patience = patience
+        self._shortest = 0.0
+        self._loses = False
         self._mean: float | None = None
         self._spread = 0.0
         self._backoff = 1.0
@@ -125,10 +127,26 @@ class Tempo:
         self._backoff = 1.0
         self._doubts = 0
         if self._mean is None:
-            self._mean, self._spread = seconds, seconds / 4
+            self._mean, self._spread, self._shortest = seconds, seconds / 4, seconds
         else:
+            self._shortest = min(seconds, self._shortest)
             self._spread += (abs(seconds - self._mean) - self._spread) / 4
             self._mean += (seconds - self._mean) / 8
+
+    @property
+    def echo_s(self) -> float:
+        """A question that is heard again within this time of its answer was asked before the answer was there.
+
+        PX4 asks every 0.25 s, so over a slower link it asks for each item twice or more. On a link that has lost
+        something already, answering each of them is worth its bytes.
+        """
+        if self._loses or not self._patience.adapt:
+            return self._patience.echo_s
+        return max(self._patience.echo_s, self._shortest)
+
+    def lost(self) -> None:
+        """An answer of ours has not arrived: the question came again when it should have been there."""
+        self._loses = True
 
     def doubt(self) -> None:
         """An answer came to a question that was asked more than once: to which saying, nobody knows."""
@@ -189,7 +207,7 @@ class Exchange(Generic[T]):
             return
         self._heard = now
         last, when = self._acted_on
-        if message == last and now - when < self._patience.echo_s:
+        if message == last and now - when < self._tempo.echo_s:
             return
         step = self._resume(message)
         if step is None and not self.finished:
@@ -199,6 +217,8 @@ class Exchange(Generic[T]):
                 self._tempo.sample(now - self._said)
             else:
                 self._tempo.doubt()
+        elif message == last:
+            self._tempo.lost()
         self._acted_on = (message, now)
         self._follow(step, now)
 

@@ -145,11 +145,39 @@ def test_the_echo_of_a_question_is_not_answered_again() -> None:
 
     exchange = Exchange(answering(), 0.0, SPECIFIED)
     exchange.outgoing()
-    exchange.receive(Request(0), 1.0)
-    exchange.receive(Request(0), 1.05)
+    exchange.receive(Request(0), 0.05)
+    exchange.receive(Request(0), 0.12)
     assert exchange.outgoing() == [Ack(0)]
-    exchange.receive(Request(0), 1.3)
+    exchange.receive(Request(0), 0.3)
     assert exchange.outgoing() == [Ack(0)]
+
+
+def test_a_question_asked_again_before_its_answer_can_have_arrived_is_not_answered_again() -> None:
+    def answering() -> Dialogue[None]:
+        heard = yield Ask(Count(9))
+        while heard:
+            heard = yield Tell(Ack(0))
+
+    exchange = Exchange(answering(), 0.0, SPECIFIED)
+    exchange.receive(Request(0), 0.4)  # so long is the round trip
+    exchange.outgoing()
+    exchange.receive(Request(0), 0.65)  # PX4 asks every quarter of a second
+    assert exchange.outgoing() == []
+    exchange.receive(Request(1), 0.8)
+    exchange.receive(Request(1), 1.3)  # now something was lost, and twice is better than once
+    exchange.receive(Request(1), 1.45)
+    assert exchange.outgoing() == [Ack(0)] * 3
+
+
+def test_what_will_be_said_next_is_foreseen() -> None:
+    def telling() -> Dialogue[None]:
+        yield Tell(Ack(0), Ack(1))
+        yield Tell(Ack(1))
+
+    exchange = Exchange(telling(), 0.0, SPECIFIED)
+    assert exchange.foreseen == Ack(1)
+    exchange.receive(BEAT, 0.1)
+    assert exchange.foreseen is None
 
 
 def test_a_dialogue_may_catch_silence_and_try_another_way() -> None:
