@@ -6,13 +6,17 @@ client's own conversations, made of the two.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from typing import TypeVar
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell, TimeUp
+from ipoa_mission.link.events import words_of
 from ipoa_mission.link.messages import (
     Ack,
     ClearAll,
     Count,
+    Event,
     ItemAt,
     Message,
     MissionType,
@@ -23,6 +27,7 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.mission.items import Item
 
+T = TypeVar("T")
 Progress = Callable[[int, int], None]
 Take = Callable[[int, ItemAt], int]
 
@@ -35,6 +40,7 @@ GRACE_S = 3.0
 ENDING_S = 3.0
 #: The words that explain a refusal come before it or just behind it.
 WORDS_S = 0.3
+INFO, WARNING = 6, 4  # MAV_SEVERITY; less is worse
 
 
 def silent(done: int, total: int) -> None:
@@ -61,17 +67,43 @@ def list_name(kind: int) -> str:
 
 @dataclass
 class Overheard:
-    """The vehicle's words during a conversation."""
+    """The vehicle's words during a conversation; texts less severe than `faintest` are let pass."""
 
+    faintest: int = INFO
     words: list[str] = field(default_factory=list)
 
     def note(self, message: Message | None) -> None:
-        """Keep it if it is text (warnings and worse, and the few notices that explain a refusal)."""
-        if isinstance(message, Text) and message.severity <= 6 and message.text not in self.words:
-            self.words = [*self.words[-7:], message.text]
+        """Keep what it says in words, or by the number of an event."""
+        match message:
+            case Text(severity, text) if severity <= self.faintest:
+                said = text.rstrip("\t ")  # PX4 marks a text that an event repeats by a tab
+            case Event(number, _, arguments):
+                said = words_of(number, arguments) or ""
+            case _:
+                return
+        if said and said not in self.words:
+            self.words = [*self.words[-7:], said]
 
     def __str__(self) -> str:
         return "; ".join(self.words)
+
+
+def overhearing(dialogue: Dialogue[T], overheard: Overheard) -> Dialogue[T]:
+    """The same dialogue; what it hears is noted besides."""
+    move = partial(dialogue.send, None)
+    while True:
+        try:
+            step = move()
+        except StopIteration as stop:
+            result: T = stop.value
+            return result
+        try:
+            heard = yield step
+        except MissionError as error:
+            move = partial(dialogue.throw, error)
+        else:
+            overheard.note(heard)
+            move = partial(dialogue.send, heard)
 
 
 def offer(
@@ -201,6 +233,8 @@ def download(kind: int, progress: Progress = silent) -> Dialogue[tuple[Item, ...
         before = len(items)
         try:
             yield from fetch(count, kind, take, first=before)
+        except TimeUp as late:
+            raise TimeUp(f"{late}: {len(items)} of {count} items of the {list_name(kind)} had come") from None
         except NoAnswer as silence:
             idle = idle + 1 if len(items) == before else 0
             if idle > 2:

@@ -31,6 +31,10 @@ class Cancelled(MissionError):
     """The user took it back; the message says what the vehicle holds now."""
 
 
+class TimeUp(MissionError):
+    """What was to be done took longer than the user allows."""
+
+
 @dataclass(frozen=True)
 class Ask:
     """Say this, again and again, until an answer comes; `item`: one of many, for which the shorter timer holds."""
@@ -72,7 +76,8 @@ class Patience:
     A question is repeated after `answer_s` (an item of a list: `item_s`), or, with `adapt`, after the measured round
     trip and four times its spread. A silent link is given up after `retries` of `answer_s`; one on which the other side
     is heard at all, after `alive_retries` repeats: losing a third of the packets is no reason to give up. For an item
-    of a list `item_retries` will do: the other side may have closed the list, which is then opened again.
+    of a list `item_retries` will do: the other side may have closed the list, which is then opened again. `total_s` is
+    the most that one verb of the client (an upload with its fence and rally points, a download) may take in all.
     """
 
     answer_s: float = 1.5
@@ -82,6 +87,7 @@ class Patience:
     item_retries: int = 8
     adapt: bool = True
     echo_s: float = 0.1  # the same question heard twice within this time, at least, is a duplicate of the network
+    total_s: float = 3600.0
 
     @property
     def silence_s(self) -> float:

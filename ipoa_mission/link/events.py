@@ -4,6 +4,8 @@ A number is the autopilot's component id and the lower 24 bits of the FNV-1a has
 in a metadata file that ground stations load. These are the names that PX4's mission feasibility check uses.
 """
 
+import struct
+
 AUTOPILOT = 1 << 24
 
 
@@ -15,35 +17,46 @@ def event_number(name: str) -> int:
     return AUTOPILOT | value & 0xFFFFFF
 
 
-_WORDS = {
-    event_number(f"navigator_mis_{name}"): words
-    for name, words in {
-        "takeoff_missing": "a take-off item is required",
-        "land_missing": "a landing item is required",
-        "takeoff_or_land_missing": "a take-off or a landing item is missing",
-        "add_land_or_rm_to": "there is a take-off but no landing",
-        "add_to_or_rm_land": "there is a landing but no take-off",
-        "takeoff_too_low": "the take-off is too low: it must be a metre above the acceptance radius",
-        "takeoff_not_first": "the take-off is not the first item with a position",
-        "starts_w_landing": "the mission begins with a landing",
-        "starts_w_landing2": "the mission begins with a landing",
-        "unsup_cmd": "an item has a command that this vehicle cannot fly",
-        "act_index": "an actuator number is out of bounds",
-        "act_range": "an actuator value is out of bounds",
-        "first_wp_too_far": "the first waypoint is too far away",
-        "wp_dist_too_far": "two waypoints are too far apart",
-        "wp_gate_too_close": "a waypoint and a gate are too close",
-        "no_home_rel_alt": "the vehicle has no home, but altitudes are relative to it",
-        "multiple_land": "there is more than one landing start",
-        "land_before_rtl": "a landing start stands before the return",
-        "invalid_land": "the landing start is not valid",
-        "approach_wp_below_land": "the landing is approached from below",
-        "land_wp_inside_orbit_radius": "the landing point lies inside the orbit",
-        "glide_slope_too_steep": "the glide slope is too steep",
-    }.items()
+#: Name behind `navigator_mis_`: what it says, and how its arguments lie in memory.
+_MISSION_EVENTS = {
+    "takeoff_missing": ("a take-off item is required", "<"),
+    "land_missing": ("a landing item is required", "<"),
+    "takeoff_or_land_missing": ("a take-off or a landing item is missing", "<"),
+    "add_land_or_rm_to": ("there is a take-off but no landing", "<"),
+    "add_to_or_rm_land": ("there is a landing but no take-off", "<"),
+    "takeoff_too_low": ("the take-off is too low: it takes {0:.1f} m at least", "<f"),
+    "takeoff_not_first": ("the take-off is not the first item with a position", "<"),
+    "starts_w_landing": ("the mission begins with a landing", "<"),
+    "starts_w_landing2": ("the mission begins with a landing", "<"),
+    "unsup_cmd": ("item {0} has command {1}, which this vehicle cannot fly", "<HH"),
+    "act_index": ("actuator {0} is out of bounds", "<I"),
+    "act_range": ("actuator value {0} is out of bounds", "<I"),
+    "first_wp_too_far": ("the first waypoint is {0} m away, and {1} m is the most", "<II"),
+    "wp_dist_too_far": ("two waypoints are {0} m apart, and {1} m is the most", "<II"),
+    "wp_gate_too_close": ("a waypoint and a gate are too close", "<"),
+    "no_home_rel_alt": ("the vehicle has no home, but altitudes are relative to it", "<"),
+    "multiple_land": ("there is more than one landing start", "<"),
+    "land_before_rtl": ("a landing start stands before the return", "<"),
+    "invalid_land": ("the landing start is not valid", "<"),
+    "approach_wp_below_land": ("the landing is approached from below", "<"),
+    "land_wp_inside_orbit_radius": ("the landing point lies inside the orbit", "<"),
+    "glide_slope_too_steep": ("the glide slope is steeper than {0}.{1} degrees", "<BB"),
 }
 
 
-def words_of(number: int) -> str | None:
-    """What an event says, where it is about a mission that cannot be flown."""
-    return _WORDS.get(number)
+def mission_event(name: str, *values: float) -> tuple[int, bytes]:
+    """Number and arguments of the event `navigator_mis_`NAME."""
+    return event_number(f"navigator_mis_{name}"), struct.pack(_MISSION_EVENTS[name][1], *values)
+
+
+def words_of(number: int, arguments: bytes) -> str | None:
+    """What an event says, where it is about a mission that cannot be flown; MAVLink has cut zeros off its arguments."""
+    if number not in _WORDS:
+        return None
+    words, layout = _WORDS[number]
+    return words.format(
+        *struct.unpack(layout, arguments[: struct.calcsize(layout)].ljust(struct.calcsize(layout), b"\0"))
+    )
+
+
+_WORDS = {event_number(f"navigator_mis_{name}"): told for name, told in _MISSION_EVENTS.items()}

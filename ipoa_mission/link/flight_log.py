@@ -29,13 +29,14 @@ from ipoa_mission.mission.firmware_facts import FIRMWARE
 from ipoa_mission.mission.items import Mission
 
 
-def read_flight(path: Path, mission: Mission) -> FlightRecord:
+def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
     """The first flight of `mission` in a `.tlog`, `.bin` or `.ulg`: from armed in the mission mode until disarmed.
 
     Raises:
         BadInput: another ending, or not a log of that kind.
         MissionError: nothing in it was flown in the mission mode, or a package to read it is missing.
     """
+    path = Path(path)
     match path.suffix.lower():
         case ".tlog":
             return flight_of(_heard(path), mission, path)

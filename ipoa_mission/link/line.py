@@ -3,6 +3,7 @@
 `converse` is the only loop that joins a dialogue to the world.
 """
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
@@ -10,20 +11,22 @@ from typing import TypeVar
 
 from ipoa_mission.link.channel import Channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, frames
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, Patience, Tempo
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, Patience, Tempo, TimeUp
+from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.messages import Firmware, Heartbeat, Message
 from ipoa_mission.link.routes import Routes
 from ipoa_mission.link.tlog import TlogWriter
 
 T = TypeVar("T")
 HEARTBEAT_S = 1.0
+NOTICE_S = 0.1  # how soon Ctrl-C is noticed
 MAV_TYPE_GCS = 6
 
 
 class Line:
     """A ground station's end of a link; `close` it, or use it with `with`."""
 
-    def __init__(self, channel: Channel, codec: Codec, log: Path | None = None) -> None:
+    def __init__(self, channel: Channel, codec: Codec, log: str | Path | None = None) -> None:
         self.channel = channel
         self.codec = codec
         self._log = TlogWriter(log) if log else None
@@ -78,30 +81,34 @@ def converse(
     patience: Patience,
     tempo: Tempo | None = None,
     overhear: Callable[[Message], None] | None = None,
+    until: float = math.inf,
 ) -> T:
     """Hold a dialogue with one vehicle and return what it returns; other voices on the line are not heard.
 
-    Ctrl-C asks the dialogue to end well (`Cancelled` is raised in it); a second one ends it at once.
+    Ctrl-C asks the dialogue to end well (`Cancelled` is raised in it); a second one ends it at once. At `until`
+    `TimeUp` is raised in it.
     """
-    exchange = Exchange(dialogue, line.channel.now(), patience, tempo)
-    was_cancelled = False
-    while not exchange.finished:
+    now = line.channel.now
+    with noted_interrupts() as interrupt:
+        exchange = Exchange(dialogue, now(), patience, tempo)
         try:
+            while not exchange.finished:
+                for message in exchange.outgoing():
+                    line.send(message, target)
+                if exchange.foreseen:
+                    line.codec.prepare(exchange.foreseen, target)
+                for heard in line.receive(min(exchange.deadline, until, now() + NOTICE_S)):
+                    if (heard.system, heard.component) == target and heard.message is not None:
+                        if overhear:
+                            overhear(heard.message)
+                        exchange.receive(heard.message, now())
+                exchange.tick(now())
+                if interrupt.take():
+                    exchange.interrupt(Cancelled("cancelled"), now())
+                if now() >= until:
+                    until = math.inf
+                    exchange.interrupt(TimeUp("the time is up"), now())
+        finally:
             for message in exchange.outgoing():
                 line.send(message, target)
-            if exchange.foreseen:
-                line.codec.prepare(exchange.foreseen, target)
-            for heard in line.receive(exchange.deadline):
-                if (heard.system, heard.component) == target and heard.message is not None:
-                    if overhear:
-                        overhear(heard.message)
-                    exchange.receive(heard.message, line.channel.now())
-            exchange.tick(line.channel.now())
-        except KeyboardInterrupt:
-            if was_cancelled:
-                raise
-            was_cancelled = True
-            exchange.interrupt(Cancelled("cancelled"), line.channel.now())
-    for message in exchange.outgoing():
-        line.send(message, target)
-    return exchange.result
+        return exchange.result

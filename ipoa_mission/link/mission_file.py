@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import Progress, silent
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Step
+from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Step
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
@@ -85,22 +85,39 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[None]:
 
     Raises:
         FileRefused: the vehicle has no such file, or did not like what is in it; it keeps its old mission.
-        NoAnswer, ReadBackDiffers.
+        NoAnswer, ReadBackDiffers, Cancelled.
     """
     total = len(job.items)
 
     def note(sent: int, size: int) -> None:
         progress(total * sent // size, total)
 
-    yield from write_file(MISSION_FILE, pack_mission(job.items, job.kind), note)
+    try:
+        closing = yield from write_file(MISSION_FILE, pack_mission(job.items, job.kind), note)
+    except Cancelled:  # a file that is not closed is not taken
+        raise Cancelled("cancelled: the vehicle keeps the mission it had") from None
+    try:
+        yield from _settle(job, closing)
+    except Cancelled:
+        try:
+            yield from _settle(job, closing)
+        except FileRefused:
+            raise Cancelled("cancelled: the vehicle keeps the mission it had") from None
+        raise Cancelled(
+            "cancelled too late: the vehicle holds the whole new mission", hint="clear it if it must not be flown"
+        ) from None
+
+
+def _settle(job: Upload, closing: FileMessage) -> Dialogue[None]:
+    yield from _question(closing, f"take {MISSION_FILE}")
     stored = unpack_mission((yield from read_file(MISSION_FILE)))
     difference = compare(job.items, stored, job.autopilot)
     if difference is not None:
         raise ReadBackDiffers(job.kind, difference)
 
 
-def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[None]:
-    """Write a whole file on the vehicle; it counts when the vehicle has closed it without complaint.
+def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[FileMessage]:
+    """Write a whole file on the vehicle; it counts when the vehicle has taken the message that this returns.
 
     Raises:
         FileRefused, NoAnswer.
@@ -114,7 +131,7 @@ def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[
         yield from _question(question, f"write {path}")
         sequence = sequence + 2 & 0xFFFF
         progress(at + len(piece), len(data))
-    yield from _question(FileMessage(sequence, Opcode.TERMINATE_SESSION, opened.session), f"take {path}")
+    return FileMessage(sequence, Opcode.TERMINATE_SESSION, opened.session)
 
 
 def read_file(path: str) -> Dialogue[bytes]:

@@ -20,14 +20,14 @@ SIGNED_FLAG = 0x01
 KEY_BYTES = 32
 
 
-def read_key(path: Path) -> bytes:
+def read_key(path: str | Path) -> bytes:
     """The key in a file: 32 raw bytes, 64 hexadecimal digits, or a passphrase.
 
     Raises:
         BadInput: the file cannot be read, or is empty.
     """
     try:
-        raw = path.read_bytes()
+        raw = Path(path).read_bytes()
     except OSError as error:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
     return raw if len(raw) == KEY_BYTES else key_of(raw.decode("utf-8", "surrogateescape"))
@@ -84,13 +84,14 @@ class Signer:
         return hashlib.sha256(self.key + data).digest()[:6]
 
 
-def persistent_signer(key: bytes, path: Path, link_id: int = 0) -> Signer:
+def persistent_signer(key: bytes, path: str | Path, link_id: int = 0) -> Signer:
     """A signer whose timestamps go on growing from one run to the next; `path` holds the mark.
 
     Raises:
         BadInput: the file holds something else than a timestamp.
     """
     mark = 0
+    path = Path(path)
     if path.exists():
         words = read_text(path).strip()
         if not words.isdecimal():

@@ -18,9 +18,9 @@ STAMP_BYTES = 8
 class TlogWriter:
     """A log under way; each frame is on the disk as soon as it is written."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: str | Path) -> None:
         try:
-            self._file: BinaryIO = path.open("wb", buffering=0)
+            self._file: BinaryIO = Path(path).open("wb", buffering=0)  # noqa: SIM115
         except OSError as error:
             raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
 
@@ -47,14 +47,14 @@ class Record:
     frame: bytes
 
 
-def read_tlog(path: Path) -> Iterator[Record]:
+def read_tlog(path: str | Path) -> Iterator[Record]:
     """The frames of a log in their order; a torn record is passed over, as are frames with a wrong checksum.
 
     Raises:
         BadInput: the file cannot be read.
     """
     try:
-        data = path.read_bytes()
+        data = Path(path).read_bytes()
     except OSError as error:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
     at = 0

@@ -1,22 +1,26 @@
-"""An upload ends when the vehicle is known to hold what was sent: offer, read back, compare, hear the verdict."""
+"""An upload ends when the vehicle is known to hold what was sent: offer, read back, compare, hear the verdict.
+
+If it ends otherwise, the error says what the vehicle holds.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import (
     DOUBTFUL,
+    WARNING,
     MissionRefused,
     Overheard,
     Progress,
     download,
     list_name,
     offer,
+    overhearing,
     silent,
 )
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step
-from ipoa_mission.link.events import words_of
-from ipoa_mission.link.messages import Ack, Current, Event, MissionType, Request, Result
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp
+from ipoa_mission.link.messages import Ack, Current, MissionType, Request, Result
 from ipoa_mission.mission.firmware import Difference, compare
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicle import Autopilot
@@ -63,75 +67,120 @@ class Upload:
         return self.autopilot is Autopilot.PX4 and self.kind == MissionType.MISSION and len(self.items) > 0
 
 
+@dataclass
+class Course:
+    """How an upload is going."""
+
+    attempt: int = 0
+    furthest: int = -1  # the last item that was asked for in this attempt
+    before: int = -1  # and in the one before
+    may_be_whole: bool = False  # whether the vehicle may have the whole list already
+    overheard: Overheard = field(default_factory=lambda: Overheard(WARNING))
+
+
 def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
     """Put a list on the vehicle and see that it is there, item by item.
 
     Cancelled in mid-transfer, the vehicle keeps its old list where it can (PX4), else the new one is completed.
 
     Raises:
-        MissionRefused, NoAnswer: with what the vehicle holds now as the hint.
+        MissionRefused, NoAnswer, TimeUp: with what the vehicle holds now as the hint.
         ReadBackDiffers, Unflyable, Cancelled.
     """
+    course = Course()
     try:
-        yield from _store(job, progress)
+        yield from overhearing(_store(job, course, progress), course.overheard)
     except Cancelled:
-        if not job.truncates:
-            yield from _withdraw(job.kind)
-            raise Cancelled(f"cancelled: the vehicle keeps the {list_name(job.kind)} it had") from None
-        yield from _store(job, progress)
-        raise Cancelled(
-            f"cancelled: the vehicle had already dropped its old {list_name(job.kind)}, so the new one was completed",
-            hint="it is whole and verified; clear it if it must not be flown",
-        ) from None
+        yield from _give_in(job, course, progress)
+    except TimeUp as late:
+        yield Remark(Ack(Result.OPERATION_CANCELLED, job.kind))
+        where = f"item {max(course.furthest, 0)} of {len(job.items)} of the {list_name(job.kind)}"
+        raise TimeUp(f"{late}: attempt {course.attempt} had come to {where}", hint=_leftover(job)) from None
     if job.is_judged:
-        yield from _verdict()
+        try:
+            yield from _verdict(course.overheard)
+        except (Cancelled, TimeUp) as broken_off:
+            raise type(broken_off)(
+                f"{broken_off}: the vehicle holds the whole new {list_name(job.kind)}, verified",
+                hint="whether it finds it flyable was not waited for",
+            ) from None
 
 
-def _store(job: Upload, progress: Progress) -> Dialogue[None]:
-    furthest = -1
+def _give_in(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
+    """Leave a whole list behind, the old or the new one, and say which."""
+    name = list_name(job.kind)
+    if job.truncates:
+        yield from _store(job, Course(), progress)
+        raise Cancelled(
+            f"cancelled: the vehicle had already dropped its old {name}, so the new one was completed",
+            hint="it is whole and verified; clear it if it must not be flown",
+        )
+    yield from _withdraw(job.kind)
+    if course.may_be_whole and (yield from _holds(job)):
+        raise Cancelled(
+            f"cancelled too late: the vehicle holds the whole new {name}", hint="clear it if it must not be flown"
+        )
+    raise Cancelled(f"cancelled: the vehicle keeps the {name} it had")
+
+
+def _holds(job: Upload) -> Dialogue[bool]:
+    """Whether the vehicle has the new list."""
+    try:
+        stored = yield from download(job.kind)
+    except (MissionRefused, NoAnswer):
+        raise Cancelled(
+            f"cancelled: the vehicle holds a whole {list_name(job.kind)}, the old or the new one, "
+            "but does not answer when asked which"
+        ) from None
+    return _difference(job, stored) is None
+
+
+def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
     refused_before: MissionRefused | None = None
 
     def note(done: int, total: int) -> None:
-        nonlocal furthest
-        furthest = max(furthest, done)
+        course.furthest = max(course.furthest, done)
+        course.may_be_whole |= done >= total - 1
         progress(done, total)
 
-    attempt = 0
     while True:
-        attempt += 1
-        before, furthest = furthest, -1
+        course.attempt += 1
+        course.before, course.furthest = course.furthest, -1
         try:
             ending = yield from offer(job.items, job.kind, progress=note)
             stored = yield from download(job.kind)
         except NoAnswer as silence:
-            if attempt == ATTEMPTS or max(before, furthest) < 0:
+            if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:
                 silence.hint = _leftover(job)
                 raise
         except MissionRefused as refusal:
-            settled = refusal.result not in PASSING and (not job.truncates or _same(refusal, refused_before))
-            if attempt == ATTEMPTS or settled or (_same(refusal, refused_before) and refusal.result == Result.ERROR):
+            again = _same(refusal, refused_before)
+            settled = refusal.result not in PASSING and (not job.truncates or again)
+            if course.attempt == ATTEMPTS or settled or (again and refusal.result == Result.ERROR):
                 refusal.hint = _leftover(job)
                 raise
             refused_before = refusal
             yield from _wait(1.0)
         else:
-            difference = compare(job.items, stored, job.autopilot) if not _both_empty(job, stored) else None
+            difference = _difference(job, stored)
             if difference is None:
                 return
-            if attempt >= 2 and ending in DOUBTFUL:
+            if course.attempt >= 2 and ending in DOUBTFUL:
                 raise MissionRefused(ending, job.kind, len(job.items) - 1)
-            if attempt >= 2:
+            if course.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
+
+
+def _difference(job: Upload, stored: Sequence[Item]) -> Difference | None:
+    """What is not as it was sent. An empty list is empty, although ArduPilot may answer with its home alone."""
+    home = 1 if job.autopilot is Autopilot.ARDUPILOT and job.kind == MissionType.MISSION else 0
+    if not job.items and len(stored) <= home:
+        return None
+    return compare(job.items, stored, job.autopilot)
 
 
 def _same(one: MissionRefused, other: MissionRefused | None) -> bool:
     return other is not None and (one.result, one.seq) == (other.result, other.seq)
-
-
-def _both_empty(job: Upload, stored: Sequence[Item]) -> bool:
-    """An empty list is empty, although ArduPilot may answer with its home alone."""
-    home = 1 if job.autopilot is Autopilot.ARDUPILOT and job.kind == MissionType.MISSION else 0
-    return not job.items and len(stored) <= home
 
 
 def _leftover(job: Upload) -> str:
@@ -162,10 +211,12 @@ def _wait(seconds: float) -> Dialogue[None]:
         heard = yield None
 
 
-def _verdict() -> Dialogue[None]:
-    """Listen whether the vehicle finds the mission flyable: the last state that it tells counts."""
+def _verdict(overheard: Overheard) -> Dialogue[None]:
+    """Listen whether the vehicle finds the mission flyable: the last state that it tells counts.
+
+    Its reasons may have come at any time since the Ack.
+    """
     state = 0
-    overheard = Overheard()
     heard = yield Pause(VERDICT_S)
     while heard is not None:
         step: Step = None
@@ -174,11 +225,9 @@ def _verdict() -> Dialogue[None]:
                 if state != told:
                     step = Pause(VERDICT_S if told == NO_MISSION else SECOND_THOUGHTS_S)
                 state = told
-            case Event(number):
-                overheard.words += [words for words in (words_of(number),) if words]
             case _:
                 overheard.note(heard)
         heard = yield step
     if state == NO_MISSION:
-        why = str(overheard) or "no reason given"
+        why = str(overheard) or "no reason was heard"
         raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")

@@ -3,7 +3,9 @@
 Each verb is one dialogue, held by `converse`; nothing here knows about bytes or timers.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -15,6 +17,7 @@ from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, Heard, Target
 from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
+from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
@@ -72,7 +75,7 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
 def connect(
     url: str,
     system: int | None = None,
-    log: Path | None = None,
+    log: str | Path | None = None,
     signer: Signer | None = None,
     patience: Patience = SPECIFIED,
     fast: bool = True,
@@ -97,7 +100,7 @@ def connect(
         raise
 
 
-def open_line(url: str, log: Path | None = None, signer: Signer | None = None) -> Line:
+def open_line(url: str, log: str | Path | None = None, signer: Signer | None = None) -> Line:
     """A ground station's end of the link that `url` names."""
     return Line(open_channel(url), Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
 
@@ -175,6 +178,7 @@ class Vehicle:
             self._tempo.sample(round_trip_s)
         self._logbook = Logbook(0, self._first)
         self._lands = True
+        self._until = math.inf
 
     # --- missions ---------------------------------------------------------------------------------------------------
 
@@ -182,49 +186,60 @@ class Vehicle:
         """Put a mission on the vehicle, with its fence and rally points if it has some, and verify each list.
 
         Raises:
-            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, Cancelled.
+            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, TimeUp, Cancelled.
         """
-        self.upload_items(to_wire(replace(mission, autopilot=self.autopilot)), MissionType.MISSION, progress)
-        if mission.fence:
-            self.upload_items(fence_to_wire(mission.fence), MissionType.FENCE)
-        if mission.rally:
-            self.upload_items(rally_to_wire(mission.rally), MissionType.RALLY)
+        with noted_interrupts() as interrupt, self._in_time():
+            self.upload_items(to_wire(replace(mission, autopilot=self.autopilot)), MissionType.MISSION, progress)
+            try:
+                if mission.fence:
+                    self.upload_items(fence_to_wire(mission.fence), MissionType.FENCE)
+                if mission.rally:
+                    self.upload_items(rally_to_wire(mission.rally), MissionType.RALLY)
+            except Cancelled as cancelled:
+                raise Cancelled(f"{cancelled}; its mission is the new one", cancelled.hint) from None
+            if interrupt.take():
+                raise Cancelled("cancelled too late: the vehicle holds everything that was sent")
         self._expect(mission.items)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
         """Put one list on the vehicle as it stands on the wire, and verify it."""
-        self._await_ready()
-        job = Upload(items, self.autopilot, kind)
-        if not (self._takes_file(job) and self._upload_by_file(job, progress)):
-            self._hold(upload(job, progress))
+        with noted_interrupts(), self._in_time():
+            self._await_ready()
+            job = Upload(items, self.autopilot, kind)
+            if not (self._takes_file(job) and self._upload_by_file(job, progress)):
+                self._hold(upload(job, progress))
 
     def download(self, progress: Progress = silent) -> Mission:
         """The mission on the vehicle, with its fence and rally points.
 
         Raises:
-            MissionRefused, NoAnswer.
+            MissionRefused, NoAnswer, TimeUp.
         """
-        items = self.download_items(MissionType.MISSION, progress)
-        fence = fence_from_wire(self.download_items(MissionType.FENCE))
-        rally = rally_from_wire(self.download_items(MissionType.RALLY))
-        mission = from_wire(items, self.autopilot, self.home())
+        with self._in_time():
+            items = self.download_items(MissionType.MISSION, progress)
+            fence = fence_from_wire(self.download_items(MissionType.FENCE))
+            rally = rally_from_wire(self.download_items(MissionType.RALLY))
+            mission = from_wire(items, self.autopilot, self.home())
         self._expect(mission.items)
         return replace(mission, fence=fence, rally=rally)
 
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
         """One list as it stands on the wire."""
-        self._await_ready()
-        return self._hold(conversations.download(kind, progress))
+        with self._in_time():
+            self._await_ready()
+            return self._hold(conversations.download(kind, progress))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
         """Have the vehicle forget a list (255: all three)."""
-        self._hold(conversations.clear(kind))
+        with self._in_time():
+            self._hold(conversations.clear(kind))
 
     # --- flying -----------------------------------------------------------------------------------------------------
 
     def set_current(self, index: int) -> None:
         """Go on with item `index` of `Mission.items`."""
-        self._hold(orders.set_current(index + self._first))
+        with self._in_time():
+            self._hold(orders.set_current(index + self._first))
 
     def arm(self) -> None:
         """Let the motors run."""
@@ -271,7 +286,17 @@ class Vehicle:
 
     def _hold(self, dialogue: Dialogue[T]) -> T:
         target = Target(self.system, AUTOPILOT_COMPONENT)
-        return converse(self.line, target, dialogue, self._patience, self._tempo, self._overhear)
+        return converse(self.line, target, dialogue, self._patience, self._tempo, self._overhear, self._until)
+
+    @contextmanager
+    def _in_time(self) -> Iterator[None]:
+        """What is said in here must be over when the user's patience is."""
+        before = self._until
+        self._until = min(before, self.line.channel.now() + self._patience.total_s)
+        try:
+            yield
+        finally:
+            self._until = before
 
     def _overhear(self, message: Message) -> None:
         self._logbook.note(message)
@@ -290,10 +315,6 @@ class Vehicle:
         """Try the fast path; what goes wrong there is left to the ordinary transfer, which says why."""
         try:
             self._hold(upload_by_file(job, progress))
-        except Cancelled:
-            raise Cancelled(
-                "cancelled: the vehicle keeps the mission it had, unless the whole new one had arrived"
-            ) from None
         except (FileRefused, NoAnswer, ReadBackDiffers):
             return False
         return True

@@ -5,13 +5,13 @@ from collections.abc import Callable, Mapping, Sequence
 
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target, message_name
-from ipoa_mission.link.events import event_number, words_of
+from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.messages import CommandResult, Message, MissionType
 from ipoa_mission.mission.items import Command, Item
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
-from ipoa_mission.simulator.judgement import infeasibility
+from ipoa_mission.simulator.judgement import Infeasible, infeasibility
 from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import PERSONALITIES, Personality
 from ipoa_mission.simulator.transfers import Transfers
@@ -21,6 +21,7 @@ from ipoa_mission.world.frame import Geodetic
 
 QUADROTOR = 2  # MAV_TYPE
 CRITICAL, INFO = 2, 6
+ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
 STATE_BOOT, STATE_STANDBY, STATE_ACTIVE = 1, 3, 4
 BASE_MODE = 1 | 8 | 16  # custom mode, guided, stabilised
 FLYING_STEP_S = 0.02
@@ -54,7 +55,7 @@ class Autopilot:
         self._now = 0.0
         self._told_reached = 0
         self._told_state: tuple[object, ...] = ()
-        self._unflyable: str | None = None
+        self._unflyable: Infeasible | None = None
         self._flown: tuple[Item, ...] = ()  # what the flight was given: without home, and only when it is complete
         self._idle_mode: int | None = None
         self._commands = _commands(self)
@@ -181,7 +182,9 @@ class Autopilot:
         if self.habits.judges_after_ack and items:
             self._unflyable = infeasibility(items, self.flight.home, self.table.values)
         if self._unflyable:
-            self._say(m.Event(event_number(f"navigator_mis_{self._unflyable}"), 0x33), EVERYONE)
+            self._text(CRITICAL, f"{self._unflyable.words}\t")  # the tab: an event says the same
+            number, arguments = mission_event(self._unflyable.event, *self._unflyable.values)
+            self._say(m.Event(number, ERROR_LEVELS, arguments), EVERYONE)
         self._flown = () if self._unflyable else tuple(items)
         self.flight.load(self._flown)
 
@@ -231,8 +234,7 @@ class Autopilot:
             self._text(CRITICAL, "Arm: Need Position Estimate")
             return CommandResult.FAILED
         if self._unflyable:
-            words = words_of(event_number(f"navigator_mis_{self._unflyable}"))
-            self._text(CRITICAL, f"Arming denied: {words}"[:50])
+            self._text(CRITICAL, f"Arming denied: {self._unflyable.words}"[:50])
             return CommandResult.DENIED
         self.flight.arm()
         return CommandResult.ACCEPTED

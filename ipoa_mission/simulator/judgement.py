@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 
 from ipoa_mission.link.messages import MissionType, Result
@@ -67,28 +68,42 @@ JUDGES: Mapping[Autopilot, Judge] = MappingProxyType({Autopilot.ARDUPILOT: judge
 _STORED_BUT_NOT_FLOWN = frozenset({400, 187, 112, 114, 241, 534, 2510})
 
 
-def infeasibility(items: Sequence[Item], home: Geodetic, parameters: Parameters) -> str | None:
-    """PX4's verdict after the Ack: the event's name behind `navigator_mis_`, None where the mission can be flown."""
+@dataclass(frozen=True)
+class Infeasible:
+    """Why PX4 will not fly a mission: its words, and the event's name behind `navigator_mis_` with its arguments."""
+
+    words: str
+    event: str
+    values: tuple[float, ...] = ()
+
+
+def infeasibility(items: Sequence[Item], home: Geodetic, parameters: Parameters) -> Infeasible | None:
+    """PX4's verdict after the Ack; None where the mission can be flown."""
     radius = parameters["NAV_ACC_RAD"]
     needs_takeoff = int(parameters.get("MIS_TKO_LAND_REQ", 0.0)) in (1, 3)
     first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)
     has_position = has_takeoff = False
     for seq, item in enumerate(items):
         if item.command in _STORED_BUT_NOT_FLOWN:
-            return "unsup_cmd"
+            words = f"Mission rejected: item {seq + 1}: unsupported cmd: {item.command}"
+            return Infeasible(words, "unsup_cmd", (seq + 1, item.command))
         if seq == 0 and item.command == Command.NAV_LAND:
-            return "starts_w_landing"
+            return Infeasible("Mission rejected: starts with landing", "starts_w_landing")
         if item.command == Command.NAV_TAKEOFF:
             height = item.altitude - (home.altitude if item.frame in (Frame.GLOBAL, Frame.GLOBAL_INT) else 0.0)
             if height - 1.0 < radius:
-                return "takeoff_too_low"
+                return Infeasible("Mission rejected: Takeoff altitude too low!", "takeoff_too_low", (radius + 1.0,))
             if has_position:
-                return "takeoff_not_first"
+                return Infeasible("Mission rejected: takeoff not first waypoint item", "takeoff_not_first")
             has_takeoff = True
         if item.has_position and not has_position:
             place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude)
             east, north, _ = LocalFrame(home).local(place)
-            if not math.hypot(east, north) < first_limit:
-                return "first_wp_too_far"
+            if not (distance := math.hypot(east, north)) < first_limit:
+                values = (int(min(distance, 4e9)), int(first_limit))
+                words = f"First waypoint too far away: {values[0]}m, {values[1]} max"
+                return Infeasible(words, "first_wp_too_far", values)
         has_position = has_position or item.frame != Frame.MISSION
-    return "takeoff_missing" if needs_takeoff and not has_takeoff else None
+    if needs_takeoff and not has_takeoff:
+        return Infeasible("Mission rejected: Takeoff waypoint required.", "takeoff_missing")
+    return None

@@ -1,6 +1,7 @@
 """Verbs that speak with a vehicle: the built-in autopilot behind a real port of this machine."""
 
 import json
+import signal
 from pathlib import Path
 
 import pytest
@@ -101,11 +102,12 @@ def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(run, autopilot, mis
     def impatient(line: Line, until: float) -> list:
         heard.append(receive(line, until))
         if len(heard) == 12:
-            raise KeyboardInterrupt
+            signal.raise_signal(signal.SIGINT)
         return heard[-1]
 
     with autopilot() as link:
         monkeypatch.setattr(Line, "receive", impatient)
+        monkeypatch.setattr(signal, "getsignal", lambda number: signal.default_int_handler)
         ended = run(f"upload {mission} --link {link} --log up.tlog")
     assert ended.code == 130
     assert ended.out == ""

@@ -1,18 +1,12 @@
 """Commands, the current item, arming, starting, parameters, the logbook: message by message."""
 
-import contextlib
-import math
 import struct
 
 import pytest
-from link_pair import items_of
 
 from ipoa_mission.link import orders
-from ipoa_mission.link.codec import Codec, Target
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, Pause
-from ipoa_mission.link.line import Line, converse
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer
 from ipoa_mission.link.logbook import LOST_S, Logbook, watch
-from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
     AutopilotVersion,
@@ -29,10 +23,6 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.link.vehicle import meet
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
-from ipoa_mission.simulator.faults import BadPipe, Faults
-from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -215,56 +205,3 @@ def test_a_lost_vehicle_is_an_error() -> None:
     exchange = Exchange(watch(Logbook(2, 0), True, lambda done: None), 0.0, SPECIFIED)
     with pytest.raises(NoAnswer, match="not heard any more"):
         exchange.tick(LOST_S)
-
-
-# --- Ctrl-C ---------------------------------------------------------------------------------------------------------
-
-
-class Impatient(Loopback):
-    """Whoever sits before it presses Ctrl-C at these moments."""
-
-    def __init__(self, far: Station, *presses: float) -> None:
-        slow = Faults(delay_s=0.2)
-        super().__init__(far, BadPipe(slow, 0), BadPipe(slow, 1))
-        self._presses = list(presses)
-
-    def receive(self, until: float) -> list[tuple[bytes, object]]:
-        if self._presses and self.now() >= self._presses[0]:
-            self._presses.pop(0)
-            raise KeyboardInterrupt
-        return super().receive(min(until, *self._presses, math.inf) if self._presses else until)  # type: ignore[return-value]
-
-
-def pausing() -> Dialogue[str]:
-    try:
-        heard = yield Pause(60.0)
-        while heard is not None:
-            heard = yield None
-    except Cancelled:
-        return "ended well"
-    return "undisturbed"
-
-
-def stubborn() -> Dialogue[None]:
-    while True:
-        with contextlib.suppress(Cancelled):
-            yield Pause(60.0)
-
-
-def test_ctrl_c_lets_a_conversation_end_well_and_a_second_one_does_not() -> None:
-    line = Line(Impatient(Station(Mock(PX4, HOME)), 5.0), Codec(245, 190))
-    assert converse(line, Target(1, 1), pausing(), SPECIFIED) == "ended well"
-    line = Line(Impatient(Station(Mock(PX4, HOME)), 5.0, 6.0), Codec(245, 190))
-    with pytest.raises(KeyboardInterrupt):
-        converse(line, Target(1, 1), stubborn(), SPECIFIED)
-
-
-@pytest.mark.parametrize("family", Autopilot)
-def test_ctrl_c_in_an_upload_leaves_a_whole_mission(family: Autopilot) -> None:
-    mock = Mock(family, HOME)
-    vehicle = meet(Line(Impatient(Station(mock), 6.0), Codec(245, 190)), fast=False)
-    with pytest.raises(Cancelled) as told:
-        vehicle.upload_items(items_of(family, 40), 0)
-    held = len(mock.transfers.listed(0))
-    assert held == (0 if family is PX4 else 40)
-    assert ("keeps" if family is PX4 else "completed") in str(told.value)

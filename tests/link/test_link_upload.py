@@ -223,7 +223,7 @@ def judged(*words: Message) -> dict[type[Message], list[list[Message]]]:
     [
         ((Event(event_number("navigator_mis_takeoff_too_low"), 3), Current(0, 1, 1)), "the take-off is too low"),
         ((Text(2, "Mission rejected: geofence"), Current(0, 1, 1)), "Mission rejected: geofence"),
-        ((Event(12345, 3), Current(0, 1, 1)), "no reason given"),
+        ((Event(12345, 3), Current(0, 1, 1)), "no reason was heard"),
     ],
 )
 def test_a_mission_that_the_vehicle_finds_unflyable_is_an_error_with_its_reason(

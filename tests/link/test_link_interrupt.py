@@ -1,0 +1,185 @@
+"""Ctrl-C, whenever it is pressed: the vehicle is left with a whole mission, and the user is told which."""
+
+import contextlib
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
+
+import pytest
+from link_pair import HOME, items_of
+
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause
+from ipoa_mission.link.interrupt import noted_interrupts
+from ipoa_mission.link.line import Line, converse
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.vehicle import meet
+from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
+SLOW = Faults(delay_s=0.02)
+MOMENTS = 12
+
+
+@pytest.fixture(autouse=True)
+def _python_s_own_handler() -> Iterator[None]:
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def press() -> None:
+    signal.raise_signal(signal.SIGINT)
+
+
+def aboard(family: Autopilot, fast: bool = False) -> tuple[Line, Mock, Callable[[tuple[Item, ...]], None]]:
+    mock = Mock(family, HOME)
+    line = Line(Loopback(Station(mock), BadPipe(SLOW, 0), BadPipe(SLOW, 1)), Codec(245, 190))
+    vehicle = meet(line, fast=fast)
+    return line, mock, lambda items: vehicle.upload_items(items, MissionType.MISSION)
+
+
+@contextlib.contextmanager
+def each_instruction(act: Callable[[int], None]) -> Iterator[None]:
+    """Call `act` with its number before each instruction of the link that is executed."""
+    done = 0
+
+    def trace(frame: FrameType, event: str, argument: object) -> object:
+        nonlocal done
+        if "ipoa_mission/link/" not in frame.f_code.co_filename.replace("\\", "/"):
+            return None
+        frame.f_trace_opcodes = True
+        if event == "opcode":
+            done += 1
+            act(done)
+        return trace
+
+    before = sys.gettrace()
+    sys.settrace(trace)  # type: ignore[arg-type]
+    try:
+        yield
+    finally:
+        sys.settrace(before)
+
+
+@pytest.mark.parametrize(("family", "fast"), [(PX4, False), (ARDUPILOT, False), (ARDUPILOT, True)])
+def test_at_whatever_instruction_it_comes_a_whole_mission_is_left_and_the_user_is_told_which(
+    family: Autopilot, fast: bool
+) -> None:
+    old, new = items_of(family, 4, shift=0.01), items_of(family, 6)
+    counted = [0]
+    upload = aboard(family, fast)[2]
+    with each_instruction(lambda number: counted.__setitem__(0, number)):
+        upload(new)
+    told = set()
+    for moment in range(1, counted[0], counted[0] // MOMENTS):
+        line, mock, upload = aboard(family, fast)
+        upload(old)
+        try:
+            with each_instruction(lambda number, moment=moment: press() if number == moment else None):
+                upload(new)
+        except Cancelled as cancelled:
+            words = str(cancelled)
+        except KeyboardInterrupt:  # pressed before the vehicle was told anything, or after it was all over
+            words = "too late" if moment > counted[0] // 2 else "keeps"
+        held = mock.transfers.listed(MissionType.MISSION)
+        expected = old if "keeps" in words else new
+        assert compare(expected, held, family) is None, (moment, words)
+        assert any(sign in words for sign in ("keeps", "too late", "was completed", "holds the whole new")), words
+        over = line.channel.now() + 0.1
+        while line.channel.now() < over:
+            line.receive(over)
+        assert mock.transfers.deadline > 1e9  # the vehicle waits for nothing more
+        told.add("keeps" in words)
+    assert told == {True, False}
+
+
+def test_what_was_cancelled_between_two_lists_says_what_became_of_both() -> None:
+    line, mock, _ = aboard(PX4)
+    vehicle = meet(line)
+    listed = mock._listed
+    mock.transfers._changed = lambda kind: (listed(kind), press())  # as soon as the mission is stored
+    items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
+    with pytest.raises(Cancelled, match="cancelled too late: the vehicle holds the whole new mission"):
+        vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
+    mock.transfers._changed = lambda kind: press() if kind == MissionType.FENCE else listed(kind)
+    with pytest.raises(Cancelled, match="holds the whole new fence; its mission is the new one"):
+        vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
+
+
+class Pressing(Loopback):
+    """Whoever sits before it presses Ctrl-C at these moments."""
+
+    def __init__(self, *presses: float) -> None:
+        super().__init__(Station(Mock(PX4, HOME)))
+        self._presses = list(presses)
+
+    def receive(self, until: float) -> list[tuple[bytes, object]]:
+        if self._presses and self.now() >= self._presses[0]:
+            self._presses.pop(0)
+            press()
+        return super().receive(until)  # type: ignore[return-value]
+
+
+def pausing() -> Dialogue[str]:
+    try:
+        heard = yield Pause(60.0)
+        while heard is not None:
+            heard = yield None
+    except Cancelled:
+        return "ended well"
+    return "undisturbed"
+
+
+def stubborn() -> Dialogue[None]:
+    while True:
+        with contextlib.suppress(Cancelled):
+            yield Pause(60.0)
+
+
+def test_a_conversation_may_end_well_and_a_second_press_ends_it_at_once() -> None:
+    assert converse(Line(Pressing(5.0), Codec(245, 190)), Target(1, 1), pausing(), SPECIFIED) == "ended well"
+    line = Line(Pressing(5.0, 6.0), Codec(245, 190))
+    with pytest.raises(KeyboardInterrupt):
+        converse(line, Target(1, 1), stubborn(), SPECIFIED)
+    assert 6.0 <= line.channel.now() < 6.2
+
+
+def test_a_press_that_nobody_took_is_raised_when_the_conversation_is_over() -> None:
+    with pytest.raises(KeyboardInterrupt), noted_interrupts():
+        press()
+    with noted_interrupts() as interrupt:
+        press()
+        assert interrupt.take()
+        assert not interrupt.take()
+    with pytest.raises(KeyboardInterrupt):
+        press()
+
+
+def test_a_program_with_a_handler_of_its_own_keeps_it_and_other_threads_have_none() -> None:
+    heard: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
+    with noted_interrupts() as interrupt:
+        press()
+        assert not interrupt.is_pending
+    assert heard == [signal.SIGINT]
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    noted: list[bool] = []
+
+    def elsewhere() -> None:
+        with noted_interrupts() as interrupt:
+            noted.append(interrupt.is_pending)
+
+    thread = threading.Thread(target=elsewhere)
+    thread.start()
+    thread.join()
+    assert noted == [False]
