@@ -22,7 +22,7 @@ MAY_IMPORT = {
     "link": {"mission", "world"},
     "simulator": {"link", "mission", "world"},
     "experiments": {"optimize", "planning", "scenario", "world", "mission", "timing", "simulator", "link", "report"},
-    "report": {"scenario", "world", "planning", "mission", "timing", "link"},
+    "report": {"scenario", "world", "planning", "mission", "timing", "link", "energy"},
 }
 #: `mission` and `timing` meet in data only: timing may know these files of mission and no others.
 TIMING_KNOWS_OF_MISSION = {"ipoa_mission.mission.items"}

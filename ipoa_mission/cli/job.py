@@ -20,7 +20,7 @@ from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.scenario.budget import flight_energy
+from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.vehicle import Autopilot, Parameters
 
@@ -88,6 +88,7 @@ def plan_mission(scenario: Scenario, seed: int) -> PlannedJob:
     found = estimate(mission, known)
     track = found.track
     energy = flight_energy(scenario, track.times, track.points, track.speeds)
+    expect_to_come_home(scenario, energy)
     found_out = (finding.message for finding in warnings)
     remarks = (*found_out, *told_of_way_home(mission), *scenario.remarks, *left_out(mission))
     return PlannedJob(scenario.name, mission, known, found, remarks, scenario, plan, energy, options)

@@ -128,7 +128,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
     height = height_of(feature.tags, place, rules.height_key, rules.storey_height)
     foot = foot_of(feature.tags, place, rules.storey_height)
     if height is not None and foot >= height:
-        counts["buildings whose min_height is not below their height, taken to stand on the ground"] += 1
+        counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1
         foot = 0.0
     made = []
     building = bool(feature.tags.keys() & {"building", "building:part"})
@@ -136,7 +136,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
         thin = part.geom_type != "Polygon"
         if height is None:
             default = rules.point_height if thin else rules.default_height
-            counts[f"{'points or lines' if thin else 'buildings'} without a height, given {default:g} m"] += 1
+            counts[f"{'point(s) or line(s)' if thin else 'building(s)'} without a height, given {default:g} m"] += 1
         top = height if height is not None else foot + default
         if thin:
             if building and not rules.everything:
@@ -148,7 +148,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
             continue
         polygons, wrong = polygons_of(part, feature.place)
         if wrong is not None:
-            counts[f"outlines mended ({wrong})"] += 1
+            counts[f"outline(s) mended ({wrong})"] += 1
         made += [Standing(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
     return made
 
@@ -189,7 +189,9 @@ def _obstacle(s: Standing, base: float, top: float) -> Obstacle:
 
 
 def _remarks(counts: Counter[str], wires: Sequence[Feature]) -> Iterator[str]:
-    yield from (f"{count} {words}" for words, count in counts.items())
+    for words, count in counts.items():
+        yield f"{count} {words.replace('(s)', '' if count == 1 else 's')}"
     if wires:
         named = ", ".join(feature.name for feature in wires[:3]) + (", ..." if len(wires) > 3 else "")
-        yield f"{len(wires)} overhead lines have no height and are not in the map of obstacles: {named}"
+        which = "1 overhead line has" if len(wires) == 1 else f"{len(wires)} overhead lines have"
+        yield f"{which} no height and cannot be avoided: {named}"

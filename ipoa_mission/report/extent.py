@@ -6,7 +6,7 @@ import numpy as np
 
 from ipoa_mission.geometry import Points
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.obstacles import Obstacle, Zone
 
 LEAST_ROOM = 15.0  # [m]
 ROOM = 0.18  # of the flight's longer side
@@ -27,6 +27,10 @@ class Extent:
             for body in airspace.obstacles
             if (body.bounds[1, :2] > self.lower).all() and (body.bounds[0, :2] < self.upper).all()
         )
+
+    def buildings(self, airspace: Airspace) -> tuple[Obstacle, ...]:
+        """Those of them that stand there: no zones."""
+        return tuple(body for body in self.obstacles(airspace) if not isinstance(body, Zone))
 
 
 def extent_of(*paths: Points) -> Extent:

@@ -30,6 +30,7 @@ from ipoa_mission.report.panels.profile import distance_profile, height_profile,
 from ipoa_mission.report.scene import page_data
 from ipoa_mission.report.stops import Stop, stops
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.vehicle import Autopilot
 
@@ -74,18 +75,20 @@ def report_html(
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     proof = prove_mission(mission, scenario) if cruise(mission, scenario) else None
     comparison = None if flight is None else compare_flight(mission, estimate, flight)
+    energy = flight_energy(scenario, estimate.track.times, estimate.track.points, estimate.track.speeds)
+    battery = scenario.vehicle.battery
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
         "verdict": verdict(proof, danger),
-        "figures": figures(estimate, proof, float(course.along[-1]), _waypoints(found), comparison),
-        "warnings": warnings([*(one.words for one in danger), *remarks, *estimate.remarks]),
+        "figures": figures(estimate, proof, float(course.along[-1]), _waypoints(found), comparison, energy, battery),
+        "warnings": warnings(danger, [*remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, found, course, flown),
         "legend": legend(scenario, extent, flown is not None),
         "profile": height_profile(course, airspace, required, found, flown),
         "apart": distance_profile(course, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
-        "profile_legend": profile_legend(flown is not None),
+        "profile_legend": profile_legend(flown is not None, extent.obstacles(airspace) != extent.buildings(airspace)),
         "speed": speed_profile(course, found, flown),
         "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),
@@ -95,6 +98,7 @@ def report_html(
         "search": "" if plan is None else search_panel(plan, scenario),
         "footer": _footer(scenario, plan, mission),
         "css": _asset("page.css"),
+        "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),
         "data": page_data(scenario, extent, course, found, flown),

@@ -13,7 +13,7 @@ from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.solids import ground_mesh_over, outline
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, Zone
 from ipoa_mission.world.terrain import Flat
 
 CELLS = 64  # of the ground along the longer side
@@ -52,7 +52,13 @@ def _world(scenario: Scenario, extent: Extent, course: Course) -> dict[str, Any]
     east, north, up = ground_mesh_over(scenario.airspace, extent.lower, extent.upper, 12 if flat else CELLS)
     bodies = extent.obstacles(scenario.airspace)
     floor = float(up.min())
-    highest = max([float(up.max()), float(course.points[:, 2].max()), *(float(b.bounds[1, 2]) for b in bodies)])
+    highest = max(
+        [
+            float(up.max()),
+            float(course.points[:, 2].max()),
+            *(float(b.bounds[1, 2]) for b in extent.buildings(scenario.airspace)),
+        ]
+    )
     width = float(np.subtract(extent.upper, extent.lower).max())
     steepness = max(highest - floor, 1.0) / width
     return {
@@ -70,7 +76,8 @@ def _world(scenario: Scenario, extent: Extent, course: Course) -> dict[str, Any]
             "columns": up.shape[1],
             "heights": _rounded(up.ravel(), 1),
         },
-        "bodies": [_body(body) for body in bodies],
+        "bodies": [_body(body) for body in bodies if not isinstance(body, Zone)],
+        "zones": [_body(body) for body in bodies if isinstance(body, Zone)],
     }
 
 

@@ -9,15 +9,19 @@ def flight_energy(scenario: Scenario, times: Vector, points: Points, speeds: Vec
     """What flying a track takes, given as for `consumption`; None if the scenario has no airframe.
 
     The track is the whole flight, take-off, way home and landing included, as an estimate predicts it.
-
-    Raises:
-        NotEnoughBattery: the scenario has a battery and less than its reserve would be left.
     """
     airframe, battery = scenario.vehicle.airframe, scenario.vehicle.battery
     if airframe is None:
         return None
     wind = battery.head_wind if battery is not None else 0.0
-    used = consumption(airframe.build(), times, points, speeds, scenario.home.altitude_amsl, wind)
-    if battery is not None:
-        expect_reserve(used, battery.build())
-    return used
+    return consumption(airframe.build(), times, points, speeds, scenario.home.altitude_amsl, wind)
+
+
+def expect_to_come_home(scenario: Scenario, used: Consumption | None) -> None:
+    """Refuse a flight that leaves less than the reserve in the scenario's battery, if it has one.
+
+    Raises:
+        NotEnoughBattery: saying what the flight needs and what is left.
+    """
+    if used is not None and scenario.vehicle.battery is not None:
+        expect_reserve(used, scenario.vehicle.battery.build())

@@ -19,7 +19,8 @@ from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.world.airspace import Airspace, Bounds
-from ipoa_mission.world.obstacles import Obstacle, Prism
+from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.obstacles import Zone as NoFly
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Terrain
 
@@ -186,7 +187,7 @@ def _up(scenario: "Scenario", terrain: Terrain, corners: Box, obstacles: tuple[O
 def _no_fly_prisms(maps: _Maps, corners: Box, up: tuple[float, float]) -> tuple[Obstacle, ...]:
     """The zones as obstacles; an end that is left out lies well outside the bounds."""
     return tuple(
-        Prism(
+        NoFly(
             zone.name,
             *rings_of(zone.shape),
             section.base if section.base is not None else min(up[0], section.top or 0.0) - BEYOND,

@@ -181,6 +181,10 @@ class Prism:
         return min((least, where), _least(self, a, b, inner))
 
 
+class Zone(Prism):
+    """A prism of air that may not be entered, in which nothing stands."""
+
+
 def box(name: str, lower: tuple[float, float, float], upper: tuple[float, float, float]) -> Prism:
     """A box along the axes, as a prism."""
     (e0, n0, base), (e1, n1, top) = lower, upper

@@ -108,9 +108,9 @@ def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square
     standing, remarks = find_buildings(read_features(path), BuildingRules(default_height=11), frame)
     assert remarks == (
         "2 buildings without a height, given 11 m",
-        "1 buildings whose min_height is not below their height, taken to stand on the ground",
-        "1 outlines mended (a ring with self-intersection)",
-        "1 overhead lines have no height and are not in the map of obstacles: 110 kV",
+        "1 building whose min_height is not below the height, taken to stand on the ground",
+        "1 outline mended (a ring with self-intersection)",
+        "1 overhead line has no height and cannot be avoided: 110 kV",
     )
     # A bow tie of 40 m by 20 m is two triangles of 20 m by 20 m / 2.
     assert [s.shape.area for s in standing[3:]] == pytest.approx([200, 200], abs=1e-3)

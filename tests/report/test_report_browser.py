@@ -150,8 +150,70 @@ def test_the_view_in_space_turns_by_mouse_keys_and_buttons(open_page: Callable[.
     painted(page)
     assert view("heading") == pytest.approx(heading + 39, abs=0.5)
     assert view("zoom") == pytest.approx(1.25)
-    page.locator('.tools [data-key="Home"]').click()
+    page.locator('.space [data-key="Home"]').click()
     assert painted(page) == first  # the same view gives the same picture
+
+
+def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_on_it(open_page) -> None:
+    page = open_page()
+    plan = page.locator("#map")
+    plan.scroll_into_view_if_needed()
+    box = plan.bounding_box()
+    zoom = lambda: float(plan.get_attribute("data-zoom"))  # noqa: E731
+    stop = page.locator('#map [data-stop="4"]')
+    spot = lambda: _middle(stop.bounding_box())  # noqa: E731
+    length = lambda: shown(page, ".scale")  # noqa: E731
+    first, whole = spot(), length()
+
+    page.mouse.move(*first)
+    page.mouse.wheel(0, -400)
+    assert zoom() == 1.0  # the page scrolls until the map is taken
+    plan.scroll_into_view_if_needed()
+    stop.click()
+    first = spot()
+    page.mouse.wheel(0, -600)
+    page.wait_for_function("Number(document.getElementById('map').dataset.zoom) > 2")
+    assert spot() == pytest.approx(first, abs=1.5)  # what one points at stays where it is
+    assert length() != whole
+
+    page.mouse.move(box["x"] + 60, box["y"] + box["height"] - 60)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 90, box["y"] + box["height"] - 80, steps=4)
+    page.mouse.up()
+    assert spot() == pytest.approx((first[0] + 30, first[1] - 20), abs=1.5)
+    stop.click()
+    assert page.evaluate(HERE_IS_ON_ITS_STOP)
+
+    page.locator('#map [data-key="Home"]').click()
+    assert (zoom(), length()) == (1.0, whole)
+    assert spot() == pytest.approx(first, abs=1.5)
+    page.locator('#map [data-key="+"]').click()
+    assert zoom() == 1.5
+    plan.focus()
+    page.keyboard.press("0")
+    page.evaluate(PINCH, [box["x"] + 200, box["y"] + 150])
+    assert zoom() == pytest.approx(3.0, rel=0.05)
+
+
+#: The mark at the moment that was chosen lies on the button that was clicked.
+HERE_IS_ON_ITS_STOP = """() => {
+  const middle = (e) => { const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; };
+  const [a, b] = [middle(document.querySelector("#map .here")), middle(document.querySelector("#map .chosen"))];
+  return Math.hypot(a[0] - b[0], a[1] - b[1]) < 12;
+}"""
+#: Two fingers 40 pixels apart at a place on the map, then 120.
+PINCH = """([x, y]) => {
+  const map = document.getElementById("map");
+  const send = (kind, id, dx) => map.dispatchEvent(new PointerEvent(kind,
+    { pointerId: id, pointerType: "touch", clientX: x + dx, clientY: y, bubbles: true }));
+  send("pointerdown", 1, -20); send("pointerdown", 2, 20);
+  for (const half of [30, 45, 60]) { send("pointermove", 1, -half); send("pointermove", 2, half); }
+  send("pointerup", 1, -60); send("pointerup", 2, 60);
+}"""
+
+
+def _middle(box: dict[str, float]) -> tuple[float, float]:
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
 @pytest.mark.parametrize("width", [390, 768, 1280])

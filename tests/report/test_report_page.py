@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.mission.legs import join
 from ipoa_mission.mission.prove_route import cruise, prove_mission
@@ -20,7 +21,8 @@ from ipoa_mission.report.panels.headline import verdict
 from ipoa_mission.report.panels.profile import _near
 from ipoa_mission.report.stops import stops
 from ipoa_mission.report.words import metres, number, seconds, share
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import estimate
 
 VOID = {"meta", "br", "i", "path", "rect"}  # elements without an end, and ours that are closed at once
@@ -63,7 +65,7 @@ def test_the_page_is_whole_and_asks_for_nothing_from_outside(planned: Callable[[
     read = Reader(page)
     for _, attrs in read.elements:
         assert not {"src", "href", "action", "srcset"} & set(attrs), attrs
-    assert not re.search(r"https?://|@import|url\(|fetch\(|XMLHttpRequest", page)
+    assert not re.search(r"https?://|@import|url\((?!#hatch)|fetch\(|XMLHttpRequest", page)
     assert "$" not in page.replace("${", "")  # no blank of the template is left
     assert "NaN" not in page
     assert "Infinity" not in read.texts["body"]
@@ -234,3 +236,29 @@ def test_an_axis_over_one_value_still_has_a_length() -> None:
 )
 def test_numbers_are_written_for_people(words: str, expected: str) -> None:
     assert words.replace("\N{NO-BREAK SPACE}", " ") == expected
+
+
+def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, timed = bowed("sitl.toml")
+    assert "energy" not in report_html(scenario, None, mission, timed)
+    text = scenario.model_dump(mode="json")
+    text["vehicle"]["airframe"] = {"mass_kg": 2.4, "rotor_diameter": 0.33}
+    flown = Scenario.model_validate(text)
+    used = flight_energy(flown, timed.track.times, timed.track.points, timed.track.speeds).energy_wh
+    assert f"{used:.1f}\N{NO-BREAK SPACE}Wh" in report_html(flown, None, mission, timed)
+    for capacity, look in ((4 * used, ""), (1.1 * used, "bad")):
+        text["vehicle"]["battery"] = {"capacity_wh": capacity, "reserve": 0.25}
+        page = report_html(Scenario.model_validate(text), None, mission, timed)
+        left = 1 - used / capacity
+        assert f'<div class="{look}"><dt>energy</dt>' in page
+        assert f"{left:.0%} of {capacity:g} Wh left, 25% required" in page
+
+
+def test_a_zone_is_no_building(missions: Path) -> None:
+    pytest.importorskip("rasterio")
+    scenario, mission = read_scenario(missions / "oldtown.toml"), read_mission(missions / "oldtown.plan")
+    page = report_html(scenario, None, mission, estimate(mission))
+    data = json.loads(re.search(r'id="data">(.*?)</script>', page)[1])["world"]
+    assert len(data["zones"]) == 2
+    assert data["highest"] < 80.0  # the mast on its hill; zones have no top
+    assert page.count('<path class="zone"') == 2

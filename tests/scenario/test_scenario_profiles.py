@@ -9,7 +9,7 @@ from ipoa_mission.energy.flight import NotEnoughBattery
 from ipoa_mission.energy.power import power
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.scenario.budget import flight_energy
+from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.scenario.profiles import PROFILES
 
 FLIGHT = """
@@ -102,7 +102,8 @@ def test_the_airframe_of_the_file_is_the_one_that_flies() -> None:
 
 def test_a_flight_beyond_the_battery_is_refused_and_wind_counts() -> None:
     enough = f"vehicle = {{ airframe = {{ {AIRFRAME} }}, battery = {{ capacity_wh = 6.5, reserve = 0.2 }} }}"
-    assert flight_energy(read(enough), *MINUTE) is not None
+    expect_to_come_home(read(enough), flight_energy(read(enough), *MINUTE))
+    expect_to_come_home(read(""), None)
     windy = enough.replace("reserve", "head_wind = 22, reserve")
     with pytest.raises(NotEnoughBattery, match=r"battery: expected a reserve of 20% after landing"):
-        flight_energy(read(windy), *MINUTE)
+        expect_to_come_home(read(windy), flight_energy(read(windy), *MINUTE))

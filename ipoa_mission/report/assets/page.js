@@ -5,6 +5,7 @@
   const { course, stops, world, flown } = JSON.parse(document.getElementById("data").textContent);
   const all = (selector) => [...document.querySelectorAll(selector)];
   const map = document.getElementById("map"), canvas = document.querySelector(".space canvas"), readout = document.querySelector(".readout");
+  const plan = makeMap(map);
   let chosen = -1;
 
   const path = course.points.filter((_, i) => i % 2 === 0);
@@ -29,10 +30,8 @@
       const { low, high } = chart.dataset;
       chart.querySelector(".cursor").style.left = `${(100 * (series[i] - low)) / (high - low)}%`;
     }
-    const [east, north, up] = course.points[i], { west, south, width, height } = map.dataset;
-    const here = map.querySelector(".here").style;
-    here.left = `${(100 * (east - west)) / width}%`;
-    here.top = `${100 - (100 * (north - south)) / height}%`;
+    const [east, north, up] = course.points[i];
+    plan.mark(east, north);
     scene.mark(course.points[i], placed.findIndex((stop) => stop.n === chosen));
     const apart = course.apart[i];
     const words = [
@@ -72,9 +71,8 @@
     plot.addEventListener("pointerdown", aim);
   }
   const aimOnMap = (event) => {
-    const box = map.getBoundingClientRect(), { west, south, width, height } = map.dataset;
-    const east = Number(west) + ((event.clientX - box.left) / box.width) * width;
-    const north = Number(south) + (1 - (event.clientY - box.top) / box.height) * height;
+    if (event.buttons && map.classList.contains("near")) return;  // the map is being moved
+    const [east, north] = plan.place(event);
     const apart = course.points.map((p) => Math.hypot(p[0] - east, p[1] - north));
     point(apart.indexOf(Math.min(...apart)));
   };
@@ -92,5 +90,5 @@
     const n = scene.nearestSpot(event.offsetX, event.offsetY);
     if (n >= 0) choose(placed[n].n);
   });
-  all(".tools button").forEach((button) => button.addEventListener("click", () => scene.key(button.dataset.key)));
+  all(".space .tools button").forEach((button) => button.addEventListener("click", () => scene.key(button.dataset.key)));
 })();

@@ -46,7 +46,7 @@ function makeScene(canvas, world, lines, spots) {
 
   function build() {
     faces = []; strokes = [];
-    colours = Object.fromEntries(["--planned", "--flown", "--ink", "--card", "--edge", "--focus", "--quiet", "--paper"]
+    colours = Object.fromEntries(["--planned", "--flown", "--bad", "--ink", "--card", "--edge", "--focus", "--quiet", "--paper"]
       .map((name) => [name, colour(name)]));
     const [low, high] = [colour("--low-ground"), colour("--high-ground")];
     const [lowRoof, highRoof] = [colour("--low-roof"), colour("--high-roof")];
@@ -56,6 +56,11 @@ function makeScene(canvas, world, lines, spots) {
       const quad = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
       addFace([quad], mix(low, high, (quad[0][2] + quad[2][2] - 2 * least) / 2 / (most - least)));
     }
+    for (const zone of world.zones) for (const ring of zone.rings) ring.forEach((a, i) => {
+      const b = ring[(i + 1) % ring.length], [base, top] = [Math.max(zone.base, floor), Math.min(zone.top, world.highest)];
+      for (const up of [base, top]) strokes.push([[...a, up], [...b, up], "--bad"]);
+      strokes.push([[...a, base], [...a, top], "--bad"]);
+    });
     for (const body of world.bodies) {
       const tint = mix(lowRoof, highRoof, (body.top ?? body.centre[2] + body.radius) / world.highest);
       if (body.radius !== undefined) { addBall(body, tint); continue; }
@@ -108,7 +113,8 @@ function makeScene(canvas, world, lines, spots) {
     }
     const thick = Math.max(1, width / 900), edge = colours["--edge"];
     const crisp = Math.min(0.75, scale / thick - 0.3);  // outlines of what is only a few pixels wide blacken it
-    if (crisp > 0.05) for (const [a, b] of strokes) stroke(to(a), to(b), thick * 0.5, edge, 1.5 * thick, 0, crisp);
+    if (crisp > 0.05) for (const [a, b, tone] of strokes)
+      stroke(to(a), to(b), thick * 0.5, tone ? colours[tone] : edge, 1.5 * thick, 0, tone ? 1 : crisp);
     for (const spot of spots) stroke(to(spot), to([spot[0], spot[1], spot[3]]), thick * 0.5, colours["--quiet"], thick, 0, 0.8);
     for (const line of lines) {
       const tone = colours[line.colour], wide = thick * line.width, ends = line.points.map(to);

@@ -15,17 +15,24 @@ from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.solids import ground_mesh_over, outline
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.obstacles import Obstacle, Zone
 
 TINTS = 8  # of the ground, from low to high
 SHADES = 5  # of the roofs, from low to high
+
+
+TOOLS = (
+    '<div class="tools"><button type="button" data-key="+" aria-label="nearer">+</button>'
+    '<button type="button" data-key="-" aria-label="farther">−</button>'
+    '<button type="button" data-key="Home" aria-label="all of it">⌂</button></div>'
+)
 
 
 def ground_plan(scenario: Scenario, extent: Extent, found: Sequence[Stop], course: Course, flown: Course | None) -> str:
     """The map of `extent` with north up."""
     airspace = scenario.airspace
     bodies = extent.obstacles(airspace)
-    highest = max((float(body.bounds[1, 2]) for body in bodies), default=1.0)
+    highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
     layers = [
         _relief(*ground_mesh_over(airspace, extent.lower, extent.upper, 120)),
         *(_footprint(body, highest) for body in sorted(bodies, key=lambda b: float(b.bounds[1, 2]))),
@@ -39,17 +46,18 @@ def ground_plan(scenario: Scenario, extent: Extent, found: Sequence[Stop], cours
     spots = "".join(_button(n, stop, extent) for n, stop in enumerate(found) if stop.place is not None)
     return (
         f'<div class="map" id="map" style="aspect-ratio:{width:.2f}/{height:.2f}" data-west="{west:.3f}" '
-        f'data-south="{south:.3f}" data-width="{width:.3f}" data-height="{height:.3f}">'
+        f'data-south="{south:.3f}" data-width="{width:.3f}" data-height="{height:.3f}" tabindex="0">'
         f'<svg viewBox="0 0 {width:.2f} {height:.2f}" role="img" aria-label="map of the flight, north up">'
+        f"{_hatch(width)}"
         f'<g transform="translate({-west:.3f} {north:.3f}) scale(1 -1)">{"".join(layers)}</g></svg>'
-        f'{spots}<i class="here"></i>{_scale(width)}</div>'
+        f'{spots}<i class="here"></i>{_scale(width)}{TOOLS}</div>'
     )
 
 
 def legend(scenario: Scenario, extent: Extent, flown: bool) -> str:
     """What the colours of the map and of the 3D view mean."""
-    bodies = extent.obstacles(scenario.airspace)
-    tops = [float(body.bounds[1, 2]) for body in bodies]
+    airspace = scenario.airspace
+    tops = [float(body.bounds[1, 2]) for body in extent.buildings(airspace)]
     keys = [
         '<span class="key planned">path as predicted</span>',
         '<span class="key legs">legs between waypoints</span>',
@@ -59,7 +67,19 @@ def legend(scenario: Scenario, extent: Extent, flown: bool) -> str:
     if tops:
         shades = "".join(f'<i class="roof{n}"></i>' for n in range(SHADES))
         keys.append(f'<span class="ramp">{shades} roofs up to {max(tops):.0f} m above home</span>')
+    if len(extent.obstacles(airspace)) > len(tops):
+        keys.append('<span class="key zone">no-fly zone</span>')
     return f'<p class="legend">{"".join(keys)}</p>'
+
+
+def _hatch(width: float) -> str:
+    """Strokes across what is a zone, with a hundredth of the map's width between them."""
+    size = width / 100
+    return (
+        f'<defs><pattern id="hatch" width="{size:.2f}" height="{size:.2f}" patternUnits="userSpaceOnUse" '
+        f'patternTransform="rotate(45)"><path d="M0 0V{size:.2f}" class="hatch" style="stroke-width:{size / 6:.2f}"/>'
+        "</pattern></defs>"
+    )
 
 
 def _relief(east: Points, north: Points, up: Points) -> str:
@@ -82,6 +102,9 @@ def _relief(east: Points, north: Points, up: Points) -> str:
 
 
 def _footprint(body: Obstacle, highest: float) -> str:
+    if isinstance(body, Zone):
+        rings = "".join(_ring(ring) for ring in outline(body))
+        return f'<path class="zone" d="{rings}"><title>{escape(body.name)}: no-fly zone</title></path>'
     base, top = body.bounds[:, 2]
     shade = min(SHADES - 1, int(SHADES * max(top, 0.0) / max(highest, 1e-9)))
     rings = "".join(_ring(ring) for ring in outline(body))

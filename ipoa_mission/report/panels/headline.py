@@ -4,10 +4,12 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.course import Danger
-from ipoa_mission.report.words import metres, seconds, share
+from ipoa_mission.report.words import metres, number, seconds, share
+from ipoa_mission.scenario.vehicle import BatterySection
 from ipoa_mission.timing.estimate import Estimate
 
 
@@ -27,7 +29,13 @@ def verdict(proof: Proof | None, found: Sequence[Danger]) -> str:
 
 
 def figures(
-    estimate: Estimate, proof: Proof | None, length: float, waypoints: int, comparison: Comparison | None
+    estimate: Estimate,
+    proof: Proof | None,
+    length: float,
+    waypoints: int,
+    comparison: Comparison | None,
+    energy: Consumption | None,
+    battery: BatterySection | None,
 ) -> str:
     """The headline numbers."""
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}"
@@ -40,15 +48,33 @@ def figures(
         look = "" if proof.holds else "bad"
         cards.append(_card("least clearance", metres(proof.clearance.distance), f"to {proof.clearance.what}", look))
     cards.append(_card("path", metres(length, 0), f"{waypoints} waypoints"))
+    if energy is not None:
+        cards.append(_energy(energy, battery))
     return f'<dl class="figures">{"".join(cards)}</dl>'
 
 
-def warnings(remarks: Sequence[str]) -> str:
-    """What must be known before flying; nothing when there is nothing."""
-    if not remarks:
+def warnings(found: Sequence[Danger], remarks: Sequence[str]) -> str:
+    """What must be known before flying, dangers first; nothing when there is nothing."""
+    if not found and not remarks:
         return ""
-    rows = "".join(f"<li>{escape(remark)}</li>" for remark in remarks)
-    return f'<section class="warnings"><h2>Before you fly</h2><ul>{rows}</ul></section>'
+    rows = [f'<li class="bad">{escape(danger.words)}</li>' for danger in found]
+    rows += [f"<li>{escape(remark)}</li>" for remark in remarks]
+    look = "warnings bad" if found else "warnings"
+    return f'<section class="{look}"><h2>Before you fly</h2><ul>{"".join(rows)}</ul></section>'
+
+
+def _energy(used: Consumption, battery: BatterySection | None) -> str:
+    """What the flight takes, and how full the battery comes home beside the reserve that it must keep."""
+    value = f"{number(used.energy_wh, 1)}\N{NO-BREAK SPACE}Wh"
+    if battery is None:
+        return _card("energy", value, f"{number(used.mean_w, 0)} W on average, {number(used.peak_w, 0)} W at most")
+    left = max(used.left(battery.build()), 0.0)
+    note = f"{left:.0%} of {battery.capacity_wh:g} Wh left, {battery.reserve:.0%} required"
+    bar = (
+        f'<i class="battery" role="img" aria-label="{escape(note)}"><i style="width:{left:.1%}"></i>'
+        f'<b style="left:{battery.reserve:.1%}"></b></i>'
+    )
+    return _card("energy", value, note, "bad" if left < battery.reserve else "", bar)
 
 
 def _flown(comparison: Comparison) -> str:
@@ -62,5 +88,6 @@ def _flown(comparison: Comparison) -> str:
     return _card("flown", "not known", "the log tells of no item", "flown")
 
 
-def _card(label: str, value: str, note: str, look: str = "") -> str:
-    return f'<div class="{look}"><dt>{escape(label)}</dt><dd>{escape(value)}<small>{escape(note)}</small></dd></div>'
+def _card(label: str, value: str, note: str, look: str = "", below: str = "") -> str:
+    words = f"{escape(value)}{below}<small>{escape(note)}</small>"
+    return f'<div class="{look}"><dt>{escape(label)}</dt><dd>{words}</dd></div>'

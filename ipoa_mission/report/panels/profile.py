@@ -10,7 +10,7 @@ from ipoa_mission.report.chart import Axis, Chart, axis_over
 from ipoa_mission.report.course import Course
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.obstacles import Obstacle, Zone
 
 BESIDE = 15.0  # obstacles this near beside the path are shown too [m]
 NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
@@ -44,10 +44,11 @@ def height_profile(
     return chart.html("profile", layers, over, "tall", along="along")
 
 
-def profile_legend(flown: bool) -> str:
+def profile_legend(flown: bool, zones: bool) -> str:
     """What is what in the height profile."""
     keys = '<span class="key planned">path as predicted</span>' + '<span class="key flown">flown</span>' * flown
     bodies = '<span class="key below">obstacles below</span><span class="key beside">within 15 m beside</span>'
+    bodies += '<span class="key zone">no-fly zone</span>' * zones
     return f'<p class="legend">{keys}<span class="key band">must stay free</span>{bodies}</p>'
 
 
@@ -108,7 +109,11 @@ def _near(course: Course, airspace: Airspace, required: float) -> Iterator[tuple
             level = np.column_stack([flat[close], np.full(int(close.sum()), bounds[:, 2].mean())])
             close[close] = body.distance(level) < reach
             for first, last in _runs(close):
-                yield body, (float(course.along[first]), float(course.along[last])), look
+                yield body, (float(course.along[first]), float(course.along[last])), _look(body, look)
+
+
+def _look(body: Obstacle, look: str) -> str:
+    return "zone" if isinstance(body, Zone) else look
 
 
 def _runs(mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
@@ -121,7 +126,7 @@ def _block(chart: Chart, body: Obstacle, run: tuple[float, float], look: str) ->
     least = NARROWEST * (chart.x.high - chart.x.low)
     middle, half = sum(run) / 2, max(run[1] - run[0], least) / 2
     base, top = (float(up) for up in body.bounds[:, 2])
-    words = f"{body.name}: {base:.0f} to {top:.0f} m"
+    words = f"{body.name}: no-fly zone" if isinstance(body, Zone) else f"{body.name}: {base:.0f} to {top:.0f} m"
     return chart.block((middle - half, middle + half), (max(base, chart.y.low), min(top, chart.y.high)), look, words)
 
 
