@@ -28,6 +28,7 @@ from ipoa_mission.cli.options import (
     ReportOption,
     SeedOption,
     SystemOption,
+    TimeoutOption,
     VehicleOption,
     read_parameter_options,
 )
@@ -52,6 +53,7 @@ def fly(
     link: VehicleOption = None,
     system: SystemOption = None,
     key: KeyOption = None,
+    timeout: TimeoutOption = None,
     backend: BackendOption = Backend.BUILTIN,
     anyway: AnywayOption = False,
     loss: LossOption = 0.0,
@@ -94,7 +96,7 @@ def fly(
         with left_behind(f"the flight was broken off; {log} has it so far"), _flight_bar(len(job.mission.items)) as bar:
             record = fly_here(job.mission, job.parameters, seed, faults, log, flying=bar)
     else:
-        with connect_to(link, system, key, backend, None, log) as vehicle:
+        with connect_to(link, system, key, backend, None, log, timeout) as vehicle:
             remarks = put(job.mission, vehicle, anyway)
             with left_behind("the vehicle may be armed, or flying already", hint="look at it"):
                 vehicle.arm()

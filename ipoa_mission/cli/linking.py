@@ -16,9 +16,10 @@ from ipoa_mission.cli.options import (
     LinkOption,
     LogOption,
     SystemOption,
+    TimeoutOption,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.cli.vehicles import Backend, connect_to, get, put
+from ipoa_mission.cli.vehicles import Backend, connect_to, get, patience_of, put
 
 
 def upload(
@@ -28,6 +29,7 @@ def upload(
     autopilot: AutopilotOption = None,
     log: LogOption = None,
     key: KeyOption = None,
+    timeout: TimeoutOption = None,
     backend: BackendOption = Backend.BUILTIN,
     anyway: AnywayOption = False,
     as_json: JsonOption = False,
@@ -41,7 +43,7 @@ def upload(
     from ipoa_mission.mission.files import read_mission
 
     mission = read_mission(file, autopilot)
-    with connect_to(link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog")) as vehicle:
+    with connect_to(link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog"), timeout) as vehicle:
         remarks = put(mission, vehicle, anyway)
         name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
@@ -57,6 +59,7 @@ def download(
     system: SystemOption = None,
     log: LogOption = None,
     key: KeyOption = None,
+    timeout: TimeoutOption = None,
     backend: BackendOption = Backend.BUILTIN,
     as_json: JsonOption = False,
 ) -> None:
@@ -72,7 +75,7 @@ def download(
     usual = file.with_name(f"{file.stem}-download.tlog")
     with (
         left_behind("nothing was written"),
-        connect_to(link, system, key, backend, log, usual) as vehicle,
+        connect_to(link, system, key, backend, log, usual, timeout) as vehicle,
     ):
         mission = get(vehicle)
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
@@ -89,6 +92,7 @@ def clear(
     system: SystemOption = None,
     log: LogOption = None,
     key: KeyOption = None,
+    timeout: TimeoutOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Have a vehicle forget its mission, fence and rally points.
@@ -101,7 +105,7 @@ def clear(
 
     with (
         left_behind("the vehicle may have forgotten some of its lists", hint="the same command goes on"),
-        connect(link, system, log or Path("clear.tlog"), signer_of(key)) as vehicle,
+        connect(link, system, log or Path("clear.tlog"), signer_of(key), patience_of(timeout)) as vehicle,
     ):
         vehicle.clear(MissionType.ALL)
     if as_json:
@@ -117,6 +121,7 @@ def set_current(
     system: SystemOption = None,
     log: LogOption = None,
     key: KeyOption = None,
+    timeout: TimeoutOption = None,
     backend: BackendOption = Backend.BUILTIN,
     as_json: JsonOption = False,
 ) -> None:
@@ -126,7 +131,7 @@ def set_current(
 
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
-    with connect_to(link, system, key, backend, log, Path("set-current.tlog")) as vehicle:
+    with connect_to(link, system, key, backend, log, Path("set-current.tlog"), timeout) as vehicle:
         with left_behind("the vehicle may go on with either item"):
             vehicle.set_current(item - 1)
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}

@@ -125,6 +125,16 @@ LogOption: TypeAlias = Annotated[
         help="Where every frame goes (.tlog); left out, beside the mission file, named after the verb.",
     ),
 ]
+TimeoutOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        "--timeout",
+        metavar="S",
+        min=1.0,
+        rich_help_panel=ON_THE_LINK,
+        help="Give up after so many seconds; left out, an hour.",
+    ),
+]
 KeyOption: TypeAlias = Annotated[
     Path | None,
     typer.Option(

@@ -10,6 +10,7 @@ from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.telling import progress_bar
 
 if TYPE_CHECKING:
+    from ipoa_mission.link.dialogue import Patience
     from ipoa_mission.link.mavsdk_backend import MavsdkVehicle
     from ipoa_mission.link.vehicle import Vehicle
     from ipoa_mission.mission.items import Mission
@@ -27,12 +28,20 @@ class Backend(StrEnum):
 
 
 def connect_to(
-    link: str, system: int | None, key: Path | None, backend: Backend, record: Path | None, usual_record: Path
+    link: str,
+    system: int | None,
+    key: Path | None,
+    backend: Backend,
+    record: Path | None,
+    usual_record: Path,
+    timeout: float | None = None,
 ) -> "AnyVehicle":
     """The vehicle on a link. Every frame goes to `record` (left out: to `usual_record`), unless MAVSDK speaks for us.
 
+    What is done with it may take `timeout` seconds in all.
+
     Raises:
-        BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record).
+        BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record or time).
         LinkDown, NoAnswer: there is nobody.
     """
     from ipoa_mission.cli.signing import signer_of
@@ -44,13 +53,22 @@ def connect_to(
 
         if signer is not None:
             raise BadInput("--key: the mavsdk backend does not sign", hint="leave out --backend")
+        if timeout is not None:
+            raise BadInput("--timeout: MAVSDK has timers of its own", hint="leave out --backend")
         vehicle: AnyVehicle = connect_by_mavsdk(link, system, record)
     else:
         from ipoa_mission.link.vehicle import connect
 
-        vehicle = connect(link, system, record or usual_record, signer)
+        vehicle = connect(link, system, record or usual_record, signer, patience_of(timeout))
     log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, backend)
     return vehicle
+
+
+def patience_of(timeout: float | None) -> "Patience":
+    """The specification's timers, and the user's limit in seconds for what is done with them."""
+    from ipoa_mission.link.dialogue import SPECIFIED
+
+    return SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout)
 
 
 def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, ...]:

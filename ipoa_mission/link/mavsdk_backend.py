@@ -4,6 +4,7 @@ MAVSDK reports success when it has the Ack; here as elsewhere an upload counts w
 has no clock of the vehicle's, so times of a flight are the computer's.
 """
 
+import queue
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -16,12 +17,13 @@ from typing import Any
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown
-from ipoa_mission.link.conversations import MissionRefused, Progress, silent
-from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.conversations import MissionRefused, Progress, list_name, silent
+from ipoa_mission.link.dialogue import Cancelled, NoAnswer
+from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.link.orders import CommandRefused
-from ipoa_mission.link.upload import ReadBackDiffers
+from ipoa_mission.link.upload import ReadBackDiffers, Unflyable
 from ipoa_mission.link.wire import coordinate, degrees
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import compare, from_wire, to_wire
@@ -33,6 +35,7 @@ PRESENCE_S = 10.0
 ARMING_S = 60.0
 LOST_S = 15.0
 POLL_S = 0.05
+VERDICT_S = 0.6  # how long PX4 may take to find a mission unflyable
 #: MAVSDK's names for what a vehicle answers, where MAVLink has one.
 _RESULTS = {
     "TOO_MANY_MISSION_ITEMS": Result.NO_SPACE,
@@ -44,7 +47,7 @@ _RESULTS = {
 }
 
 
-def connect(url: str, system: int | None = None, log: Path | None = None) -> "MavsdkVehicle":
+def connect(url: str, system: int | None = None, log: str | Path | None = None) -> "MavsdkVehicle":
     """Find the vehicle on a link, through MAVSDK.
 
     Raises:
@@ -86,10 +89,11 @@ class MavsdkVehicle:
     def __init__(self, instance: Any, system: Any) -> None:
         self._instance = instance
         plugins = "mavsdk.plugins"
-        self._raw = import_module(f"{plugins}.mission_raw").MissionRaw(system)
+        mission_raw = import_module(f"{plugins}.mission_raw")
+        self._raw, self._broken_off = mission_raw.MissionRaw(system), mission_raw.MissionRawError
         self._action = import_module(f"{plugins}.action").Action(system)
         self._telemetry = import_module(f"{plugins}.telemetry").Telemetry(system)
-        self._item = import_module(f"{plugins}.mission_raw").MissionItem
+        self._item = mission_raw.MissionItem
         self._refused = import_module("mavsdk").MavsdkError
         self.system = int(system.get_system_id())
         is_ardupilot = system.autopilot_type().name == "ARDUPILOT"
@@ -97,13 +101,14 @@ class MavsdkVehicle:
         self._words: list[str] = []
         self._expected: tuple[Item, ...] = ()
         self._started = 0.0
-        self._telemetry.subscribe_status_text(lambda text, _: self._words.append(text.text))
+        self._critical: list[str] = []
+        self._telemetry.subscribe_status_text(lambda text, _: self._note(text))
 
     def upload(self, mission: Mission, progress: Progress = silent) -> None:
         """Put a mission with its fence and rally points on the vehicle, and verify each list by reading back.
 
         Raises:
-            MissionRefused, NoAnswer, ReadBackDiffers.
+            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, Cancelled.
         """
         items = to_wire(replace(mission, autopilot=self.autopilot))
         self.upload_items(items, MissionType.MISSION)
@@ -116,11 +121,45 @@ class MavsdkVehicle:
 
     def upload_items(self, items: Sequence[Item], kind: int) -> None:
         """Put one list on the vehicle as it stands on the wire, and verify it."""
-        upload = (self._raw.upload_mission, self._raw.upload_geofence, self._raw.upload_rally_points)[kind]
-        self._transfer(kind, lambda: upload([self._spell(seq, item, kind) for seq, item in enumerate(items)]))
-        difference = compare(items, self.download_items(kind), self.autopilot)
-        if difference is not None:
-            raise ReadBackDiffers(kind, difference)
+        name = list_name(kind)
+        with noted_interrupts() as interrupt:
+            rows = [self._spell(seq, item, kind) for seq, item in enumerate(items)]
+            self._critical.clear()
+            try:
+                self._transfer(kind, lambda: self._upload(rows, kind, interrupt))
+            except MissionRefused as refusal:
+                if refusal.result != Result.OPERATION_CANCELLED or not interrupt.take():
+                    raise
+                raise Cancelled(f"cancelled: the vehicle keeps the {name} it had") from None
+            difference = compare(items, self.download_items(kind), self.autopilot)
+            if difference is not None:
+                raise ReadBackDiffers(kind, difference)
+            if interrupt.take():
+                raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}")
+        if self.autopilot is Autopilot.PX4 and kind == MissionType.MISSION and items:
+            time.sleep(VERDICT_S)
+            if self._critical:
+                why = "; ".join(self._critical)
+                raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")
+
+    def _upload(self, rows: Sequence[Any], kind: int, interrupt: Interrupt) -> None:
+        """MAVSDK's upload; Ctrl-C ends it where the vehicle then keeps its old list: PX4, and only its mission."""
+        raw = self._raw
+        begin = (raw.upload_mission_async, raw.upload_geofence_async, raw.upload_rally_points_async)[kind]
+        results: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        begin(list(rows), lambda result, _: results.put(result))
+        was_cancelled = False
+        while True:
+            if interrupt.is_pending and not was_cancelled and self.autopilot is Autopilot.PX4 and kind == 0:
+                was_cancelled = True
+                raw.cancel_mission_upload()
+            try:
+                result = results.get(timeout=POLL_S)
+            except queue.Empty:
+                continue
+            if result.name != "SUCCESS":
+                raise self._broken_off(result, "upload")
+            return
 
     def download(self) -> Mission:
         """The mission on the vehicle, with its fence and rally points."""
@@ -218,6 +257,12 @@ class MavsdkVehicle:
     @property
     def _first(self) -> int:
         return 1 if self.autopilot is Autopilot.ARDUPILOT else 0
+
+    def _note(self, text: Any) -> None:
+        words = str(text.text).rstrip("\t ")
+        self._words.append(words)
+        if text.type.name in ("CRITICAL", "ALERT", "EMERGENCY"):
+            self._critical.append(words)
 
     def _transfer(self, kind: int, act: Callable[[], Any]) -> Any:
         self._words.clear()

@@ -54,6 +54,7 @@ class Autopilot:
         self._outbox: list[tuple[Message, Target]] = []
         self._now = 0.0
         self._told_reached = 0
+        self._last_reached = m.Reached(0), 0  # and how often it is still to be said
         self._told_state: tuple[object, ...] = ()
         self._unflyable: Infeasible | None = None
         self._flown: tuple[Item, ...] = ()  # what the flight was given: without home, and only when it is complete
@@ -126,9 +127,16 @@ class Autopilot:
             case "SYS_STATUS":
                 return streams.status(self.transfers.booted and self._unflyable is None)
             case "MISSION_CURRENT":
+                self._repeat_reached()
                 return self._current()
             case _:
                 return streams.FROM_FLIGHT[name](self.flight, self._now)
+
+    def _repeat_reached(self) -> None:
+        reached, times = self._last_reached
+        if times > 0:
+            self._last_reached = reached, times - 1
+            self._say(reached, EVERYONE)
 
     def _heartbeat(self) -> m.Heartbeat:
         armed = m.ARMED_FLAG if self.flight.armed else 0
@@ -144,7 +152,17 @@ class Autopilot:
         first = self._first
         total = max(len(self.transfers.stores[MissionType.MISSION].items) - first, 0)
         state = MissionState.NO_MISSION if self._unflyable else self.flight.mission_state
-        return m.Current(self.flight.current + first if total else 0, total, int(state))
+        index = 0 if self._has_rewound else self.flight.current
+        return m.Current(index + first if total else 0, total, int(state))
+
+    @property
+    def _has_rewound(self) -> bool:
+        return (
+            self.habits.rewinds_after_landing
+            and self.flight.mission_state is MissionState.COMPLETE
+            and not self.flight.armed
+            and self._flown[-1].command == Command.NAV_LAND
+        )
 
     @property
     def _first(self) -> int:
@@ -155,15 +173,20 @@ class Autopilot:
         reached = self.flight.reached
         if len(reached) < self._told_reached:
             self._told_reached = 0
-        fresh, self._told_reached = reached[self._told_reached :], len(reached)
+        fresh = reached[self._told_reached :]
+        if fresh and self._now < fresh[-1].time_s + self.habits.reached_slot_s:
+            fresh = fresh[:0]  # another may come and hide it
+        self._told_reached += len(fresh)
         state = (self._custom_mode(), self.flight.armed)
         current = self._current()
         if not fresh and (state, current) == self._told_state:
             return
         self._say(streams.position(self.flight, self._now), EVERYONE)
-        for one in fresh:
-            if one.announced:
-                self._say(m.Reached(one.index + self._first), EVERYONE)
+        for n, one in enumerate(fresh):
+            soon = one.time_s + self.habits.reached_slot_s
+            if one.announced and not any(later.time_s < soon for later in fresh[n + 1 :]):
+                self._last_reached = m.Reached(one.index + self._first), self.habits.reached_repeats
+                self._say(self._last_reached[0], EVERYONE)
                 if self.habits.home_is_item_0:
                     self._text(INFO, f"Reached command #{one.index + self._first}")
         was = self._told_state

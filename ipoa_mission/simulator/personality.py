@@ -51,6 +51,10 @@ class Personality:
     has_mission_file: bool  # `@MISSION/mission.dat`
     knows_command_224: bool
     judges_after_ack: bool
+    reached_repeats: int  # how often MISSION_ITEM_REACHED is said again
+    reached_slot_s: float  # an item that is done within this time of another hides it
+    rewinds_after_landing: bool  # a mission that ends in LAND stands at its first item again
+    takes_orders_as_items: bool  # an item with current 2 ("go there now") or 3 ("change altitude")
     missing_takeoff_text: str | None  # said when a mission without take-off is started on the ground
     boot_s: float  # until then a COUNT gets NO_SPACE, and arming is refused
     modes: Mapping[FlightMode, int]  # HEARTBEAT.custom_mode
@@ -103,6 +107,10 @@ ARDUCOPTER = Personality(
     has_mission_file=True,
     knows_command_224=True,
     judges_after_ack=False,
+    reached_repeats=0,
+    reached_slot_s=0.02,
+    rewinds_after_landing=True,
+    takes_orders_as_items=True,
     missing_takeoff_text="Auto: Missing Takeoff Cmd",
     boot_s=45.0,
     modes=MappingProxyType({FlightMode.HOLD: 5, FlightMode.MISSION: 3, FlightMode.RETURN: 6, FlightMode.LAND: 9}),
@@ -131,6 +139,10 @@ PX4 = Personality(
     has_mission_file=False,
     knows_command_224=False,
     judges_after_ack=True,
+    reached_repeats=10,
+    reached_slot_s=0.1,
+    rewinds_after_landing=False,
+    takes_orders_as_items=False,
     missing_takeoff_text=None,
     boot_s=0.0,
     modes=MappingProxyType(

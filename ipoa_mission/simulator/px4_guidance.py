@@ -134,7 +134,7 @@ class PathFollower:
         last, goal, beyond = self._points
         dx, dy = goal[0] - x.place, goal[1] - y.place
         away, speed = math.hypot(dx, dy), math.hypot(x.speed, y.speed)
-        aligned = (x.speed * dx + y.speed * dy) / (speed * away) if speed > 0.0 and away > 0.0 else 0.0
+        aligned = (x.speed * dx + y.speed * dy) / (speed * away) if speed * away > 0.0 else 0.0
         turning = speed > 0.2 and aligned < TURNING and away > self.radius
         flat = self._flat_speed(away, dx, dy, goal, beyond)
         if turning:

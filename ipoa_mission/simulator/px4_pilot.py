@@ -76,7 +76,7 @@ class PX4Pilot:
                 continue
             if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0.0 and item.params[0] in (0.0, 1.0):
                 self._path.set_speed(item.params[1])
-            self._now.done(index, announced=False)
+            self._now.done(index)
             index = program.after(index, taking=True)
         if index is None or index >= len(program):
             self._now.mission = MissionState.COMPLETE

@@ -4,8 +4,9 @@ Where nothing else is said, a habit was measured (see `personality`); the rest i
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Target
@@ -35,6 +36,9 @@ from ipoa_mission.world.frame import Geodetic
 WARNING = 4
 KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
+#: Values of an item's `current` that make it an order of its own, and the answer of a vehicle that is not in guided
+#: mode: "go there now" is refused, "change altitude" is accepted and does nothing.
+ORDERS: Mapping[int, int] = MappingProxyType({2: Result.ERROR, 3: Result.ACCEPTED})
 
 
 @dataclass
@@ -198,6 +202,9 @@ class Transfers:
         return take
 
     def _take(self, message: ItemAt, client: Target, now: float) -> None:
+        if message.current in ORDERS and self._habits.takes_orders_as_items:
+            self._say(Ack(ORDERS[message.current], message.kind), client)
+            return
         incoming = self._incoming.get(self._slot(message.kind))
         if incoming is None or incoming.client != client:
             if self._habits.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):

@@ -1,19 +1,50 @@
 """MAVSDK in a process of its own, through the backend: a whole session, its results as one line of JSON."""
 
 import json
+import signal
 import sys
 
-from ipoa_mission.link.mavsdk_backend import connect
+from ipoa_mission.link.dialogue import Cancelled
+from ipoa_mission.link.mavsdk_backend import MavsdkVehicle, connect
+from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
+
+
+def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
+    """What is said of a mission that cannot be flown, and of one that is cancelled; whether that is so."""
+    told: dict[str, object] = {}
+    try:
+        vehicle.upload(Mission(HOME, (takeoff(HOME, 1.0),), Autopilot.PX4))
+    except Unflyable as error:
+        told["unflyable"] = str(error)
+    many = [waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 30.0) for n in range(500)]
+    spell = vehicle._spell
+
+    def press(seq: int, *rest: object) -> object:
+        if seq == len(many):
+            signal.raise_signal(signal.SIGINT)
+        return spell(seq, *rest)
+
+    vehicle._spell = press  # type: ignore[assignment,method-assign]
+    try:
+        vehicle.upload(Mission(HOME, (takeoff(HOME, 20.0), *many), Autopilot.PX4))
+    except Cancelled as cancelled:
+        held = len(vehicle.download_items(MissionType.MISSION))
+        told["cancelled_as_told"] = held == (1 if "keeps" in str(cancelled) else len(many) + 1)
+    vehicle._spell = spell  # type: ignore[method-assign]
+    return told
 
 
 def main(url: str) -> None:
     legs = [waypoint(Geodetic(47.4 + 0.0002 * n, 8.5), 30.0) for n in (1, 2, 3)]
     fence, rally = (FenceCircle((47.4, 8.5), 500.0),), (Geodetic(47.4005, 8.5, 25.0),)
     with connect(url) as vehicle:
+        told = spoil(vehicle) if vehicle.autopilot is Autopilot.PX4 else {}
         items = (takeoff(HOME, 20.0), *legs, return_to_launch())
         sent = Mission(HOME, items, vehicle.autopilot, fence=fence, rally=rally)
         vehicle.upload(sent)
@@ -29,6 +60,7 @@ def main(url: str) -> None:
             "reached": sorted(record.item_reached_s),
             "completed": record.completed,
             "samples": len(record.path),
+            **told,
         }
     sys.stdout.write("RESULT " + json.dumps(result) + "\n")
 

@@ -39,6 +39,9 @@ def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, ru
     assert line is not None, done.stdout + done.stderr
     told = json.loads(line[line.index("RESULT ") + 7 :])
     assert told.pop("samples") > 10
+    if family is Autopilot.PX4:
+        assert "Mission rejected: Takeoff altitude too low!" in told.pop("unflyable")
+        assert told.pop("cancelled_as_told")
     assert told == {
         "autopilot": str(family),
         "items": 5,

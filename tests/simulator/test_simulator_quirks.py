@@ -30,6 +30,7 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.flight import FlightMode
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -53,6 +54,13 @@ def begun(autopilot: Autopilot, count: int = 3, received: int = 0, old: int = 0)
     one.hear(Count(count))
     for seq in range(received):
         one.hear(ItemAt(seq, items_of(autopilot, count)[seq]))
+    return one
+
+
+def begun_list(autopilot: Autopilot, kind: int, old: Sequence[Item]) -> Vehicle:
+    """A vehicle that has a fence, or rally points."""
+    one = Vehicle(autopilot)
+    one.store(tuple(old), kind)
     return one
 
 
@@ -136,6 +144,7 @@ class Row:
     answer: Sequence[Message | str]
     source: Target = CLIENT
     after: int | None = None  # items in the store
+    kind: int = MissionType.MISSION  # of that store
 
 
 def conversation_rows() -> list[Row]:
@@ -174,6 +183,16 @@ def conversation_rows() -> list[Row]:
         Row("ardupilot: a partial list beyond the end", vehicle(ARDUPILOT, 3), [WritePartialList(2, 3)],
             [Ack(Result.ERROR), "Flight plan update rejected"]),
         Row("ardupilot: the fence keeps its old items till the end", begun(ARDUPILOT), [Count(1, 1)], [a(0, 1)]),
+        Row("ardupilot: item 0 is validated", begun(ARDUPILOT, 3), [ItemAt(0, having(latitude_deg=95.0))],
+            [Ack(Result.INVALID_PARAM5_X)]),
+        Row("ardupilot: the final ack is said once", begun(ARDUPILOT, 3, 3), [ItemAt(2, ap[2])], [Ack(Result.ERROR)]),
+        Row("ardupilot: a NAK leaves the fence as it was", begun_list(ARDUPILOT, FENCE, [CIRCLE, CIRCLE]),
+            [Count(1, 1), ItemAt(0, WAYPOINT, 1)], [a(0, 1), Ack(Result.UNSUPPORTED, 1)], after=2, kind=FENCE),
+        Row("ardupilot: and the rally points not", begun_list(ARDUPILOT, MissionType.RALLY, [RALLY, RALLY]),
+            [Count(1, 2), ItemAt(0, WAYPOINT, 2)], [a(0, 2), Ack(Result.UNSUPPORTED, 2)], after=1, kind=2),
+        Row("ardupilot: an item with current 2 is an order", begun(ARDUPILOT, 3, 1), [ItemAt(1, ap[1], 0, 2)],
+            [Ack(Result.ERROR)]),
+        Row("ardupilot: and so is one with current 3", begun(ARDUPILOT, 3, 1), [ItemAt(1, ap[1], 0, 3)], [Ack(OK)]),
         Row("ardupilot: items are given without a list", vehicle(ARDUPILOT, 3), [Request(9)],
             [Ack(Result.INVALID_SEQUENCE)]),
         # PX4
@@ -198,6 +217,11 @@ def conversation_rows() -> list[Row]:
         Row("px4: clearing in mid-upload is refused by words", begun(PX4, 3, 1), [ClearAll()], ["busy"]),
         Row("px4: partial lists meet silence", vehicle(PX4, 5), [WritePartialList(0, 1)], []),
         Row("px4: a request without a list meets silence", vehicle(PX4, 3), [Request(0)], []),
+        *[Row(f"px4: a NAK leaves list {kind} as it was", begun_list(PX4, kind, [item, item]),
+              [Count(1, kind), ItemAt(0, WAYPOINT, kind)], [Request(0, kind), Ack(Result.ERROR, kind)], after=2,
+              kind=kind)
+          for kind, item in ((1, CIRCLE), (2, RALLY))],
+        Row("px4: an item is an item, whatever its current", begun(PX4, 3, 1), [ItemAt(1, px[1], 0, 2)], [Request(2)]),
         # both
         *[Row(f"{one}: a list of no known kind", vehicle(one),
               [Count(1, 7), RequestList(7), ClearAll(7), Request(0, 7)], [Ack(Result.UNSUPPORTED, 7)] * 3)
@@ -220,7 +244,7 @@ def test_a_vehicle_answers_as_measured(row: Row) -> None:
         else:
             assert got == expected
     if row.after is not None:
-        assert len(row.vehicle.holds()) == row.after
+        assert len(row.vehicle.holds(row.kind)) == row.after
 
 
 def test_ardupilot_asks_again_every_second_and_gives_up_after_eight() -> None:
@@ -289,13 +313,20 @@ def test_what_is_read_back_differs_as_measured(autopilot: Autopilot, item: Item,
 class Flown:
     """A mock with a mission, and what it says."""
 
-    def __init__(self, autopilot: Autopilot, items: Sequence[Item]) -> None:
-        self.mock = Mock(autopilot, HOME)
+    def __init__(self, autopilot: Autopilot, items: Sequence[Item], mock: Mock | None = None) -> None:
+        self.mock = mock or Mock(autopilot, HOME)
         self.now = 1.0
         self.first = 1 if autopilot is ARDUPILOT else 0
+        self.uploaded = self.upload(items) if items else []
+
+    def upload(self, items: Sequence[Item]) -> list[Message]:
         wire = [*items_of(ARDUPILOT, 1), *items] if self.first else [*items]
-        self.hear(Count(len(wire)))
-        self.uploaded = [said for seq, item in enumerate(wire) for said in self.hear(ItemAt(seq, item))]
+        said = self.hear(Count(len(wire)))
+        return said + [answer for seq, item in enumerate(wire) for answer in self.hear(ItemAt(seq, item))]
+
+    @property
+    def current(self) -> Current:
+        return next(said for said in self.fly(0.5) if isinstance(said, Current))
 
     def hear(self, message: Message) -> list[Message]:
         self.mock.receive(message, CLIENT, self.now)
@@ -335,6 +366,28 @@ def test_ardupilot_will_not_start_a_mission_without_take_off() -> None:
     assert any(isinstance(said, Text) and said.text == "Auto: Missing Takeoff Cmd" for said in answers)
 
 
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_the_first_item_of_a_list_without_home_vanishes_on_ardupilot(autopilot: Autopilot) -> None:
+    mock = Mock(autopilot, HOME)
+    for message in (Count(2), ItemAt(0, takeoff(HOME, 10.0)), ItemAt(1, waypoint(HOME, 10.0))):
+        mock.receive(message, CLIENT, 1.0)
+    assert Ack(OK) in [said for said, _ in mock.outgoing()]
+    first = mock.transfers.listed(MissionType.MISSION)[0].command
+    assert first == (22 if autopilot is PX4 else 16)
+    arm_and_start(flown := Flown(autopilot, [], mock))
+    assert (flown.mock.flight.mode is FlightMode.MISSION) == (autopilot is PX4)
+
+
+def test_ardupilot_neither_takes_a_mission_nor_arms_before_its_start_up_ends() -> None:
+    flown = Flown(ARDUPILOT, [], Mock(ARDUPILOT, HOME, boot_s=45.0))
+    flown.now = 44.0
+    assert Ack(Result.NO_SPACE) in flown.hear(Count(3))
+    assert flown.command(400, 1.0) == CommandResult.FAILED
+    flown.now = 45.1
+    assert Request(0, legacy=True) in flown.hear(Count(3))
+    assert flown.command(400, 1.0) == OK
+
+
 def test_ardupilots_total_leaves_home_out() -> None:
     assert Current(1, 2, 2) in Flown(ARDUPILOT, short()).uploaded
     assert Current(0, 2, 2) in Flown(PX4, short()).uploaded
@@ -359,13 +412,91 @@ def test_an_item_is_told_as_reached_with_the_words_of_the_firmware(autopilot: Au
     assert (Text(6, "Reached command #1") in said) == (autopilot is ARDUPILOT)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
-def test_count_0_in_flight_stops_the_vehicle(autopilot: Autopilot) -> None:
-    flown = Flown(autopilot, short(change_speed(3.0), waypoint(Geodetic(47.41, 8.5), 10.0)))
+# --- in flight ------------------------------------------------------------------------------------------------------
+
+
+def arm_and_start(flown: Flown) -> Flown:
     flown.command(400, 1.0)
-    flown.command(*((300,) if autopilot is ARDUPILOT else (176, 1.0, 4.0, 4.0)))
-    flown.fly(20.0)
-    assert Ack(OK) in flown.hear(Count(0))
+    flown.command(*((300,) if flown.first else (176, 1.0, 4.0, 4.0)))
+    return flown
+
+
+def north(metres: float) -> Item:
+    return waypoint(Geodetic(47.4 + metres / 111_195.0, 8.5), 10.0)
+
+
+LEGS = [takeoff(HOME, 10.0), north(60.0), north(120.0), north(180.0), return_to_launch()]
+
+
+def under_way(autopilot: Autopilot, items: Sequence[Item] = LEGS) -> Flown:
+    """A vehicle on its way to the second waypoint."""
+    flown = arm_and_start(Flown(autopilot, items))
+    while flown.mock.flight.current < 2:
+        flown.fly(0.5)
+    return flown
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize(
+    "items", [LEGS, [takeoff(HOME, 10.0), north(60.0), north(90.0), north(150.0), north(200.0)]], ids=["same", "new"]
+)
+def test_a_mission_uploaded_in_flight_goes_on_at_the_current_item(autopilot: Autopilot, items: list[Item]) -> None:
+    flown = under_way(autopilot)
+    before = float(flown.mock.flight.local[1])
+    assert Ack(OK) in flown.upload(items)
+    assert flown.current == Current(flown.first + 2, len(items), 3)
+    assert flown.mock.flight.mode is FlightMode.MISSION
+    assert flown.mock.flight.local[1] > before
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_shorter_mission_uploaded_in_flight_begins_anew(autopilot: Autopilot) -> None:
+    flown = under_way(autopilot)
+    assert Ack(OK) in flown.upload(LEGS[:2])
+    assert flown.current.seq <= flown.first + 1
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_the_current_item_is_set_in_flight_as_each_firmware_knows_it(autopilot: Autopilot) -> None:
+    flown = under_way(autopilot)
+    flown.hear(SetCurrent(flown.first + 3))
+    assert flown.current.seq == flown.first + 3
+    assert flown.command(224, flown.first + 1.0) == (OK if autopilot is ARDUPILOT else CommandResult.UNSUPPORTED)
+    assert flown.current.seq == flown.first + (1 if autopilot is ARDUPILOT else 3)
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("order", [Count(0), ClearAll()], ids=["count 0", "clear"])
+def test_clearing_in_flight_stops_the_vehicle(autopilot: Autopilot, order: Message) -> None:
+    flown = under_way(autopilot)
+    assert Ack(OK) in flown.hear(order)
+    assert flown.current == Current(0, 0, 1)
     flown.fly(15.0)
+    assert flown.mock.flight.mode is FlightMode.HOLD
     assert float(abs(flown.mock.flight.velocity).max()) < 0.5
     assert not flown.mock.flight.landed
+
+
+def reached(flown: Flown) -> list[int]:
+    """The numbers that are told as reached until the vehicle has disarmed, as in a file: home is 0."""
+    told: list[int] = []
+    while flown.mock.flight.armed:
+        told += [said.seq + 1 - flown.first for said in flown.fly(1.0) if isinstance(said, Reached)]
+    return told
+
+
+def test_px4_hides_what_a_do_item_a_jump_or_a_return_follows_and_repeats_what_it_tells() -> None:
+    jump = Item(177, 2, (1.0, 1.0, 0.0, 0.0))
+    items = [takeoff(HOME, 10.0), north(20.0), change_speed(4.0), north(40.0), jump, north(60.0), return_to_launch()]
+    told = reached(arm_and_start(Flown(PX4, items)))
+    assert set(told) == {1, 3, 7}
+    assert told.count(1) == 11
+
+
+def test_ardupilot_has_one_slot_for_what_is_reached_and_never_tells_of_a_final_landing() -> None:
+    flown = arm_and_start(
+        Flown(ARDUPILOT, [takeoff(HOME, 10.0), north(20.0), change_speed(4.0), north(40.0), land(HOME)])
+    )
+    assert reached(flown) == [1, 3, 4]
+    assert flown.current.seq == 1  # the mission rewinds
+    assert reached(arm_and_start(Flown(ARDUPILOT, [takeoff(HOME, 10.0), north(20.0), return_to_launch()]))) == [1, 2, 3]

@@ -1,0 +1,64 @@
+"""What the built-in autopilot tells as reached, and where, against what real autopilots told on recorded flights."""
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from link_pair import CLIENT
+
+from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Reached
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+FLIGHTS = Path(__file__).parent.parent / "flights"
+
+
+def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dict[str, object]]:
+    """A recorded mission, where the mock was when it told of each item (numbered as in the file), and the record."""
+    told = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
+    mission = read_mission(folder / "mission.waypoints", Autopilot(folder.name.rsplit("-", 1)[1]))
+    mock = Mock(mission.autopilot, mission.home, {name: float(value) for name, value in told["params"].items()})
+    first = int(mission.autopilot is Autopilot.ARDUPILOT)
+    start = CommandLong(300) if first else CommandLong(176, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0))
+    items = to_wire(mission)
+    orders = [Count(len(items)), *(ItemAt(seq, item) for seq, item in enumerate(items))]
+    for message in (*orders, CommandLong(400, (1.0,) + (0.0,) * 6), start):
+        mock.receive(message, CLIENT, 1.0)
+    reached: dict[int, tuple[float, float]] = {}
+    while mock.flight.armed:
+        mock.tick(mock.deadline)
+        east, north, _ = mock.flight.local
+        for message, _ in mock.outgoing():
+            if isinstance(message, Reached):
+                reached.setdefault(message.seq + 1 - first, (float(east), float(north)))
+    return mission, reached, told
+
+
+@pytest.mark.parametrize("name", ["corners-px4", "hold-px4", "land-px4", "straight-px4"])
+def test_px4_tells_of_the_items_that_the_real_one_told_of(name: str) -> None:
+    _, reached, told = flown(FLIGHTS / name)
+    assert set(reached) == {int(seq) for seq in told["item_done_s"]}  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", ["corners-ardupilot", "ways_dp4-ardupilot"])
+def test_ardupilot_tells_of_a_waypoint_where_the_real_one_did(name: str) -> None:
+    mission, reached, told = flown(FLIGHTS / name)
+    frame = LocalFrame(mission.home)
+    times, latitudes, longitudes = np.loadtxt(FLIGHTS / name / "trace.csv", delimiter=",", skiprows=1).T[:3]
+    before = []
+    for seq, item in enumerate(mission.items, start=1):
+        if item.command != 16:
+            continue
+        at = float(told["item_done_s"][str(seq)])  # type: ignore[index]
+        there = Geodetic(float(np.interp(at, times, latitudes)), float(np.interp(at, times, longitudes)))
+        point, place = (frame.local(one)[:2] for one in (Geodetic(item.latitude_deg, item.longitude_deg), there))
+        before.append(math.dist(point, place))
+        assert math.dist(point, reached[seq]) == pytest.approx(before[-1], abs=0.4), seq
+    assert max(before) > 0.5
