@@ -38,10 +38,17 @@ def _angle(cross, dot, product):
 
 
 @njit(inline="always")
+def _on_map(raster, x, y):
+    """Column and row of a place, fractions included; beyond the map the nearest ones, and 0 for what is no number."""
+    u, v = (x - raster.east) * raster.per_metre, (y - raster.north) * raster.per_metre
+    u, v = u if u > 0.0 else 0.0, v if v > 0.0 else 0.0
+    return min(u, raster.columns - 1.0), min(v, raster.rows - 1.0)
+
+
+@njit(inline="always")
 def _ground(raster, heights, x, y):
     """Bilinear height of the ground, and its slopes along east and north."""
-    u, v = (x - raster.east) * raster.per_metre, (y - raster.north) * raster.per_metre
-    u, v = min(max(u, 0.0), raster.columns - 1.0), min(max(v, 0.0), raster.rows - 1.0)
+    u, v = _on_map(raster, x, y)
     i, j = min(int(u), raster.columns - 2), min(int(v), raster.rows - 2)
     u, v = u - i, v - j
     south, north = heights[j, i + 1] - heights[j, i], heights[j + 1, i + 1] - heights[j + 1, i]
@@ -52,9 +59,8 @@ def _ground(raster, heights, x, y):
 @njit(inline="always")
 def _cell(raster, x, y):
     """The number of the cell at a place; beyond the map the nearest one."""
-    u, v = (x - raster.east) * raster.per_metre, (y - raster.north) * raster.per_metre
-    row, column = np.floor(min(max(v, 0.0), raster.rows - 1.0)), np.floor(min(max(u, 0.0), raster.columns - 1.0))
-    return np.int32(row * raster.columns + column)
+    u, v = _on_map(raster, x, y)
+    return np.int32(np.floor(v) * raster.columns + np.floor(u))
 
 
 @njit(inline="always")
@@ -405,11 +411,11 @@ def survey(points, chart, rules):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def spread(price, spacing, source):
+def spread(price, steps, lengths, source):
     """Least cost from one lattice node to every other, and the node before it on the way, by Dijkstra's algorithm.
 
-    `price` (nx, ny, nz) is the cost per metre at each node, infinite where none may go; a step to one of 26 neighbours
-    costs its length times the mean of both ends. Nodes are numbered flat; returns (nodes,) and (nodes,).
+    `price` (nx, ny, nz) is the cost per metre at each node, infinite where none may go; a step of `steps` (s, 3) costs
+    its length of `lengths` (s,) times the mean of both ends. Nodes are numbered flat; returns (nodes,) and (nodes,).
     """
     nx, ny, nz = price.shape
     flat, total = price.ravel(), nx * ny * nz
@@ -433,18 +439,18 @@ def spread(price, spacing, source):
         if key > cost[here]:
             continue
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
-        for a in range(max(i - 1, 0), min(i + 2, nx)):
-            for b in range(max(j - 1, 0), min(j + 2, ny)):
-                for c in range(max(k - 1, 0), min(k + 2, nz)):
-                    there = (a * ny + b) * nz + c
-                    step = ((a - i) * spacing[0]) ** 2 + ((b - j) * spacing[1]) ** 2 + ((c - k) * spacing[2]) ** 2
-                    trial = key + math.sqrt(step) * 0.5 * (flat[here] + flat[there])
-                    if trial < cost[there] and size < len(keys):
-                        cost[there], before[there] = trial, here
-                        hole = size
-                        size += 1
-                        while hole > 0 and keys[(hole - 1) // 2] > trial:
-                            keys[hole], nodes[hole] = keys[(hole - 1) // 2], nodes[(hole - 1) // 2]
-                            hole = (hole - 1) // 2
-                        keys[hole], nodes[hole] = trial, there
+        for s in range(len(steps)):
+            a, b, c = i + steps[s, 0], j + steps[s, 1], k + steps[s, 2]
+            if not (0 <= a < nx and 0 <= b < ny and 0 <= c < nz):
+                continue
+            there = (a * ny + b) * nz + c
+            trial = key + lengths[s] * 0.5 * (flat[here] + flat[there])
+            if trial < cost[there] and size < len(keys):
+                cost[there], before[there] = trial, here
+                hole = size
+                size += 1
+                while hole > 0 and keys[(hole - 1) // 2] > trial:
+                    keys[hole], nodes[hole] = keys[(hole - 1) // 2], nodes[(hole - 1) // 2]
+                    hole = (hole - 1) // 2
+                keys[hole], nodes[hole] = trial, there
     return cost, before

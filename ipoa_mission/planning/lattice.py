@@ -2,7 +2,8 @@
 
 The cheapest way from the start to a node and from it to the goal are known for all nodes after two runs of Dijkstra's
 algorithm. Where their sum is locally least on the surfaces a quarter, half and three quarters of the way, another
-passage between the obstacles begins.
+passage between the obstacles begins. A gap narrower than the lattice is not missed: a node between two walls moves to
+the best place in its cell.
 """
 
 from collections.abc import Iterator
@@ -12,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.ndimage import minimum_filter
+from scipy.ndimage import binary_dilation, minimum_filter
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.limits import places
@@ -20,31 +21,38 @@ from ipoa_mission.planning.problem import PathProblem, Trail, follow
 
 NODES = 60_000  # about how many nodes a lattice has
 FINER = (1.0, 2.0, 3.0)  # how much finer the next lattice is if one knows no way
+FLATTEST = 0.15  # the lattice knows no flatter climbs: it would need too many levels
 MOST = 8  # ways that are returned
 DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
+STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbours
+BETWEEN = 0.15  # how much less slack than a node its neighbours on both sides have, in steps, if it is in a gap
+ROUNDS = 6  # each looks three times as closely for the best place in a cell
+NEAREST, GLANCES = 64, 8  # nodes that may be an end's, and points at which the leg to each is looked at
 
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Nodes from `corner` in steps of `spacing` (3,); `slack` and `price` are (nx, ny, nz).
+    """Nodes in steps of `spacing` (3,) from `corner` (3,); `slack` and `price` are (nx, ny, nz).
 
     Slack is what a node has more than the required clearance [m]; the price is the cost per metre, infinite where
-    slack is negative.
+    slack is negative. `places` (nx ny nz, 3) is where the nodes are.
     """
 
     corner: Vector
     spacing: Vector
+    places: Points
     slack: NDArray[np.float64]
     price: NDArray[np.float64]
+    steepest: tuple[float, float]
+    """Greatest slopes of climb and descent."""
 
-    def nearest(self, point: Vector) -> int:
-        """The free node nearest to a point, by its flat number."""
-        free = np.nonzero(np.isfinite(self.price.ravel()))[0]
-        return int(free[np.argmin(((self.place(free) - point) ** 2).sum(axis=1))])
-
-    def place(self, node: NDArray[np.intp]) -> Points:
-        """Where nodes (n,) are, (n, 3)."""
-        return self.corner + self.spacing * np.column_stack(np.unravel_index(node, self.price.shape))
+    def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:
+        """The steps (s, 3) that are not too steep, and their lengths (s,) [m]; or those that are flown backwards."""
+        strides = STRIDES * self.spacing
+        angles = np.arctan2(strides[:, 2], np.hypot(strides[:, 0], strides[:, 1]))
+        climb, descent = np.arctan(self.steepest[::-1] if backwards else self.steepest) + 1e-6
+        allowed = (angles <= climb) & (-angles <= descent)
+        return STRIDES[allowed], np.linalg.norm(strides[allowed], axis=1)
 
 
 def guesses(problem: PathProblem, coarsest: int) -> list[Trail]:
@@ -61,25 +69,30 @@ def guesses(problem: PathProblem, coarsest: int) -> list[Trail]:
         if found := ways(lattice, problem, MOST):
             break
     turns = max((_turns(way, 2 * lattice.spacing[0]) for way in found), default=0)
-    inner = int(min(max(inner, 4 + 2 * turns), 40))
+    inner = int(max(inner, min(4 + 2 * turns, 40)))
     return [follow(guide, inner, scenario) for guide in (straight, *found)]
 
 
 def lay(problem: PathProblem, fineness: float = 1.0) -> Lattice:
-    """A lattice over the bounds; `fineness` 2 has half the spacing on the map."""
-    from ipoa_mission.planning._kernels import survey
-
+    """A lattice over the bounds; `fineness` 2 has half the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
-    pitch = max((size[0] * size[1] * max(size[2], 1e-3) / NODES) ** (1 / 3), size[:2].max() / 120) / fineness
-    limits = problem.rules
-    rise = min(pitch * min(limits.climb, limits.descent, 1.0), max(size[2] / 6, 0.5))
-    count = np.maximum(np.ceil(size / (pitch, pitch, rise)).astype(int), 1) + 1
+    steepest = (max(problem.rules.climb, FLATTEST), max(problem.rules.descent, FLATTEST))
+    flattest = min(*steepest, 1.0)
+    pitch = max((size.prod() / flattest / NODES) ** (1 / 3), size[:2].max() / 120) / fineness
+    count = np.ones(3, int)
+    count[:2] += np.ceil(size[:2] / pitch).astype(int)
+    rise = min(flattest * float((size[:2] / (count[:2] - 1)).min()), max(size[2] / 6, 0.5))
+    count[2] += int(np.ceil(size[2] / rise))
     spacing = size / (count - 1)
-    nodes = lower + spacing * np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
-    slack, threat = survey(nodes, problem.chart, problem.rules)
+    grid = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
+    nodes = np.minimum(lower + spacing * grid, upper)
+    slack, threat = _survey(nodes, problem)
+    between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
+    nodes[between] = _centred(nodes[between], spacing, problem)
+    slack[between], threat[between] = _survey(nodes[between], problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
-    return Lattice(lower, spacing, slack.reshape(count), price.reshape(count))
+    return Lattice(lower, spacing, nodes, slack.reshape(count), price.reshape(count), steepest)
 
 
 def ways(lattice: Lattice, problem: PathProblem, most: int) -> list[Points]:
@@ -88,7 +101,7 @@ def ways(lattice: Lattice, problem: PathProblem, most: int) -> list[Points]:
     Empty if the lattice knows no way.
     """
     stops = places(problem.scenario)
-    legs = [_leg_ways(lattice, a, b, most) for a, b in pairwise(stops)]
+    legs = [_leg_ways(lattice, problem, a, b, most) for a, b in pairwise(stops)]
     if not all(legs):
         return []
     cheapest = [leg[0] for leg in legs]
@@ -98,24 +111,66 @@ def ways(lattice: Lattice, problem: PathProblem, most: int) -> list[Points]:
     return [np.vstack([variant[0], *(way[1:] for way in variant[1:])]) for variant in variants[:most]]
 
 
-def _leg_ways(lattice: Lattice, start: Vector, goal: Vector, most: int) -> list[Points]:
+def _survey(points: Points, problem: PathProblem) -> tuple[Vector, Vector]:
+    from ipoa_mission.planning._kernels import survey
+
+    return survey(np.ascontiguousarray(points), problem.chart, problem.rules)  # type: ignore[no-any-return]
+
+
+def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
+    """Which nodes are a little too near to something, and so more on both sides, or are beside such a node."""
+    found = np.zeros(slack.shape, bool)
+    for axis, step in enumerate(spacing):
+        padded = np.pad(slack, [(int(k == axis),) * 2 for k in range(3)], mode="edge")
+        before, after = (padded.take(range(k, k + slack.shape[axis]), axis) for k in (0, 2))
+        found |= slack - (before + after) / 2 > BETWEEN * step
+    doubtful = (slack < 0) & (slack > -np.linalg.norm(spacing) / 2)
+    return np.asarray(doubtful & binary_dilation(found & doubtful, np.ones((3, 3, 3))))
+
+
+def _centred(nodes: Points, spacing: Vector, problem: PathProblem) -> Points:
+    """The places with the most slack in the cells round nodes (n, 3)."""
+    lower, upper = _region(problem)
+    for closer in range(1, ROUNDS + 1):
+        offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / 3**closer
+        trials = np.clip(nodes[:, None] + offsets, lower, upper)
+        slack = _survey(trials.reshape(-1, 3), problem)[0].reshape(trials.shape[:2])
+        nodes = trials[np.arange(len(nodes)), np.argmax(slack, axis=1)]
+    return nodes
+
+
+def _end(lattice: Lattice, problem: PathProblem, place: Vector) -> int | None:
+    """The free node nearest to a place, by its flat number; if possible one to which the straight leg is free."""
+    free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
+    away = ((lattice.places[free] - place) ** 2).sum(axis=1)
+    few = np.argpartition(away, NEAREST)[:NEAREST] if len(free) > NEAREST else np.arange(len(free))
+    few = free[few[np.argsort(away[few])]]
+    shares = np.linspace(0.0, 1.0, GLANCES)[:, None, None]
+    legs = place + shares * (lattice.places[few] - place)
+    slack = _survey(legs.reshape(-1, 3), problem)[0].reshape(GLANCES, -1).min(axis=0)
+    return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
+
+
+def _leg_ways(lattice: Lattice, problem: PathProblem, start: Vector, goal: Vector, most: int) -> list[Points]:
     from ipoa_mission.planning._kernels import spread
 
-    if not np.isfinite(lattice.price).any():
+    source, target = _end(lattice, problem, start), _end(lattice, problem, goal)
+    if source is None or target is None:
         return []
-    source, target = lattice.nearest(start), lattice.nearest(goal)
-    there, before = spread(lattice.price, lattice.spacing, source)
-    back, after = spread(lattice.price, lattice.spacing, target)
+    there, before = spread(lattice.price, *lattice.steps(), source)
     if not np.isfinite(there[target]):
         return []
+    back, after = spread(lattice.price, *lattice.steps(backwards=True), target)
     through = there + back
     found: list[Points] = []
-    nodes = [target, *_passages(through, there, lattice.price.shape)]
-    for node in nodes:
+    even: list[Points] = []
+    for node in [target, *_passages(through, there, lattice.price.shape)]:
         way = np.array([*_trace(before, node)[::-1], *_trace(after, node)[1:]])
-        points = np.vstack([start, lattice.place(way), goal])
-        if all(_apart(points, other) > 3 * lattice.spacing[0] for other in found):
+        points = np.vstack([start, lattice.places[way], goal])
+        course = _even(points)
+        if all(np.linalg.norm(course - other, axis=1).max() > 3 * lattice.spacing[0] for other in even):
             found.append(points)
+            even.append(course)
         if len(found) == most:
             break
     return found
@@ -141,12 +196,8 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
     return way
 
 
-def _apart(a: Points, b: Points) -> float:
-    """The greatest distance between points at the same share of two polylines."""
-    return float(np.linalg.norm(_even(a) - _even(b), axis=1).max())
-
-
 def _even(points: Points, count: int = 24) -> Points:
+    """Points equally far apart along a polyline, (count, 3)."""
     travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
     return np.column_stack([np.interp(np.linspace(0, travelled[-1], count), travelled, points[:, k]) for k in range(3)])
 

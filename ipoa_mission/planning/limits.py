@@ -14,6 +14,7 @@ from ipoa_mission.scenario import Scenario
 
 SLACK = 0.01  # a place that is lower by less than this is not lower [m]
 CLIMB_OUT = 0.5  # height over distance
+SAME = 1e-3  # places as near as this are one [m]
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,14 @@ def limits_of(scenario: Scenario) -> Limits:
 
 
 def places(scenario: Scenario) -> Points:
-    """Start, via points and goal, in this order, (k, 3)."""
-    return np.vstack([scenario.start_point, scenario.via_points, scenario.goal_point])
+    """Start, via points and goal, in this order, (k, 3); a via point where the way already is counts once."""
+    stops = [scenario.start_point]
+    for via in scenario.via_points:
+        if np.linalg.norm(via - stops[-1]) > SAME:
+            stops.append(via)
+    if len(stops) > 1 and np.linalg.norm(scenario.goal_point - stops[-1]) <= SAME:
+        stops.pop()
+    return np.vstack([*stops, scenario.goal_point])
 
 
 def _low_zones(scenario: Scenario, least: float, angle: float) -> tuple[LowZone, ...]:

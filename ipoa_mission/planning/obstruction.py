@@ -15,7 +15,8 @@ from ipoa_mission.planning.proof import Check, Proof
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDING, NUDGE, SAME = 1e-6, 1e-4, 0.1  # [m]
-FINENESS = 2.0  # of the lattice on which gaps are sought
+FINENESS = 3.0  # of the lattice on which gaps are sought
+SURE = 1.5  # lattices with steps longer than this many clearances may miss a gap between thin walls
 HINT = "try another --seed, more planning.control_points, or more iterations of the optimizer"
 
 
@@ -51,19 +52,19 @@ def refuse_places(problem: PathProblem) -> None:
 
 def explain(problem: PathProblem, proof: Proof) -> NoPath:
     """The error that tells why no path was found; `proof` is that of the best one."""
-    gate = narrowest(problem)
-    if gate is not None:
-        return _closed(problem, gate)
-    return NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
+    return blockage(problem) or NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
 
 
-def narrowest(problem: PathProblem) -> Vector | None:
-    """The narrowest place on the widest way through, (3,), if it is too narrow; nothing if there is a way."""
+def blockage(problem: PathProblem) -> NoPath | None:
+    """What is in the way where the widest way through is too narrow; nothing if there is a way, or that is not sure."""
     lattice = lay(problem, FINENESS)
     for a, b in pairwise(places(problem.scenario)):
         slack, gate = _widest(lattice, _entrance(lattice, a), _entrance(lattice, b))
-        if slack < 0:
-            return np.asarray(lattice.place(np.array([gate]))[0])
+        coarse = lattice.spacing[:2].max() > SURE * problem.limits.obstacle_distance
+        if slack >= (-np.linalg.norm(lattice.spacing) / 2 if coarse else 0.0):
+            continue
+        if (why := _closed(problem, lattice.places[gate])) is not None:
+            return why
     return None
 
 
@@ -86,7 +87,7 @@ def _widest(lattice: Lattice, start: int, goal: int) -> tuple[float, int]:
         middle = (low + high) // 2
         low, high = (middle, high) if _joined(lattice, levels[middle], start, goal) else (low, middle)
     gates = np.nonzero(slack == levels[low])[0]  # more than one under a level roof: the one least out of the way
-    ends, spots = lattice.place(np.array([start, goal])), lattice.place(gates)
+    ends, spots = lattice.places[[start, goal]], lattice.places[gates]
     detour = np.linalg.norm(spots - ends[0], axis=1) + np.linalg.norm(spots - ends[1], axis=1)
     return float(levels[low]), int(gates[np.argmin(detour)])
 
@@ -108,8 +109,8 @@ class _Wall:
     body: Obstacle | None = None
 
 
-def _closed(problem: PathProblem, gate: Vector) -> NoPath:
-    """What stands on both sides of the widest place that still is too narrow."""
+def _closed(problem: PathProblem, gate: Vector) -> NoPath | None:
+    """What stands on both sides of the widest place that still is too narrow; nothing if it is not."""
     walls = sorted(_walls(problem, gate), key=lambda wall: wall.distance - wall.required)
     east, north, up = gate
     where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
@@ -120,6 +121,8 @@ def _closed(problem: PathProblem, gate: Vector) -> NoPath:
     if not opposite:
         return NoPath(f"the widest way comes within {first.distance:.2f} m of {first.name} {where}, {_needs(first)}")
     width, needed = _gap(first, opposite[0], gate), first.required + opposite[0].required
+    if width > needed:
+        return None
     one, other = sorted((first.name, opposite[0].name))
     return NoPath(
         f"no gap is wide enough: the widest is {width:.2f} m between {one} and {other} {where}, "

@@ -9,11 +9,12 @@ their proof holds.
 from typing import TypeAlias
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import FINER, guesses
 from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.obstruction import NoPath, explain, narrowest, refuse_places
+from ipoa_mission.planning.obstruction import NoPath, blockage, explain, refuse_places
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import polish, settle
 from ipoa_mission.planning.problem import Trail, follow, pose, refine
@@ -46,7 +47,8 @@ def plan_path(scenario: Scenario, seed: int = 0, progress: Progress = lambda don
     as_printed = planning.planner == "paper" or not planning.polish
     optimizer = optimizer_of(scenario, short=not as_printed)
     searcher = Searcher(problem, optimizer, np.random.default_rng(seed))
-    curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
+    with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
+        curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [(curve_cost(curve, scenario), curve, proof) for curve, proof in curves if proof.holds]
     if not safe:
         raise explain(problem, curves[0][1])
@@ -75,8 +77,10 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
             proved.append(settle(trail, searcher.problem))
             if sum(proof.holds for _, proof in proved) == WANTED:
                 return proved
-        if any(proof.holds for _, proof in proved) or narrowest(searcher.problem) is not None:
+        if any(proof.holds for _, proof in proved):
             return proved
+        if (why := blockage(searcher.problem)) is not None:
+            raise why
     return proved
 
 

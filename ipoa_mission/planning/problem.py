@@ -16,12 +16,13 @@ from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.optimize.search import Box, Candidates, Costs
 from ipoa_mission.planning.chart import Chart, Rules, chart_of
 from ipoa_mission.planning.cost import rules_of
-from ipoa_mission.planning.limits import Limits, limits_of
+from ipoa_mission.planning.limits import Limits, limits_of, places
 from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis
 from ipoa_mission.scenario import Scenario
 
 Matrix: TypeAlias = NDArray[np.float64]
 ALL = slice(None)
+SHORTEST = 2.0  # spans of the spline between two via points, at least
 CLOSELY = 4  # times as many nodes when curves are compared
 LENIENCE = 0.1  # what a rough curve may break a limit by; the fine polish mends it [m]
 
@@ -97,9 +98,13 @@ def pose(scenario: Scenario) -> PathProblem:
 def follow(guide: Points, inner: int, scenario: Scenario) -> Trail:
     """A curve with `inner` control points between its ends that follows a polyline (k, 3) over all via points."""
     travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide))])
-    share = travelled / travelled[-1]
-    control = np.column_stack([np.interp(_greville(inner + 2), share, guide[:, k]) for k in range(3)])
-    return pinned(Trail(Spline(control), _progress(guide, share, scenario.via_points)), scenario)
+    stops = [0, *_corners(guide, places(scenario)[1:-1]), len(guide) - 1]
+    legs = np.diff(travelled[stops]) / travelled[-1]
+    legs = np.maximum(legs, min(SHORTEST / (inner - 1), 0.5 / len(legs)))  # or via points would share control points
+    reached = np.concatenate([[0.0], np.cumsum(legs) / legs.sum()])
+    progress = np.interp(travelled, travelled[stops], reached)
+    control = np.column_stack([np.interp(_greville(inner + 2), progress, guide[:, k]) for k in range(3)])
+    return pinned(Trail(Spline(control), reached[1:-1]), scenario)
 
 
 def pinned(trail: Trail, scenario: Scenario) -> Trail:
@@ -154,7 +159,7 @@ def surround(name: str, around: Trail, spread: float, scenario: Scenario, part: 
 
 def _pins(trail: Trail, scenario: Scenario) -> tuple[Points, Matrix, NDArray[np.intp]]:
     """The map control -> lift + project @ control that puts via points right, and which control points give way."""
-    n, via = len(trail.curve.control), scenario.via_points
+    n, via = len(trail.curve.control), places(scenario)[1:-1]
     if not len(via):
         return np.zeros((n, 3)), np.eye(n), np.zeros(0, int)
     rows = basis(n, trail.via_at)
@@ -196,14 +201,14 @@ def _waves(inner: int) -> Matrix:
     return np.asarray(np.sin(np.pi * k * _greville(inner + 2)[1:-1]) / k)
 
 
-def _progress(guide: Points, share: Vector, via: Points) -> Vector:
-    """The share of a guide's length at which each via point lies; they are corners of it, in order."""
-    found, after = list[float](), 1
+def _corners(guide: Points, via: Points) -> list[int]:
+    """At which corners a guide passes the via points, in order."""
+    found, after = list[int](), 1
     for place in via:
         after += int(np.argmin(np.linalg.norm(guide[after:-1] - place, axis=1)))
-        found.append(float(share[after]))
+        found.append(after)
         after += 1
-    return np.array(found)
+    return found
 
 
 def _nodes(scenario: Scenario, limits: Limits) -> int:

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ipoa_mission.geometry import Points, climb_angles
+from ipoa_mission.geometry import Points, Vector, climb_angles
 from ipoa_mission.planning.limits import Limits, limits_of
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
@@ -18,6 +18,7 @@ from ipoa_mission.world.airspace import Airspace, Clearance
 
 CHORD = 5e-4  # how far a curve may be from the chords that stand for it [m]
 TOUCHING = 1e-3  # a millimetre: what a bound may be short of the truth
+ROUNDING = 1e-9  # a velocity's [m per parameter]
 
 
 @dataclass(frozen=True)
@@ -93,18 +94,22 @@ def prove(legs: Points, scenario: Scenario, stray: float = 0.0) -> Proof:
 
     With `stray` they stand for a path that is never farther from them [m], and what is found is what it has at least.
     """
-    return _prove(legs, scenario.airspace, limits_of(scenario), stray)
+    angles = climb_angles(legs)
+    return _prove(legs, scenario.airspace, limits_of(scenario), (angles, -angles), stray)
 
 
 def prove_curve(curve: Spline, scenario: Scenario) -> Proof:
     """What a curve keeps of the scenario's limits: never more than it has, and less by two millimetres at most."""
     airspace = scenario.airspace
     tolerance = CHORD / (1 + airspace.terrain.steepness)
-    return _prove(curve.points(curve.chords(tolerance)), airspace, limits_of(scenario), tolerance)
+    u = curve.chords(tolerance)
+    return _prove(curve.points(u), airspace, limits_of(scenario), _steepness(curve, u), tolerance)
 
 
-def _prove(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Proof:
-    """`stray`: how far the path may be from its legs [m]; over sloping ground that is more in height."""
+def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Vector, Vector], stray: float) -> Proof:
+    """`steepness`: angles of climb and of descent on each leg, (n-1,) each [rad]; `stray`: how far the path may be
+    from its legs [m]; over sloping ground that is more in height.
+    """
     vertical = stray * (1 + airspace.terrain.steepness)
     checks = list[Check]()
     if airspace.obstacles:
@@ -112,7 +117,7 @@ def _prove(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Pr
         checks.append(Check("obstacles", found, limits.obstacle_distance))
     checks.append(Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0))
     heights: dict[float, Clearance] = {}
-    for required, run, first_leg in _runs(legs, limits):
+    for required, run, first_leg in _runs(legs, limits, stray):
         found = airspace.terrain_clearance(run)
         if required not in heights or found.distance < heights[required].distance:
             heights[required] = replace(found, distance=found.distance - vertical, leg=first_leg + found.leg)
@@ -120,13 +125,14 @@ def _prove(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Pr
     if np.isfinite(limits.ceiling_above_ground):
         found = airspace.height_reached(legs)
         checks.append(Check("ceiling", _less(found, -vertical), limits.ceiling_above_ground, at_most=True))
-    for limit, sign, angle in (("climb", 1.0, limits.climb_angle), ("descent", -1.0, limits.descent_angle)):
-        if np.isfinite(angle):
-            slopes = np.degrees(sign * climb_angles(legs))
-            steepest = int(np.argmax(slopes))
-            east, north, up = legs[steepest]
-            found = Clearance(float(slopes[steepest]), (float(east), float(north), float(up)), f"of {limit}", steepest)
-            checks.append(Check(limit, found, float(np.degrees(angle)), at_most=True, unit="deg"))
+    for limit, angles, most in zip(
+        ("climb", "descent"), steepness, (limits.climb_angle, limits.descent_angle), strict=True
+    ):
+        if np.isfinite(most):
+            steepest = int(np.argmax(angles))
+            east, north, up = (float(x) for x in legs[steepest])
+            found = Clearance(float(np.degrees(angles[steepest])), (east, north, up), f"of {limit}", steepest)
+            checks.append(Check(limit, found, float(np.degrees(most)), at_most=True, unit="deg"))
     return Proof(tuple(checks))
 
 
@@ -134,11 +140,29 @@ def _less(found: Clearance, stray: float) -> Clearance:
     return replace(found, distance=found.distance - stray)
 
 
-def _runs(legs: Points, limits: Limits) -> Iterator[tuple[float, Points, int]]:
+def _steepness(curve: Spline, u: Vector) -> tuple[Vector, Vector]:
+    """Angles of climb and of descent that a curve nowhere exceeds between parameters u (k,), (k-1,) each [rad].
+
+    On a piece of one span the velocity is a mean of three vectors, its Bézier points. If all of them go ahead, rise
+    over way ahead is nowhere greater than that of the steepest one, and the way ahead is no longer than the level way.
+    """
+    velocity, bend = curve.points(u, order=1), curve.points(u[:-1], order=2)
+    vectors = np.stack([velocity[:-1], velocity[:-1] + bend * np.diff(u)[:, None] / 2, velocity[1:]], axis=1)
+    level = vectors[:, :, :2].sum(axis=1)
+    level /= np.maximum(np.linalg.norm(level, axis=1), 1e-300)[:, None]
+    ahead = np.einsum("kij,kj->ki", vectors[:, :, :2], level)
+    ahead[(ahead < 0).any(axis=1)] = 0.0
+    rise = np.where(np.abs(vectors[:, :, 2]) > ROUNDING, vectors[:, :, 2], 0.0)
+    return np.arctan2(rise, ahead).max(axis=1), np.arctan2(-rise, ahead).max(axis=1)
+
+
+def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, Points, int]]:
     """The legs cut where they enter or leave a low zone: required height, polyline, and the number of its first leg.
 
-    The number is right to a leg or two in a run that was cut out of the middle of a leg.
+    Zones are narrower by `stray`, so that the path itself is within where its leg is. The number is right to a leg or
+    two in a run that was cut out of the middle of a leg.
     """
+    limits = replace(limits, low_zones=tuple(replace(z, radius=z.radius - stray) for z in limits.low_zones))
     cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]
     for zone in limits.low_zones:
         step, away = np.diff(legs[:, :2], axis=0), legs[:-1, :2] - (zone.east, zone.north)

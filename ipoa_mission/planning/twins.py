@@ -89,18 +89,16 @@ def survey(points: Points, airspace: Airspace, rules: Rules, limits: Limits, rea
     return slack, threat
 
 
-def spread(price: NDArray[np.float64], spacing: Vector, source: int) -> Vector:
+def spread(price: NDArray[np.float64], steps: NDArray[np.int64], lengths: Vector, source: int) -> Vector:
     """Least cost from one lattice node to every other, (nodes,), by relaxing all steps until nothing gets cheaper."""
     cost = np.full(price.shape, np.inf)
     cost.ravel()[source] = 0.0
-    steps = [step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]
     while True:
         before = cost.copy()
         padded, dear = np.pad(cost, 1, constant_values=np.inf), np.pad(price, 1, constant_values=np.inf)
-        for step in steps:
-            there = tuple(slice(k, k + n) for k, n in zip(step, price.shape, strict=True))
-            length = float(np.linalg.norm((np.array(step) - 1) * spacing))
-            cost = np.minimum(cost, padded[there] + length * (dear[there] + price) / 2)
+        for step, length in zip(steps, lengths, strict=True):
+            behind = tuple(slice(1 - k, 1 - k + n) for k, n in zip(step, price.shape, strict=True))
+            cost = np.minimum(cost, padded[behind] + length * (dear[behind] + price) / 2)
         if np.array_equal(cost, before):
             return cost.ravel()
 

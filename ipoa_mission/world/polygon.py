@@ -43,16 +43,24 @@ class Polygon:
         """The same polygon as shapely knows it."""
         return shapely.Polygon(self.outer, self.holes)
 
-    @cached_property
+    @property
     def starts(self) -> Plane:
         """The corner at which each edge begins, (m, 2)."""
-        return np.array([corner for ring in (self.outer, *self.holes) for corner in ring], float)
+        return self._edges[0]
 
-    @cached_property
+    @property
     def ends(self) -> Plane:
         """The corner at which each edge ends, (m, 2)."""
+        return self._edges[1]
+
+    @cached_property
+    def _edges(self) -> tuple[Plane, Plane]:
+        """Both ends of each edge; a corner that is given twice in a row is one corner."""
         rings = (self.outer, *self.holes)
-        return np.array([corner for ring in rings for corner in (*ring[1:], ring[0])], float)
+        starts = np.array([corner for ring in rings for corner in ring], float)
+        ends = np.array([corner for ring in rings for corner in (*ring[1:], ring[0])], float)
+        real = ((ends - starts) ** 2).sum(axis=1) > 0
+        return starts[real], ends[real]
 
     @cached_property
     def convex(self) -> bool:

@@ -129,18 +129,31 @@ def test_costs_spread_over_a_lattice_as_in_the_twin() -> None:
     from ipoa_mission.planning._kernels import spread
 
     rng = np.random.default_rng(5)
+    every = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
     for _ in range(10):
         price = rng.uniform(1, 3, rng.integers(2, 9, 3))
         price[rng.random(price.shape) < 0.3] = np.inf
         source = int(rng.choice(np.nonzero(np.isfinite(price.ravel()))[0]))
-        spacing = rng.uniform(1, 3, 3)
-        cost, before = spread(price, spacing, source)
-        np.testing.assert_allclose(cost, twins.spread(price, spacing, source), rtol=1e-12)
+        steps = every[rng.random(26) < 0.7]
+        lengths = np.linalg.norm(steps * rng.uniform(1, 3, 3), axis=1)
+        cost, before = spread(price, steps, lengths, source)
+        np.testing.assert_allclose(cost, twins.spread(price, steps, lengths, source), rtol=1e-12)
         reached = np.isfinite(cost)
         reached[source] = False
         assert (before[reached] >= 0).all()
         assert (cost[before[reached]] < cost[reached]).all()
         assert (before[~reached] == -1).all()
+
+
+@pytest.mark.parametrize("spot", [(np.nan, 0.0), (0.0, np.nan), (np.inf, -np.inf), (1e300, -1e300)])
+def test_no_place_is_looked_up_outside_the_chart(town: Town, spot: tuple[float, float]) -> None:
+    from ipoa_mission.planning._kernels import _cell, _on_map
+
+    chart = pose(town(0)).chart
+    assert 0 <= _cell(chart.cells, *spot) < chart.cells.rows * chart.cells.columns
+    column, row = _on_map(chart.ground, *spot)
+    assert 0 <= column <= chart.ground.columns - 1
+    assert 0 <= row <= chart.ground.rows - 1
 
 
 def test_nothing_is_compiled_before_a_path_is_planned() -> None:

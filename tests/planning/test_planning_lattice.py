@@ -43,14 +43,27 @@ def test_a_wall_from_bound_to_bound_leaves_no_way(scenario) -> None:
     assert len(guesses(problem, 0)) == 1  # the straight one
 
 
-def test_a_finer_lattice_finds_a_door_that_a_coarse_one_misses(scenario) -> None:
+@pytest.mark.parametrize("aside", [0.0, 0.7, 1.3, 2.1, 2.9, 3.6])
+def test_a_door_between_two_nodes_is_found(scenario, aside: float) -> None:
+    """The nodes are 4 m apart; a door of 1.75 m leaves 0.15 m."""
     walls = [
-        FULL | {"name": "left", "north": 62.0, "depth": 120},
-        FULL | {"name": "right", "north": -60.4, "depth": 120},
+        FULL | {"name": "left", "north": aside + 60.875, "depth": 120},
+        FULL | {"name": "right", "north": aside - 60.875, "depth": 120},
     ]
     problem = pose(scenario(obstacles=walls, vehicle={"radius": 0.3}, safety_distance=0.5))
-    assert ways(lay(problem), problem, 8) == []
-    assert len(ways(lay(problem, 3.0), problem, 8)) >= 1
+    way = ways(lay(problem), problem, 8)[0]
+    door = way[np.argmin(np.abs(way[:, 0] - 50))]
+    assert door[1] == pytest.approx(aside, abs=0.075)
+
+
+def test_ways_climb_no_steeper_than_allowed(scenario) -> None:
+    limits = {"max_climb_angle_deg": 30, "max_descent_angle_deg": 20}
+    low_wall = FULL | {"name": "wall", "depth": 300, "height": 50}
+    problem = pose(scenario(obstacles=[low_wall], planning=limits))
+    steps = np.diff(ways(lay(problem), problem, 1)[0][1:-1], axis=0)
+    angles = np.degrees(np.arctan2(steps[:, 2], np.hypot(steps[:, 0], steps[:, 1])))
+    assert 15 < angles.max() <= 30
+    assert -20 <= angles.min() < -15
 
 
 @pytest.mark.parametrize("fineness", [1.0, 2.0])

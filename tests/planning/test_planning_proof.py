@@ -32,6 +32,11 @@ def test_a_curve_has_at_least_what_is_proved_and_hardly_more(town) -> None:
         assert short - 2e-3 - missed <= min(check.slack for check in ground) <= short + 1e-9
         (reached,) = found(prove_curve(curve, job), "ceiling")
         assert height.max() - 1e-9 <= reached <= height.max() + 2e-3 + missed
+        velocity = curve.points(np.linspace(0, 1, 40_001), order=1)
+        angles = np.degrees(np.arctan2(velocity[:, 2], np.hypot(velocity[:, 0], velocity[:, 1])))
+        for limit, steepest in (("climb", angles.max()), ("descent", -angles.min())):
+            (proved,) = found(prove_curve(curve, job), limit)
+            assert steepest - 1e-9 <= proved <= steepest + 0.5
 
 
 def test_legs_are_proved_exactly(scenario) -> None:
