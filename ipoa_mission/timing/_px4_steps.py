@@ -12,6 +12,7 @@ jit: Callable[[Any], Any] = globals().get("jit", lambda function: function)
 
 GRAVITY = 9.80665
 ON_LINE, BEYOND, BEFORE, BESIDE = 0, 1, 2, 3  # where the vehicle is, seen from its leg
+HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # up to these speeds the hover thrust is learned well: HTE_VXY_THR, HTE_VZ_THR
 SEEDS = 2147483648.0  # the random numbers are a linear congruence modulo 2^31, exact in floating point
 
 
@@ -123,6 +124,16 @@ def vertical_speed(
 
 
 @jit
+def normal(seed: float) -> tuple[float, float, float]:
+    """The next seed, and two normally distributed numbers (Box and Muller)."""
+    seed = (seed * 1103515245.0 + 12345.0) % SEEDS
+    size = math.sqrt(-2.0 * math.log((seed + 1.0) / (SEEDS + 1.0)))
+    seed = (seed * 1103515245.0 + 12345.0) % SEEDS
+    angle = 2.0 * math.pi * seed / SEEDS
+    return seed, size * math.cos(angle), size * math.sin(angle)
+
+
+@jit
 def fly_to(
     way: Sequence[float], pace: Sequence[float], state: MutableSequence[float], samples: MutableSequence[float]
 ) -> bool:
@@ -138,18 +149,23 @@ def fly_to(
     slow_up, slow_accel, slow_below = pace[12], pace[13], pace[14]
     p_xy, p_v, i_v, d_v, lean, p_z, p_vz = pace[15], pace[16], pace[17], pace[18], pace[19], pace[20], pace[21]
     leaning, turning, drag, wind_x, wind_y = pace[22], pace[23], pace[24], pace[25], pace[26]
-    wander, least_jump, more_jump, jump_lasts, jump_rest = pace[27], pace[28], pace[29], pace[30], pace[31]
+    i_vz, learning, untold, noise_step, noise, beyond, until = (
+        pace[27], pace[28], pace[29], pace[30], pace[31], pace[32], pace[33],
+    )  # fmt: skip
+    drift, drift_up, kept, most_up, most_down = pace[34], pace[35], pace[36], pace[37], pace[38]
     t, x, y, z, vx, vy, vz = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
     ix, iy, lx, ly, bx, by, az = state[7], state[8], state[9], state[10], state[11], state[12], state[13]
     tx, ty, tz, ux, uy, uz = state[14], state[15], state[16], state[17], state[18], state[19]
     cx, cy, cz, held, used, rising = state[20], state[21], state[22], state[23], int(state[24]), state[25] > 0.0
-    seed, fx, fy, jump, wait = state[27], state[28], state[29], state[30], state[31]
+    seed, fx, fy, home, wait = state[27], state[28], state[29], state[30], state[31]
+    sx, sy, sz, told, due, iz = state[32], state[33], state[34], state[35], state[36], state[37]
+    hover, off = state[38], state[39]
     ax, ay, az_, gx, gy, gz, nx, ny, nz = (
         way[0], way[1], way[2], way[3], way[4], way[5], way[6], way[7], way[8],
     )  # fmt: skip
     legx, legy = way[3] - way[0], way[4] - way[1]
     leg = math.sqrt(legx * legx + legy * legy)
-    seen, step, mode = -1.0, 0, ON_LINE
+    seen, step, mode, corrected = -1.0, 0, ON_LINE, False
     while True:
         # Where to steer: along the leg, unless the vehicle has passed its end, is before its start, or beside it.
         if leg > 1e-6:
@@ -161,8 +177,9 @@ def fly_to(
                 mode = BEFORE
             elif abs((x - way[0]) * legy - (y - way[1]) * legx) > radius * leg:
                 mode = BESIDE
-            if mode != was or mode == BESIDE:
-                ax, ay, az_, gx, gy, gz = x, y, z, way[3], way[4], way[5]
+            if mode != was or mode == BESIDE or corrected:
+                corrected = False
+                ax, ay, az_, gx, gy, gz = x, y, z - told, way[3], way[4], way[5]
                 nx, ny, nz = way[6], way[7], way[8]
                 if mode == ON_LINE:
                     ax, ay, az_ = way[0], way[1], way[2]
@@ -172,7 +189,8 @@ def fly_to(
                     gx, gy = way[0] + along * legx / leg, way[1] + along * legy / leg
                     nx, ny, nz = way[3], way[4], way[5]
         # The speeds that the waypoints allow; in a turn the speed may not rise and the aim is a point on the line.
-        qx, qy, qz = gx - tx, gy - ty, gz - tz
+        below = tz - told  # heights over home as the guidance has it
+        qx, qy, qz = gx - tx, gy - ty, gz - below
         far, speed = math.sqrt(qx * qx + qy * qy), math.sqrt(ux * ux + uy * uy)
         fast = corner_speed(qx, qy, nx - gx, ny - gy, accel, jerk, cruise, gain, radius)
         if speed > 0.2 and far > radius and ux * qx + uy * qy < 0.98 * speed * far:
@@ -181,18 +199,18 @@ def fly_to(
             size = math.sqrt(dx * dx + dy * dy + dz * dz)
             if size > 1e-6:
                 dx, dy, dz = dx / size, dy / size, dz / size
-                onto = (tx - ax) * dx + (ty - ay) * dy + (tz - az_) * dz
-                qx, qy, qz = ax + onto * dx - tx, ay + onto * dy - ty, az_ + onto * dz - tz
+                onto = (tx - ax) * dx + (ty - ay) * dy + (below - az_) * dz
+                qx, qy, qz = ax + onto * dx - tx, ay + onto * dy - ty, az_ + onto * dz - below
                 ahead = max(radius, 5.0)
                 ahead = math.sqrt(max(ahead * ahead - qx * qx - qy * qy - qz * qz, 0.0))
                 qx, qy, qz = qx + ahead * dx, qy + ahead * dy, qz + ahead * dz
         else:
             held = fast
-        low = climbing_off and z < slow_below
+        low = climbing_off and z - told < slow_below
         top = (slow_up if low else up) if rising else down
         top_accel = (min(accel_up, slow_accel) if low else accel_up) if rising else accel_down
         rise = vertical_speed(
-            math.sqrt(tx * tx + ty * ty), tz, math.sqrt(gx * gx + gy * gy), gz, math.sqrt(nx * nx + ny * ny), nz,
+            math.sqrt(tx * tx + ty * ty), below, math.sqrt(gx * gx + gy * gy), gz, math.sqrt(nx * nx + ny * ny), nz,
             top, top_accel, jerk, height_radius,
         )  # fmt: skip
         # The velocity wanted points at the aim; both its level and its vertical part keep their limits.
@@ -230,7 +248,7 @@ def fly_to(
             z1, z2, z3 = stretched(uz, cz, wz, top_accel, jz, longest)
         ox, oy = tx - x, ty - y
         behind = ox * ox + oy * oy if ox * ux + oy * uy >= 0.0 else 0.0
-        h = dt * (1.0 - min(math.sqrt(behind + wander * wander) / most_error, 1.0))
+        h = dt * (1.0 - min(math.sqrt(behind) / most_error, 1.0))
         tx, ux, cx = moved(tx, ux, cx, jx, x1, x2, x3, h)
         ty, uy, cy = moved(ty, uy, cy, jy, y1, y2, y3, h)
         tz, uz, cz = moved(tz, uz, cz, jz, z1, z2, z3, h)
@@ -241,49 +259,55 @@ def fly_to(
             ex, ey = ex * most_speed / size, ey * most_speed / size
         ex, ey = ex - vx - fx * dt, ey - vy - fy * dt
         mx, my = cx + p_v * ex + ix - d_v * fx, cy + p_v * ey + iy - d_v * fy
+        ez = min(max(uz + p_z * (tz - z), -most_down), most_up) - vz
+        mz = cz + p_vz * ez + iz
         size = math.sqrt(mx * mx + my * my)
-        if size > lean:  # beyond the greatest lean the integrator is led back
-            back = 2.0 / p_v * (1.0 - lean / size)
-            ex, ey = ex - back * mx, ey - back * my
-            mx, my = mx * lean / size, my * lean / size
-        ix, iy = ix + i_v * ex * dt, iy + i_v * ey * dt
-        # The vehicle: lean follows the command, thrust holds the height, drag is linear.
+        share = 1.0 if size <= lean else lean / size
+        # Where less is had than asked for, by the greatest lean or by less thrust, the integrator is led back.
+        back = 2.0 / p_v * max(1.0 - share * (1.0 + mz / GRAVITY) / hover, 0.0)
+        ix, iy = ix + i_v * (ex - back * mx) * dt, iy + i_v * (ey - back * my) * dt
+        iz += i_vz * ez * dt
+        mx, my = mx * share, my * share
+        # The vehicle: lean and thrust follow the command, drag is linear; the thrust that hovering takes is learned as
+        # if there were none, so a climb makes it too large.
         lx, ly = lx + (mx - lx) * leaning, ly + (my - ly) * leaning
         bx, by = bx + (lx - bx) * turning, by + (ly - by) * turning
-        az += (p_vz * (min(max(uz + p_z * (tz - z), -down), up) - vz) + cz - az) * turning
-        lift = 1.0 + (az + drag * vz) / GRAVITY
+        az += (mz - az) * turning
+        lift = 1.0 + az / GRAVITY
+        doubt = 1.0 + 10.0 * max(abs(vz) - HOVER_SURE_UP, math.sqrt(vx * vx + vy * vy) - HOVER_SURE, 0.0)
+        learned = (1.0 / learning + 1.0 / max(t - off, 1.0)) * dt / doubt
+        hover += (1.0 + drag * vz / GRAVITY - hover) * min(learned, 1.0)
         fx, fy = bx * lift - drag * (vx - wind_x), by * lift - drag * (vy - wind_y)
-        vx, vy, vz = vx + fx * dt, vy + fy * dt, vz + az * dt
-        x, y, z = x + vx * dt, y + vy * dt, z + vz * dt
+        vx, vy, vz = vx + fx * dt, vy + fy * dt, vz + (az - drag * vz) * dt
+        x, y, z = x + (vx + sx) * dt, y + (vy + sy) * dt, z + (vz + sz) * dt
         t += dt
         step += 1
         if step % every == 0:
             if used + 7 > len(samples):
                 return False
-            samples[used], samples[used + 1], samples[used + 2], samples[used + 3] = t, x, y, z - jump
+            samples[used], samples[used + 1], samples[used + 2], samples[used + 3] = t, x, y, z
             samples[used + 4], samples[used + 5], samples[used + 6] = vx, vy, vz
             used += 7
-        # The height estimate jumps away now and then, and the trajectory with it, and back soon after.
+        # What the vehicle measures is noisy: place and speed do not quite agree, and home's height is corrected at first,
+        # which moves all waypoints, for the navigator at once and for the guidance a little later.
         wait -= dt
-        if least_jump > 0.0 and wait <= 0.0:
-            seed = (seed * 1103515245.0 + 12345.0) % SEEDS
-            if jump != 0.0:
-                z, jump = z - jump, 0.0
-                wait = -jump_rest * math.log((seed + 1.0) / (SEEDS + 1.0))
-            else:
-                jump = least_jump - more_jump * math.log((seed + 1.0) / (SEEDS + 1.0))
-                seed = (seed * 1103515245.0 + 12345.0) % SEEDS
-                jump = -jump if seed < SEEDS / 2.0 else jump
-                seed = (seed * 1103515245.0 + 12345.0) % SEEDS
-                wait = jump_lasts * 2.0 * seed / SEEDS
-                z += jump
-            tz = z
+        if wait <= 0.0 and noise > 0.0:
+            wait += noise_step
+            seed, n1, n2 = normal(seed)
+            sx, sy = kept * sx + drift * n1, kept * sy + drift * n2
+            seed, n1, n2 = normal(seed)
+            sz = kept * sz + drift_up * n1
+            if t < until and abs(noise * n2 - home) > beyond:
+                home = noise * n2
+                due = t + untold if due < 0.0 else due
+        if due >= 0.0 and t >= due:
+            told, due, corrected = home, -1.0, True
         # Reached, and noticed to be a little later.
         if seen < 0.0:
             if climbing_off:
-                reached = z > way[5] - height_radius
+                reached = z - home > way[5] - height_radius
             else:
-                reached = (x - way[3]) ** 2 + (y - way[4]) ** 2 <= radius * radius and abs(z - way[5]) <= height_radius
+                reached = (x - way[3]) ** 2 + (y - way[4]) ** 2 <= radius * radius and abs(z - home - way[5]) <= height_radius
             if reached:
                 seen = t
         if seen >= 0.0 and t - seen >= latency:
@@ -292,5 +316,7 @@ def fly_to(
     state[7], state[8], state[9], state[10], state[11], state[12], state[13] = ix, iy, lx, ly, bx, by, az
     state[14], state[15], state[16], state[17], state[18], state[19] = tx, ty, tz, ux, uy, uz
     state[20], state[21], state[22], state[23], state[24], state[25] = cx, cy, cz, held, used, 1.0 if rising else -1.0
-    state[26], state[27], state[28], state[29], state[30], state[31] = seen, seed, fx, fy, jump, wait
+    state[26], state[27], state[28], state[29], state[30], state[31] = seen, seed, fx, fy, home, wait
+    state[32], state[33], state[34], state[35], state[36], state[37] = sx, sy, sz, told, due, iz
+    state[38], state[39] = hover, off
     return True

@@ -71,8 +71,9 @@ def fly_arducopter(
     samples = np.array(flight.samples, dtype=np.float64).reshape(-1, 7)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
     track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
-    doubt = tuple(DOUBT + DOUBT_SHARE * done for done in flight.done)
-    return Prediction(tuple(flight.done), doubt, tuple(flight.done_reasons), track, tuple(flight.remarks))
+    done = np.array(flight.done, dtype=np.float64)
+    doubt = DOUBT + DOUBT_SHARE * done
+    return Prediction(done, done - doubt, done + doubt, tuple(flight.done_reasons), track, tuple(flight.remarks))
 
 
 class _Flight:

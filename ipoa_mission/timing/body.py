@@ -1,4 +1,4 @@
-"""The multirotors that the models fly: what drag they have, how quickly they answer, how well they know their height.
+"""The multirotors that the models fly: what drag they have, how quickly they answer, how well they know where they are.
 
 No mission and no autopilot parameter tells these, and every airframe has its own; the values here are those of the
 two simulators' quadrotors, read from the recorded flights (see docs/flight-time.md). Below about 8 m/s drag hardly
@@ -11,33 +11,35 @@ GRAVITY = 9.80665  # [m/s^2]
 
 
 @dataclass(frozen=True)
-class HeightJumps:
-    """A height estimate that jumps away by `least` m and on average `more` m beyond that, and soon comes back.
+class Senses:
+    """How well a vehicle knows where it is, as far as its guidance notices.
 
-    It stays away `lasts` s on average and then rests for `rest` s on average.
+    A satellite height comes every `every` s with a standard deviation of `height_noise` m. The speed that is estimated
+    does not quite agree with how the estimated place moves: by `drift` m/s level, along each axis, and `drift_up`
+    upwards (standard deviations), for about `drift_lasts` s.
     """
 
-    least: float
-    more: float
-    lasts: float
-    rest: float
+    every: float
+    height_noise: float
+    drift: float
+    drift_up: float
+    drift_lasts: float
 
 
 @dataclass(frozen=True)
 class Body:
     """Drag per mass along the leaning body: (linear + quadratic v) v [1/s, 1/m]; `lag` [s] of rotors and rate loop.
 
-    `wander` [m] is by how much the place estimate strays from the path even where the vehicle keeps up.
+    With `senses` a model may fly several times, each time with other noise; without, it knows everything exactly.
     """
 
     linear_drag: float
     quadratic_drag: float
     lag: float
-    wander: float = 0.0
-    jumps: HeightJumps | None = None
+    senses: Senses | None = None
 
 
 #: ArduPilot's built-in quadrotor: at 30 degrees of lean its drag allows 10.0 m/s level.
 ARDUPILOT_SIMULATOR = Body(linear_drag=0.30, quadratic_drag=0.0306, lag=0.02)
 #: PX4's SIH quadrotor (1 kg, drag 1 N s/m): at 45 degrees of lean its drag allows 9.8 m/s level.
-PX4_SIMULATOR = Body(1.0, 0.0, lag=0.06, wander=0.08, jumps=HeightJumps(least=1.0, more=0.31, lasts=0.38, rest=1.6))
+PX4_SIMULATOR = Body(1.0, 0.0, lag=0.06, senses=Senses(0.125, 0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5))

@@ -73,17 +73,17 @@ def estimate(
     """
     route = itinerary(mission)
     prediction = MODELS[mission.autopilot](route, parameters, wind, fast)
-    total, doubt = (prediction.done[-1], prediction.doubt[-1]) if prediction.done else (0.0, 0.0)
+    items = _item_times(route, prediction)
     remarks = prediction.remarks
     if route.over_terrain:
         numbers = ", ".join(map(str, route.over_terrain))
         remarks = (*remarks, f"items {numbers}: height over terrain taken as height over home")
     return Estimate(
-        total_s=total,
-        low_s=max(total - doubt, 0.0),
-        high_s=total + doubt,
+        total_s=items[-1].done_s if items else 0.0,
+        low_s=items[-1].low_s if items else 0.0,
+        high_s=items[-1].high_s if items else 0.0,
         qgroundcontrol_s=qgroundcontrol_time(mission),
-        items=_item_times(route, prediction),
+        items=items,
         track=_in_local_frame(prediction.track),
         remarks=tuple(dict.fromkeys(remarks)),
     )
@@ -91,8 +91,8 @@ def estimate(
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
     items, begun = [], 0.0
-    found = zip(route.visits, prediction.done, prediction.doubt, prediction.reasons, strict=True)
-    for visit, done, doubt, reason in found:
+    times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
+    for visit, done, low, high, reason in zip(route.visits, *times, prediction.reasons, strict=True):
         length, peak = _flown(prediction.track, begun, done)
         lasted = done - begun
         items.append(
@@ -100,8 +100,8 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
                 seq=visit.seq,
                 command=visit.item.command,
                 done_s=done,
-                low_s=max(done - doubt, 0.0),
-                high_s=done + doubt,
+                low_s=max(low, 0.0),
+                high_s=high,
                 duration_s=lasted,
                 length=length,
                 peak_speed=peak,

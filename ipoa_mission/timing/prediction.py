@@ -14,16 +14,17 @@ class Track:
     speeds: Vector
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prediction:
-    """When each visit of the itinerary is done [s], the reason it was slow ("" if none), the path, and remarks.
+    """When each visit of the itinerary is done (n,) [s], the reason it was slow ("" if none), the path, and remarks.
 
-    `doubt` is half the width of the interval in which each time honestly lies [s]; docs/flight-time.md says how often
-    the recorded flights keep to it.
+    Each time honestly lies from `low` to `high` (n,) [s]; docs/flight-time.md says how often the recorded flights keep
+    to it.
     """
 
-    done: tuple[float, ...]
-    doubt: tuple[float, ...]
+    done: Vector
+    low: Vector
+    high: Vector
     reasons: tuple[str, ...]
     track: Track
     remarks: tuple[str, ...] = ()

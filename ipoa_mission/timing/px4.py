@@ -1,8 +1,9 @@
 """PX4 1.13 to 1.17 in AUTO.MISSION with a multicopter: smoothed trajectories, acceptance radii, take-off, RTL, LAND.
 
 What its navigator decides at waypoints is written here; what happens between two decisions is stepped by `_px4_steps`.
-Its flights are noisy: a waypoint counts once place *and* height are right, and the height estimate jumps. So a mission
-is flown once without jumps, which gives the path, and then again and again with them, which gives times and spread.
+Its flights are noisy: a waypoint counts once place *and* height are right, and for two minutes from take-off the height
+of home is corrected by noisy measurements. So a mission is flown once without noise, which gives the path, and then
+again and again with it, which gives times and spread.
 """
 
 import math
@@ -13,11 +14,10 @@ from typing import Any
 import numpy as np
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Command
 from ipoa_mission.timing import _px4_steps
 from ipoa_mission.timing._compiled import stepping
-from ipoa_mission.timing.body import GRAVITY, PX4_SIMULATOR, Body
+from ipoa_mission.timing.body import GRAVITY, PX4_SIMULATOR, Body, Senses
 from ipoa_mission.timing.itinerary import Itinerary
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4_parameters import Px4Limits, px4_limits
@@ -33,11 +33,15 @@ NOTICED = (
 )
 LANDING_DETECTION = 4.0  # from touching down, at less than the speed asked for, to being sure of it [s]
 RETURN_PAUSES = 4.0  # RTL brakes over home and again at its descend height [s]
-RUNS = 36  # with jumps of the height estimate; the middle two thirds of them are averaged
-SOME_RUNS, WELL_KNOWN = 6, 0.002  # fewer will do once the mean is known to this share of it; asked every so many
-JUMPS = 28  # where the stepping code finds by how much the height estimate jumps at least
-DOUBT, DOUBT_SHARE = 1.5, 0.02  # half the width of the interval, beside two deviations of the runs
-GOLDEN = 0.6180339887498949
+RUNS = 90  # with noise
+SOME_RUNS, WELL_KNOWN = 6, 0.003  # fewer will do once the mean is known to this share of it; asked every so many
+DOUBT, DOUBT_SHARE = 1.0, 0.015  # what the model itself may be off by on either side: seconds, and share of the time
+LIKELY = 0.96  # the share of the runs between which the interval lies, before that is added
+#: "Commander: adjust home position altitude after gnss altitude correction" (pull request 25003, from 1.17 on): by how
+#: much the measured height has to differ [m], and for how long from take-off [s].
+CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0
+#: Where the stepping code keeps what is noisy: the seed, home's height, the next measurement, the drifts.
+NOISE_STATE = (27, 30, 31, 32, 33, 34)
 LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
 
 FLOWN_TO = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
@@ -63,34 +67,29 @@ def fly_px4(
     smooth.run()
     samples = np.array(smooth.samples, dtype=np.float64).reshape(-1, 7)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
-    times = [np.array(smooth.done)]
-    if body.jumps is not None and route.visits:
+    times = [smooth.done]
+    if body.senses is not None and route.visits:
         times = []
         steps = stepping("_px4_steps", fast, RUNS * smooth.now / STEP)
         while len(times) < RUNS and not (len(times) % SOME_RUNS == 0 and _known(times)):
             run = _Flight(route, limits, wind, body, steps, seed=len(times) + 1)
             run.run()
-            times.append(np.array(run.done))
-    done, spread = _middle(times)
+            times.append(run.done)
+    runs = np.array(times, dtype=np.float64)  # (runs, visits)
+    done = runs.mean(axis=0)
+    low, high = np.quantile(runs, [(1 - LIKELY) / 2, (1 + LIKELY) / 2], axis=0) if route.visits else (done, done)
+    doubt = DOUBT + DOUBT_SHARE * done
     warped = np.interp(samples[:, 0], [0.0, *smooth.done], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth.done[-1] if smooth.done else 0.0), 0.0)
     track = Track(warped, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
-    doubt = tuple(DOUBT + DOUBT_SHARE * at + 2 * wide for at, wide in zip(done, spread, strict=True))
-    return Prediction(tuple(done), doubt, tuple(smooth.reasons), track, tuple(smooth.remarks))
+    interval = (np.minimum(low, done) - doubt, np.maximum(high, done) + doubt)
+    return Prediction(done, *interval, tuple(smooth.reasons), track, tuple(smooth.remarks))
 
 
-def _known(times: Sequence[Vector]) -> bool:
+def _known(times: Sequence[Sequence[float]]) -> bool:
     """Whether the mean of the runs is known well enough: its standard error is a small share of it."""
     ends = np.array([run[-1] for run in times])
     return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= WELL_KNOWN * ends.mean())
-
-
-def _middle(times: Sequence[Vector]) -> tuple[list[float], list[float]]:
-    """When each visit is done, over the middle two thirds of the runs, and the standard deviation over all."""
-    order = sorted(times, key=lambda run: float(run[-1]) if len(run) else 0.0)
-    cut = len(order) // 6
-    middle = np.mean(order[cut : len(order) - cut], axis=0)
-    return middle.tolist(), np.std(np.array(times), axis=0).tolist()
 
 
 class _Flight:
@@ -110,8 +109,6 @@ class _Flight:
         self.reasons: list[str] = []
         self.remarks: list[str] = []
         self.samples: list[float] = [0.0] * 7
-        jumps = body.jumps if seed else None
-        noise = (jumps.least, jumps.more, jumps.lasts, jumps.rest) if jumps else (0.0, 0.0, 1.0, 1.0)
         self.pace = [
             *(STEP, NOTICED, float(SAMPLE_STEPS)),
             *(limits.accel, limits.jerk, limits.corner_gain, limits.most_error, limits.most_speed),
@@ -119,12 +116,13 @@ class _Flight:
             *(limits.takeoff_speed, limits.takeoff_speed / limits.takeoff_ramp, limits.land_high),
             *(limits.p_xy, limits.p_v, limits.i_v, limits.d_v, GRAVITY * math.tan(limits.lean)),
             *(limits.p_z, limits.p_vz, 1 - math.exp(-STEP / limits.lean_lag), 1 - math.exp(-STEP / body.lag)),
-            *(body.linear_drag, wind.east, wind.north, body.wander, *noise),
+            *(body.linear_drag, wind.east, wind.north, limits.i_vz, limits.hover_learning, NOTICED),
+            *_noise(body.senses if seed else None, limits.spool_up),
+            *(limits.most_climb, limits.most_descent),
         ]
-        self.state = self.pack([0.0] * 32)
-        self.state[25], self.state[27] = 1.0, float(7919 * seed + 13)
-        self.first_jump = -noise[3] * math.log(1.0 - GOLDEN * seed % 1.0)  # evenly spread over the runs
-        self.state[31] = self.first_jump
+        self.state = self.pack([0.0] * 40)
+        self.state[27] = float(7919 * seed + 13)
+        self.rest(0.0)
 
     @property
     def now(self) -> float:
@@ -267,9 +265,7 @@ class _Flight:
             self.rest(self.limits.spool_up + self.limits.takeoff_ramp)
             self.airborne = True
         self.here = target
-        jumps, self.pace[JUMPS] = self.pace[JUMPS], 0.0  # recorded take-offs are not cut short by them
         self.fly(target, target, target, self.limits.radius, climbing_off=True)
-        self.pace[JUMPS], self.state[31] = jumps, self.first_jump
         return self.since
 
     def return_home(self) -> float:
@@ -301,15 +297,27 @@ class _Flight:
         self.airborne = False
 
     def rest(self, seconds: float) -> None:
-        """Let time pass at `here` with no motion left in anything."""
-        kept = (self.now + seconds, float(self.state[27]), float(self.state[31]))
+        """Let time pass at `here` with no motion left in anything; the noise goes on from where it is."""
         x, y, z = self.here
-        self.state = self.pack([0.0] * 32)
-        self.state[0], self.state[27], self.state[31] = kept
-        self.state[1], self.state[2], self.state[3], self.state[25] = x, y, z, 1.0
-        self.state[14], self.state[15], self.state[16] = x, y, z
+        kept = ((0, self.now + seconds), *((n, float(self.state[n])) for n in NOISE_STATE))
+        self.state = self.pack([0.0] * 40)
+        for n, value in kept:
+            self.state[n] = value
+        self.state[1], self.state[2], self.state[3], self.state[25] = x, y, z + float(self.state[30]), 1.0
+        self.state[14], self.state[15], self.state[16] = self.state[1], self.state[2], self.state[3]
+        self.state[38], self.state[39] = 1.0, self.now
         self.since = self.now
         self.samples += (self.now, x, y, z, 0.0, 0.0, 0.0)
+
+
+def _noise(senses: Senses | None, taken_off: float) -> tuple[float, ...]:
+    """The noise for the stepping code: every, height, by how much and until when home is corrected; drifts, memory."""
+    if senses is None:
+        return (math.inf, 0.0, math.inf, 0.0, 0.0, 0.0, 0.0)
+    kept = math.exp(-senses.every / senses.drift_lasts)
+    fresh = math.sqrt(1 - kept * kept)
+    correction = (senses.height_noise, CORRECTED_BEYOND, taken_off + CORRECTED_FOR)
+    return (senses.every, *correction, fresh * senses.drift, fresh * senses.drift_up, kept)
 
 
 def _packed(numbers: Any) -> Any:

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.timing.body import GRAVITY
 from ipoa_mission.vehicle import PX4_DEFAULTS, Parameters
 
 #: Parameters of PX4 that count here and are not among the package's defaults, with its own defaults.
@@ -12,7 +13,13 @@ FURTHER: Parameters = {
     "MPC_XY_VEL_I_ACC": 0.4,
     "MPC_XY_VEL_D_ACC": 0.2,
     "MPC_Z_VEL_P_ACC": 4.0,
+    "MPC_Z_VEL_I_ACC": 2.0,
+    "MPC_Z_VEL_MAX_UP": 3.0,
+    "MPC_Z_VEL_MAX_DN": 1.5,
     "MPC_TILTMAX_AIR": 45.0,
+    "MPC_THR_HOVER": 0.5,
+    "MPC_USE_HTE": 1.0,
+    "HTE_HT_NOISE": 0.0036,
     "MC_ROLL_P": 6.5,
     "MIS_YAW_ERR": 12.0,
     "COM_DISARM_LAND": 2.0,
@@ -37,6 +44,9 @@ POSITIVE = (
     "NAV_ACC_RAD",
     "NAV_MC_ALT_RAD",
     "MC_ROLL_P",
+    "MPC_Z_VEL_MAX_UP",
+    "MPC_Z_VEL_MAX_DN",
+    "MPC_THR_HOVER",
 )
 
 
@@ -52,6 +62,8 @@ class Px4Limits:
     jerk: float
     climb: float
     descent: float
+    most_climb: float
+    most_descent: float
     accel_up: float
     accel_down: float
     radius: float
@@ -62,6 +74,8 @@ class Px4Limits:
     d_v: float
     p_z: float
     p_vz: float
+    i_vz: float
+    hover_learning: float
     lean: float
     lean_lag: float
     spool_up: float
@@ -82,6 +96,10 @@ class Px4Limits:
 def px4_limits(parameters: Parameters) -> Px4Limits:
     """The limits that these parameters set; what is not given has PX4 1.17's default.
 
+    The vertical controller may use a little more than the trajectory does (FlightTaskAuto: 1.2 times). What hovering
+    takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are smooth, its
+    least measurement noise, 1 m/s^2; so its time constant is hover / (noise g).
+
     Raises:
         BadInput: a parameter that must be positive is not.
     """
@@ -89,6 +107,9 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
     for name in POSITIVE:
         if not p[name] > 0:
             raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")
+    climb = min(p["MPC_Z_V_AUTO_UP"], p["MPC_Z_VEL_MAX_UP"])
+    descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
+    learns = p["MPC_USE_HTE"] > 0 and p["HTE_HT_NOISE"] > 0
     return Px4Limits(
         cruise=p["MPC_XY_CRUISE"],
         most_speed=p["MPC_XY_VEL_MAX"],
@@ -96,8 +117,10 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         most_error=p["MPC_XY_ERR_MAX"],
         accel=p["MPC_ACC_HOR"],
         jerk=p["MPC_JERK_AUTO"],
-        climb=p["MPC_Z_V_AUTO_UP"],
-        descent=p["MPC_Z_V_AUTO_DN"],
+        climb=climb,
+        descent=descent,
+        most_climb=max(p["MPC_Z_VEL_MAX_UP"], 1.2 * climb),
+        most_descent=max(p["MPC_Z_VEL_MAX_DN"], 1.2 * descent),
         accel_up=p["MPC_ACC_UP_MAX"],
         accel_down=p["MPC_ACC_DOWN_MAX"],
         radius=p["NAV_ACC_RAD"],
@@ -108,12 +131,14 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         d_v=p["MPC_XY_VEL_D_ACC"],
         p_z=p["MPC_Z_P"],
         p_vz=p["MPC_Z_VEL_P_ACC"],
+        i_vz=p["MPC_Z_VEL_I_ACC"],
+        hover_learning=p["MPC_THR_HOVER"] / (p["HTE_HT_NOISE"] * GRAVITY) if learns else math.inf,
         lean=math.radians(min(p["MPC_TILTMAX_AIR"], 80.0)),
         lean_lag=1 / p["MC_ROLL_P"],
         spool_up=p["COM_SPOOLUP_TIME"],
-        takeoff_speed=p["MPC_TKO_SPEED"],
+        takeoff_speed=min(p["MPC_TKO_SPEED"], p["MPC_Z_VEL_MAX_UP"]),
         takeoff_ramp=max(p["MPC_TKO_RAMP_T"], 0.1),
-        land_speed=p["MPC_LAND_SPEED"],
+        land_speed=min(p["MPC_LAND_SPEED"], p["MPC_Z_VEL_MAX_DN"]),
         land_high=max(p["MPC_LAND_ALT1"], p["MPC_LAND_ALT2"]),
         land_low=p["MPC_LAND_ALT2"],
         yaw_rate=math.radians(p["MPC_YAWRAUTO_MAX"]),
