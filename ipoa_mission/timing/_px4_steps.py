@@ -307,7 +307,8 @@ def fly_to(
             if climbing_off:
                 reached = z - home > way[5] - height_radius
             else:
-                reached = (x - way[3]) ** 2 + (y - way[4]) ** 2 <= radius * radius and abs(z - home - way[5]) <= height_radius
+                near = (x - way[3]) ** 2 + (y - way[4]) ** 2 <= radius * radius
+                reached = near and abs(z - home - way[5]) <= height_radius
             if reached:
                 seen = t
         if seen >= 0.0 and t - seen >= latency:

@@ -97,8 +97,8 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
     """The limits that these parameters set; what is not given has PX4 1.17's default.
 
     The vertical controller may use a little more than the trajectory does (FlightTaskAuto: 1.2 times). What hovering
-    takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are smooth, its
-    least measurement noise, 1 m/s^2; so its time constant is hover / (noise g).
+    takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are smooth,
+    its least measurement noise, 1 m/s^2; so its time constant is hover / (noise g).
 
     Raises:
         BadInput: a parameter that must be positive is not.
