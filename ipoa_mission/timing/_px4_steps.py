@@ -288,8 +288,8 @@ def fly_to(
             samples[used], samples[used + 1], samples[used + 2], samples[used + 3] = t, x, y, z
             samples[used + 4], samples[used + 5], samples[used + 6] = vx, vy, vz
             used += 7
-        # What the vehicle measures is noisy: place and speed do not quite agree, and home's height is corrected at first,
-        # which moves all waypoints, for the navigator at once and for the guidance a little later.
+        # What the vehicle measures is noisy: place and speed do not quite agree, and at first home's height is
+        # corrected, which moves all waypoints, for the navigator at once and for the guidance a little later.
         wait -= dt
         if wait <= 0.0 and noise > 0.0:
             wait += noise_step
