@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput
 from ipoa_mission.experiments.maps import path_problem
 from ipoa_mission.experiments.problem import Measures, Problem
 from ipoa_mission.mission.assemble import assemble
@@ -23,20 +23,17 @@ from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
 
-SCENARIO = Path(__file__).parents[2] / "missions" / "paper" / "campus.toml"
+#: The scenario: in a wheel beside this file, in the repository where all missions are.
+PLACES = (Path(__file__).with_name("campus.toml"), Path(__file__).parents[2] / "missions" / "paper" / "campus.toml")
 
 
 def campus_scenario() -> Scenario:
     """The campus, to be planned by the paper's method: absolute coordinates, cost over nodes, no polish.
 
     Raises:
-        MissionError: the package is not run from its repository, which has the scenario.
+        BadInput: the package was installed without the scenario.
     """
-    if not SCENARIO.exists():
-        raise MissionError(
-            f"{SCENARIO}: the scenario of Table 8 is not there", hint="run from a clone of the repository"
-        )
-    scenario = read_scenario(SCENARIO)
+    scenario = read_scenario(next((place for place in PLACES if place.exists()), PLACES[-1]))
     return scenario.model_copy(
         update={
             "planning": scenario.planning.model_copy(update={"planner": "paper"}),

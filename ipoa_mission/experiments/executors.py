@@ -1,7 +1,9 @@
 """Where runs are executed: local processes, or a Dask cluster; both by the face of `concurrent.futures`."""
 
+import signal
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any
 
@@ -16,13 +18,18 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
 
     Raises:
         BadInput: fewer than one job, or an address that Dask does not take.
-        MissionError: Dask distributed is not installed, or nobody answers at `address`.
+        MissionError: Dask distributed is not installed, nobody answers at `address`, or a process was killed.
     """
     if jobs < 1:
         raise BadInput(f"jobs: expected at least 1, not {jobs}")
     if address is None:
-        with ProcessPoolExecutor(jobs) as pool:
-            yield pool
+        try:
+            with ProcessPoolExecutor(jobs, initializer=_leave_ctrl_c_to_the_parent) as pool:
+                yield pool
+        except BrokenProcessPool as error:
+            raise MissionError(
+                "a process that ran trials was killed", hint="memory? the same command goes on where it stopped"
+            ) from error
         return
     try:
         import distributed
@@ -44,3 +51,8 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
         ) from error
     with client, client.get_executor(pure=False, retries=10) as pool:
         yield pool
+
+
+def _leave_ctrl_c_to_the_parent() -> None:
+    """A terminal sends it to all; whoever writes the rows decides what is still to be done."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ipoa_mission.experiments import published
+from ipoa_mission.experiments.beyond import table_ablation
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.experiments.maps import MAPS
-from ipoa_mission.experiments.paper import dimension_of_the_print, errors, mean_log_error, table_ablation
+from ipoa_mission.experiments.paper import dimension_of_the_print, errors, mean_log_error
 from ipoa_mission.experiments.paper_maps import of_map
 from ipoa_mission.experiments.rows import Row, settings_text
 from ipoa_mission.experiments.series import (
@@ -86,7 +87,7 @@ def _off(rows: Sequence[Row], name: str) -> float:
 def _readings(rows: Sequence[Row]) -> list[str]:
     literal = mean_log_error(rows, "ipoa", settings_text(reading="literal"))
     default = mean_log_error(rows, "ipoa")
-    told = {row[0]: row[2] for row in table_ablation(rows).rows if row[0].startswith("without ")}
+    told = {row[0]: row[3] for row in table_ablation(rows).rows if row[0].startswith("without ")}
     return [
         "Read as printed (the Levy factor on the whole position), IPOA comes to a mean log10 error of "
         f"{literal:.2f}; with the factor on the exploitation step, the default here, to {default:.2f}.",

@@ -1,4 +1,4 @@
-"""Tables 3 and 4 of the paper, and what it lacks on the same functions: each a pure function of rows of runs."""
+"""Tables 3 and 4 of the paper, and the print held against itself: each a pure function of rows of runs."""
 
 from collections.abc import Callable, Sequence
 
@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.experiments.rows import Row, settings_text
-from ipoa_mission.experiments.series import ABLATION, BEYOND, EQUAL
-from ipoa_mission.experiments.statistics import friedman, holm, places, rank_sum
-from ipoa_mission.experiments.tables import Table, number, per_cent
+from ipoa_mission.experiments.ranking import ranking
+from ipoa_mission.experiments.rows import Row, runs_of
+from ipoa_mission.experiments.statistics import holm, places, rank_sum, told_apart
+from ipoa_mission.experiments.tables import Table, factor, number
 
-_FLOOR = 1e-8  # errors below it count as it, as the CEC competitions have it
+FLOOR = 1e-8  # errors below it count as it, as the CEC competitions have it
 _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {
     "best": lambda costs: float(costs.min()),
     "mean": lambda costs: float(costs.mean()),
@@ -32,12 +32,12 @@ def errors(rows: Sequence[Row], function: str, algorithm: str, settings: str = "
 
 def mean_log_error(rows: Sequence[Row], algorithm: str, settings: str = "{}") -> float:
     """log10 of the mean error, averaged over the twelve functions: how near the optimum a method comes."""
-    means = [max(errors(rows, function, algorithm, settings).mean(), _FLOOR) for function in FUNCTIONS]
+    means = [max(errors(rows, function, algorithm, settings).mean(), FLOOR) for function in FUNCTIONS]
     return float(np.mean(np.log10(means)))
 
 
 def table_3(rows: Sequence[Row]) -> Table:
-    """Best, mean and SD on CEC2022 at D = 20: ours and its place, the printed value and its place, the difference."""
+    """Best, mean and SD on CEC2022 at D = 20: ours and its place, the printed value and its place, their ratio."""
     lines, firsts = [], 0
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         costs = [errors(rows, function, name) + optimum for name in published.ALGORITHMS]
@@ -46,12 +46,13 @@ def table_3(rows: Sequence[Row]) -> Table:
             theirs = published.TABLE_3[function][metric]
             place, printed = places(ours), places(theirs)
             firsts += place[0] == 1
+            least = 0.0 if metric == "sd" else optimum
             lines.append(
                 [
                     function,
                     metric,
                     *(
-                        f"{number(o)} ({p}) · {number(t)} ({q}) · {per_cent(o, t)}"
+                        f"{number(o)} ({p}) · {number(t)} ({q}) · {factor(o - least, t - least)}"
                         for o, p, t, q in zip(ours, place, theirs, printed, strict=True)
                     ),
                 ]
@@ -59,19 +60,20 @@ def table_3(rows: Sequence[Row]) -> Table:
     printed_firsts = sum(
         places(published.TABLE_3[function][metric])[0] == 1 for function in FUNCTIONS for metric in _METRICS
     )
-    ranks = friedman(np.array([[errors(rows, f, name).mean() for name in published.ALGORITHMS] for f in FUNCTIONS]))
-    printed_ranks = friedman(np.array([published.TABLE_3[f]["mean"] for f in FUNCTIONS]))
+    means = np.array([[errors(rows, f, name).mean() for name in published.ALGORITHMS] for f in FUNCTIONS])
+    printed_means = np.array([published.TABLE_3[f]["mean"] for f in FUNCTIONS])
     return Table(
-        f"Table 3. CEC2022, D = 20, {_runs(rows)} runs. Each cell: ours (place) · printed (place) · difference.",
+        f"Table 3. CEC2022, D = 20, {runs_of(rows)} runs. Each cell: ours (place) · printed (place) · "
+        "the ratio of the two, of what lies above the optimum (of SD, as it is).",
         ["", "", *(name.upper() for name in published.ALGORITHMS)],
         lines,
         [
             f"IPOA is first in {firsts} of 36 here; the print has it first in {printed_firsts} (its text says 25).",
-            "Mean rank over the functions by mean cost, here: "
-            + _listed(published.ALGORITHMS, ranks.mean_ranks)
-            + f" (Friedman p = {ranks.p:.1e}); printed: "
-            + _listed(published.ALGORITHMS, printed_ranks.mean_ranks)
-            + f" (p = {printed_ranks.p:.1e}).",
+            f"Mean rank over the functions by mean cost, here: {ranking(published.ALGORITHMS, means)}.",
+            f"Printed: {ranking(published.ALGORITHMS, printed_means)}.",
+            f"The printed SD of POA on f7, {published.TABLE_3['f7']['sd'][2]}, is impossible: thirty numbers cannot "
+            "have an SD above √30 times their mean less their least, here "
+            f"{_widest(published.TABLE_3['f7'], 2):.0f}. The print's own place for it, 4, suits 28.35.",
             "Mean evaluations of a run: "
             + ", ".join(
                 f"{name.upper()} {np.mean([r.evaluations for r in rows if r.trial.algorithm == name]):,.0f}"
@@ -82,29 +84,31 @@ def table_3(rows: Sequence[Row]) -> Table:
     )
 
 
+def _widest(printed: dict[str, published.Numbers], k: int) -> float:
+    """The largest SD that thirty numbers of that mean can have if none is below that best."""
+    return float(np.sqrt(30) * (printed["mean"][k] - printed["best"][k]))
+
+
 def table_4(rows: Sequence[Row]) -> Table:
     """Rank-sum tests of IPOA against each rival: ours, corrected by Holm over all sixty, and the printed p."""
     rivals = published.RIVALS_OF_TABLE_4
-    pairs = [(function, rival) for function in FUNCTIONS for rival in rivals]
-    raw = [rank_sum(errors(rows, f, "ipoa").tolist(), errors(rows, f, rival).tolist()) for f, rival in pairs]
-    corrected = dict(zip(pairs, zip(raw, holm(raw), strict=True), strict=True))
-    lines, wins, losses = [], 0, 0
-    for function in FUNCTIONS:
-        cells = [function]
-        for rival, printed in zip(rivals, published.TABLE_4[function], strict=True):
-            p, with_holm = corrected[function, rival]
-            better = np.median(errors(rows, function, "ipoa")) < np.median(errors(rows, function, rival))
-            sign = "=" if with_holm >= 0.05 else "+" if better else "-"
-            wins, losses = wins + (sign == "+"), losses + (sign == "-")
-            cells.append(f"{p:.2g}, Holm {with_holm:.2g} ({sign}) · {printed:.2g}")
-        lines.append(cells)
+    pairs = [(errors(rows, f, "ipoa"), errors(rows, f, rival)) for f in FUNCTIONS for rival in rivals]
+    raw = [rank_sum(ipoa, other) for ipoa, other in pairs]
+    signs = told_apart(pairs)
+    printed = [p for f in FUNCTIONS for p in published.TABLE_4[f]]
+    cells = [
+        f"{p:.2g}, Holm {q:.2g} ({sign}) · {t:.2g}"
+        for p, q, sign, t in zip(raw, holm(raw), signs, printed, strict=True)
+    ]
+    across = len(rivals)
     return Table(
-        f"Table 4. Wilcoxon rank-sum, IPOA against each, {_runs(rows)} runs. Each cell: our p, with Holm's correction "
-        "over all sixty (+ IPOA better, - worse, = not told apart at 0.05) · printed p.",
+        f"Table 4. Wilcoxon rank-sum, IPOA against each, {runs_of(rows)} runs. Each cell: our p, with Holm's "
+        "correction over all sixty (+ IPOA better, - worse, = not told apart at 0.05) · printed p.",
         ["", *(name.upper() for name in rivals)],
-        lines,
+        [[f, *cells[across * k : across * (k + 1)]] for k, f in enumerate(FUNCTIONS)],
         [
-            f"IPOA is better in {wins}, worse in {losses} and not told apart in {60 - wins - losses} of 60.",
+            f"IPOA is better in {signs.count('+')}, worse in {signs.count('-')} and not told apart in "
+            f"{signs.count('=')} of 60.",
             "Printed p values below 0.05 (uncorrected): "
             + f"{sum(p < 0.05 for row in published.TABLE_4.values() for p in row)} of 60.",
         ],
@@ -163,7 +167,7 @@ def dimension_of_the_print(rows_20: Sequence[Row], rows_10: Sequence[Row]) -> Ta
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         printed = np.array(published.TABLE_3[function]["mean"]) - optimum
         ours = {
-            d: np.array([max(errors(rows, function, name).mean(), _FLOOR) for name in published.ALGORITHMS])
+            d: np.array([max(errors(rows, function, name).mean(), FLOOR) for name in published.ALGORITHMS])
             for d, rows in ((20, rows_20), (10, rows_10))
         }
         off = {d: float(np.mean(np.abs(np.log(o / printed)))) for d, o in ours.items()}
@@ -183,109 +187,4 @@ def dimension_of_the_print(rows_20: Sequence[Row], rows_10: Sequence[Row]) -> Ta
         "and the mean of |ln(ours / printed)|.",
         ["", "printed", "ours, D = 20", "ours, D = 10", "off, D = 20", "off, D = 10", "nearer"],
         lines,
-    )
-
-
-def table_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
-    """Mean error of the rivals beyond the paper, beside IPOA and the best of the paper's other five."""
-    everyone = [*rows, *paper]
-    names = [*BEYOND, *published.ALGORITHMS]
-    lines = []
-    for function in FUNCTIONS:
-        means = [errors(everyone, function, name).mean() for name in names]
-        lines.append([function, *(f"{number(m)} ({p})" for m, p in zip(means, places(means), strict=True))])
-    lines.append(["mean log10", *(f"**{mean_log_error(everyone, name):.2f}**" for name in names)])
-    costs = np.array([[errors(everyone, f, name).mean() for name in names] for f in FUNCTIONS])
-    ranks = friedman(np.maximum(costs, _FLOOR))
-    ours, rest = BEYOND[0], names[1:]
-    notes = [
-        f"Mean error (place), {_runs(rows)} runs; the last line is log10 of it, errors below 1e-8 counted as 1e-8, "
-        "averaged over the functions. "
-        f"The first {len(BEYOND)} spent 90,060 evaluations a run, the paper's six what N = 30 and T = 1000 gives them.",
-        "Mean rank: " + _listed(names, ranks.mean_ranks) + f" (Friedman p = {ranks.p:.1e}).",
-    ]
-    for rival in [*rest[: len(BEYOND) - 1], "ipoa"]:
-        raw = [
-            rank_sum(
-                np.maximum(errors(everyone, f, ours), _FLOOR).tolist(),
-                np.maximum(errors(everyone, f, rival), _FLOOR).tolist(),
-            )
-            for f in FUNCTIONS
-        ]
-        signs = [
-            "=" if p >= 0.05 else "+" if errors(everyone, f, ours).mean() < errors(everyone, f, rival).mean() else "-"
-            for f, p in zip(FUNCTIONS, holm(raw), strict=True)
-        ]
-        notes.append(
-            f"{ours} against {rival} (rank-sum, Holm over the twelve, 0.05): better on {signs.count('+')}, "
-            f"worse on {signs.count('-')}, not told apart on {signs.count('=')}."
-        )
-    return Table("Beyond the paper: CEC2022, D = 20.", ["", *names], lines, notes)
-
-
-def table_equal(rows: Sequence[Row]) -> Table:
-    """The six at the same number of evaluations: what is left of the places when nobody is given more."""
-    settings = {name: settings_text(**wanted) for name, wanted in EQUAL.items()}
-    lines = []
-    for function in FUNCTIONS:
-        means = [errors(rows, function, name, settings[name]).mean() for name in EQUAL]
-        lines.append([function, *(f"{number(m)} ({p})" for m, p in zip(means, places(means), strict=True))])
-    lines.append(["mean log10", *(f"**{mean_log_error(rows, name, settings[name]):.2f}**" for name in EQUAL)])
-    spent = ", ".join(
-        f"{name.upper()} {np.mean([r.evaluations for r in rows if r.trial.algorithm == name]):,.0f}" for name in EQUAL
-    )
-    return Table(
-        f"The six at equal budget: mean error (place), CEC2022, D = 20, 90,060 evaluations, {_runs(rows)} runs.",
-        ["", *(name.upper() for name in EQUAL)],
-        lines,
-        [f"Iterations are set so that each spends the budget; mean evaluations: {spent}."],
-    )
-
-
-def table_ablation(rows: Sequence[Row]) -> Table:
-    """IPOA with each strategy off and each other reading, one at a time."""
-    base = settings_text()
-    lines = []
-    for label, wanted in ABLATION.items():
-        settings = settings_text(**wanted)
-        raw = [
-            rank_sum(errors(rows, f, "ipoa").tolist(), errors(rows, f, "ipoa", settings).tolist()) for f in FUNCTIONS
-        ]
-        means = [errors(rows, f, "ipoa", settings).mean() for f in FUNCTIONS]
-        signs = [
-            "=" if p >= 0.05 else "+" if m < errors(rows, f, "ipoa").mean() else "-"
-            for f, p, m in zip(FUNCTIONS, holm(raw), means, strict=True)
-        ]
-        printed = [
-            abs(np.log(m / (published.TABLE_3[f]["mean"][0] - o)))
-            for f, m, o in zip(FUNCTIONS, means, OPTIMA, strict=True)
-        ]
-        lines.append(
-            [
-                label,
-                f"{mean_log_error(rows, 'ipoa', settings):.2f}",
-                "-" if settings == base else f"{signs.count('+')} / {signs.count('=')} / {signs.count('-')}",
-                f"{np.mean(printed):.2f}",
-                *(number(m) for m in means),
-            ]
-        )
-    return Table(
-        f"Ablation and readings: IPOA on CEC2022, D = 20, {_runs(rows)} runs.",
-        ["", "mean log10 error", "better / same / worse than the first", "off the print", *FUNCTIONS],
-        lines,
-        [
-            "Better, same, worse: functions on which the rank-sum test with Holm's correction says so at 0.05. "
-            "Off the print: mean of |ln(our mean error / the printed one)|; 0 is a perfect match. "
-            "The twelve columns are mean errors."
-        ],
-    )
-
-
-def _runs(rows: Sequence[Row]) -> int:
-    return 1 + max(row.trial.run for row in rows)
-
-
-def _listed(names: Sequence[str], values: NDArray[np.float64]) -> str:
-    return ", ".join(
-        f"{name} {value:.2f}" for name, value in sorted(zip(names, values, strict=True), key=lambda p: p[1])
     )

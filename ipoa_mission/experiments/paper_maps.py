@@ -1,4 +1,4 @@
-"""Tables 5 to 7 of the paper, and what it lacks on the same maps: each a pure function of rows of runs.
+"""Tables 5 to 8 of the paper, and what its text draws from them: each a pure function of rows of runs.
 
 The paper does not publish its maps, so no number can agree; what can be compared is who is shorter, by how much.
 """
@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
-from ipoa_mission.experiments.maps import MAPS, WEIGHTS
-from ipoa_mission.experiments.rows import Row, settings_text
-from ipoa_mission.experiments.series import ABLATION, BEYOND
-from ipoa_mission.experiments.statistics import friedman, holm, places, rank_sum
+from ipoa_mission.experiments.maps import WEIGHTS
+from ipoa_mission.experiments.ranking import ranking
+from ipoa_mission.experiments.rows import Row, runs_of
+from ipoa_mission.experiments.statistics import places, told_apart
 from ipoa_mission.experiments.tables import Table, number, per_cent
 
 _MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
@@ -48,7 +48,7 @@ def table_5(rows: Sequence[Row]) -> Table:
                 ]
             )
     return Table(
-        f"Table 5. Cost by weights (length / turning / clearance), map-8-1, {_runs(rows)} runs. "
+        f"Table 5. Cost by weights (length / turning / clearance), map-8-1, {runs_of(rows)} runs. "
         "Each cell: ours (place) · printed (place).",
         ["weights", "", *(name.upper() for name in published.ALGORITHMS)],
         lines,
@@ -99,12 +99,15 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
         for name in published.ALGORITHMS[1:]
     )
     return Table(
-        f"{title}. Means of {_runs(rows)} runs on our seeded maps. "
+        f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
         "Each cell: ours (place) · printed, on other maps (place).",
         ["map", "", *(name.upper() for name in published.ALGORITHMS)],
         lines,
         [
             f"Length of IPOA's paths against each: {gains}.",
+            f"Told to be shorter / not told apart / longer on the maps (rank-sum, Holm over {len(cases)} maps and five "
+            f"rivals, 0.05): {_on_length(rows, cases)}.",
+            *([f"Mean rank by length: {_ranked_by_length(rows, cases)}."] if len(cases) > 2 else []),
             "Distance is the smooth curve's length. Iterations: when, of a thousand, the best cost was within 1 % of "
             "its last. Turn: mean angle between adjacent legs of the control points, the nodes that the algorithms "
             f"vary (over the hundred nodes of the smooth curve it is {min(smooth):.0f}° to {max(smooth):.0f}°, which "
@@ -114,6 +117,27 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
             "not sampled, touches nothing; the paper does not say how many of its paths do.",
         ],
     )
+
+
+def _on_length(rows: Sequence[Row], cases: Sequence[str]) -> str:
+    """On how many of the maps IPOA's paths are told to be shorter, not told apart, and longer, rival by rival."""
+    rivals = published.ALGORITHMS[1:]
+    pairs = [
+        (of_map(rows, case, "ipoa", "distance"), of_map(rows, case, rival, "distance"))
+        for rival in rivals
+        for case in cases
+    ]
+    signs = told_apart(pairs)
+    of_rival = [signs[k : k + len(cases)] for k in range(0, len(signs), len(cases))]
+    return "; ".join(
+        f"{rival.upper()} {' / '.join(str(found.count(sign)) for sign in '+=-')}"
+        for rival, found in zip(rivals, of_rival, strict=True)
+    )
+
+
+def _ranked_by_length(rows: Sequence[Row], cases: Sequence[str]) -> str:
+    means = [[of_map(rows, case, name, "distance").mean() for name in published.ALGORITHMS] for case in cases]
+    return ranking(published.ALGORITHMS, np.array(means))
 
 
 def table_8(rows: Sequence[Row]) -> Table:
@@ -143,7 +167,7 @@ def table_8(rows: Sequence[Row]) -> Table:
     lines.append(["collision-free", *(f"{sum(_known(rows, n, 'feasible')) / count[n]:.0%}" for n in names)])
     lines.append(["flown", *(f"{sum(_known(rows, n, 'flyable')):.0f} of {count[n]}" for n in names)])
     return Table(
-        f"Table 8. The campus, {_runs(rows)} runs. Each cell: our mean (place) · printed, on another campus (place).",
+        f"Table 8. The campus, {runs_of(rows)} runs. Each cell: our mean (place) · printed, on another campus (place).",
         ["", *(name.upper() if name in published.ALGORITHMS else name for name in names)],
         lines,
         [
@@ -180,73 +204,3 @@ def table_improvements() -> Table:
         ["", "on", "", "", "", ""],
         lines,
     )
-
-
-def table_maps_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
-    """Mean cost on each map: rivals beyond the paper beside the paper's six."""
-    everyone = [*rows, *paper]
-    names = [*BEYOND, *published.ALGORITHMS]
-    lines = []
-    for case in MAPS:
-        means = [float(of_map(everyone, case, name).mean()) for name in names]
-        lines.append([case, *(f"{m:.1f} ({p})" for m, p in zip(means, places(means), strict=True))])
-    lines.append(
-        [
-            "collision-free",
-            *(f"{np.mean([of_map(everyone, case, name, 'feasible').mean() for case in MAPS]):.0%}" for name in names),
-        ]
-    )
-    ranks = friedman(np.array([[of_map(everyone, case, name).mean() for name in names] for case in MAPS]))
-    raw = [
-        rank_sum(of_map(everyone, case, BEYOND[0]).tolist(), of_map(everyone, case, "ipoa").tolist()) for case in MAPS
-    ]
-    better = sum(
-        p < 0.05 and of_map(everyone, case, BEYOND[0]).mean() < of_map(everyone, case, "ipoa").mean()
-        for case, p in zip(MAPS, holm(raw), strict=True)
-    )
-    listed = ", ".join(
-        f"{name} {rank:.2f}" for name, rank in sorted(zip(names, ranks.mean_ranks, strict=True), key=lambda p: p[1])
-    )
-    return Table(
-        f"Beyond the paper, on the maps: mean cost (place), {_runs(rows)} runs, absolute coordinates.",
-        ["map", *names],
-        lines,
-        [
-            f"Mean rank: {listed} (Friedman p = {ranks.p:.1e}). {BEYOND[0]} is better than IPOA on {better} of "
-            f"{len(MAPS)} maps (rank-sum, Holm, 0.05)."
-        ],
-    )
-
-
-def table_maps_ablation(rows: Sequence[Row]) -> Table:
-    """IPOA on the maps with each strategy off and each other reading."""
-    lines = []
-    for label, wanted in ABLATION.items():
-        settings = settings_text(**wanted)
-        means = [float(of_map(rows, case, "ipoa", None, settings).mean()) for case in MAPS]
-        feasible = np.mean([of_map(rows, case, "ipoa", "feasible", settings).mean() for case in MAPS])
-        raw = [
-            rank_sum(of_map(rows, c, "ipoa").tolist(), of_map(rows, c, "ipoa", None, settings).tolist()) for c in MAPS
-        ]
-        signs = [
-            "=" if p >= 0.05 else "+" if m < of_map(rows, c, "ipoa").mean() else "-"
-            for c, p, m in zip(MAPS, holm(raw), means, strict=True)
-        ]
-        lines.append(
-            [
-                label,
-                f"{np.mean(means):.1f}",
-                "-" if not wanted else f"{signs.count('+')} / {signs.count('=')} / {signs.count('-')}",
-                f"{feasible:.0%}",
-                *(f"{m:.1f}" for m in means),
-            ]
-        )
-    return Table(
-        f"Ablation and readings on the maps: mean cost of IPOA, {_runs(rows)} runs, absolute coordinates.",
-        ["", "mean cost", "better / same / worse than the first", "collision-free", *MAPS],
-        lines,
-    )
-
-
-def _runs(rows: Sequence[Row]) -> int:
-    return 1 + max(row.trial.run for row in rows)

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments import figures, map_figures, paper, paper_maps
+from ipoa_mission.experiments import beyond, figures, map_figures, paper, paper_maps
 from ipoa_mission.experiments.campus import campus_scenario
 from ipoa_mission.experiments.executors import open_executor
 from ipoa_mission.experiments.maps import map_scenario
@@ -59,7 +59,7 @@ ITEMS: dict[str, Item] = {
         [CAMPUS], lambda rows: map_figures.paths_on_maps(rows[CAMPUS.name], {"campus": campus_scenario()})
     ),
     "improvements": Item([], lambda _: paper_maps.table_improvements()),
-    "beyond": Item([CEC_D20, CEC_BEYOND], lambda rows: paper.table_beyond(rows[CEC_BEYOND.name], rows[CEC_D20.name])),
+    "beyond": Item([CEC_D20, CEC_BEYOND], lambda rows: beyond.table_beyond(rows[CEC_BEYOND.name], rows[CEC_D20.name])),
     "table-5": Item([MAPS_PAPER], lambda rows: paper_maps.table_5(rows[MAPS_PAPER.name])),
     "table-6": Item([MAPS_PAPER], lambda rows: paper_maps.table_6(rows[MAPS_PAPER.name])),
     "table-7": Item([MAPS_PAPER], lambda rows: paper_maps.table_7(rows[MAPS_PAPER.name])),
@@ -67,11 +67,11 @@ ITEMS: dict[str, Item] = {
     "figure-10": Item([MAPS_PAPER], lambda rows: _paths(rows, ["map-6-1", "map-10-1"])),
     "maps-beyond": Item(
         [MAPS_PAPER, MAPS_BEYOND],
-        lambda rows: paper_maps.table_maps_beyond(rows[MAPS_BEYOND.name], rows[MAPS_PAPER.name]),
+        lambda rows: beyond.table_maps_beyond(rows[MAPS_BEYOND.name], rows[MAPS_PAPER.name]),
     ),
-    "maps-ablation": Item([MAPS_ABLATION], lambda rows: paper_maps.table_maps_ablation(rows[MAPS_ABLATION.name])),
-    "equal": Item([CEC_EQUAL], lambda rows: paper.table_equal(rows[CEC_EQUAL.name])),
-    "ablation": Item([CEC_ABLATION], lambda rows: paper.table_ablation(rows[CEC_ABLATION.name])),
+    "maps-ablation": Item([MAPS_ABLATION], lambda rows: beyond.table_maps_ablation(rows[MAPS_ABLATION.name])),
+    "equal": Item([CEC_EQUAL], lambda rows: beyond.table_equal(rows[CEC_EQUAL.name])),
+    "ablation": Item([CEC_ABLATION], lambda rows: beyond.table_ablation(rows[CEC_ABLATION.name])),
 }
 
 

@@ -1,17 +1,20 @@
 """A run as a row of a CSV file: what was run, what came of it, and how it is written and read.
 
-Rows are appended one whole line at a time; a last line that was cut off is no row, and is cleared away before the next.
+Rows are appended one whole line at a time, by one process; a last line that was cut off is no row, and is cleared away
+before the next.
 """
 
 import csv
 import io
 import json
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.experiments.problem import Measures
+from ipoa_mission.files import read_text
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,11 @@ class Row:
     versions: str
 
 
+def runs_of(rows: Sequence[Row]) -> int:
+    """How many runs of each the rows hold."""
+    return 1 + max(row.trial.run for row in rows)
+
+
 def settings_text(**settings: object) -> str:
     """Settings as a trial carries them."""
     return json.dumps(settings, sort_keys=True)
@@ -61,7 +69,7 @@ def read_rows(path: Path) -> list[Row]:
     """
     if not path.exists():
         return []
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    lines = read_text(path).splitlines(keepends=True)
     if lines and not lines[-1].endswith("\n"):
         lines.pop()
     if lines and lines[0].rstrip("\n") != ",".join(_COLUMNS):
@@ -100,14 +108,33 @@ def line_of(row: Row) -> str:
 
 
 def open_to_append(path: Path) -> io.TextIOWrapper:
-    """`path` opened for appending, with its heading, and without a last line that was cut off."""
+    """`path` opened for appending by nobody else, with its heading, and without a last line that was cut off.
+
+    Raises:
+        MissionError: another process has it open.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
-    kept = path.read_bytes() if path.exists() else b""
-    whole = kept.rfind(b"\n") + 1
-    if whole < len(kept):
-        with path.open("r+b") as file:
-            file.truncate(whole)
     opened = path.open("a", encoding="utf-8", newline="")
+    _claim(opened, path)
+    kept = path.read_bytes()
+    whole = kept.rfind(b"\n") + 1
+    opened.truncate(whole)
     if not whole:
         opened.write(",".join(_COLUMNS) + "\n")
     return opened
+
+
+def _claim(file: io.TextIOWrapper, path: Path) -> None:
+    """Lock the file until it is closed. Windows has no such lock: there it is up to the user."""
+    if sys.platform == "win32":
+        return
+    import fcntl
+
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        file.close()
+        raise MissionError(
+            f"{path}: another process is adding runs to it",
+            hint="wait until it is done, or keep these elsewhere: --out",
+        ) from error

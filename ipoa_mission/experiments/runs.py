@@ -7,15 +7,16 @@ where it stopped.
 
 import json
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, as_completed
+from contextlib import contextmanager
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.experiments.campus import campus_problem
 from ipoa_mission.experiments.cec2022 import cec2022
 from ipoa_mission.experiments.maps import map_problem
@@ -41,6 +42,11 @@ def run_trial(trial: Trial) -> Row:
     """
     if trial.problem not in PROBLEMS:
         raise BadInput(f"problem: expected {' or '.join(PROBLEMS)}, not {trial.problem!r}")
+    with _one_thread():
+        return _run(trial)
+
+
+def _run(trial: Trial) -> Row:
     problem = PROBLEMS[trial.problem](trial.case, trial.dimension)
     rng = np.random.default_rng([*trial.problem.encode(), *trial.case.encode(), trial.dimension, trial.run])
     started = time.process_time()
@@ -70,25 +76,35 @@ def measure(
 ) -> list[Row]:
     """Run what `path` does not hold yet, append it there, and return the rows of all `trials`, in their order.
 
-    `progress(done, all)` is called at the start and after each run.
+    `progress(done, all)` is called at the start and after each run. Whatever ends it early, what waits is cancelled.
+
+    Raises:
+        BadInput: `path` is not a file of runs, or a trial cannot be run.
+        MissionError: another process is adding runs to `path`, or a library is missing.
     """
     wanted = list(dict.fromkeys(trials))
     known = {row.trial: row for row in read_rows(path)}
-    missing = [trial for trial in wanted if trial not in known]
-    done = len(wanted) - len(missing)
-    if progress is not None:
-        progress(done, len(wanted))
-    if missing:
-        with open_to_append(path) as file:
-            waiting = {executor.submit(run_trial, trial) for trial in missing}
+    tell = progress or (lambda _done, _all: None)
+    if known.keys() >= set(wanted):
+        tell(len(wanted), len(wanted))
+        return [known[trial] for trial in wanted]
+    with open_to_append(path) as file:
+        known = {row.trial: row for row in read_rows(path)}  # now that nobody else adds to them
+        missing = [trial for trial in wanted if trial not in known]
+        done = len(wanted) - len(missing)
+        tell(done, len(wanted))
+        waiting = [executor.submit(run_trial, trial) for trial in missing]
+        try:
             for future in as_completed(waiting):
                 row = future.result()
                 known[row.trial] = row
                 file.write(line_of(row))
                 file.flush()
                 done += 1
-                if progress is not None:
-                    progress(done, len(wanted))
+                tell(done, len(wanted))
+        finally:
+            for future in waiting:
+                future.cancel()
     return [known[trial] for trial in wanted]
 
 
@@ -98,11 +114,29 @@ def _at_checkpoints(found: Optimum) -> tuple[float, ...]:
     return tuple(float(h) for h in found.history[np.maximum(spent, 0)])
 
 
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Linear algebra on one thread: runs are spread over processes, and on two threads sums end in other digits."""
+    try:
+        from threadpoolctl import threadpool_limits
+    except ImportError as error:
+        raise MissionError(
+            "runs need threadpoolctl, which is not installed", hint='pip install "ipoa-mission[experiments]"'
+        ) from error
+    with threadpool_limits(1, user_api="blas"):
+        yield
+
+
 def _versions() -> str:
+    """What the last digits of a run depend on: the packages, and for which processor NumPy's BLAS computes."""
+    from threadpoolctl import threadpool_info
+
     def of(package: str) -> str:
         try:
             return version(package)
         except PackageNotFoundError:
             return "absent"
 
-    return " ".join(f"{package}={of(package)}" for package in ("ipoa-mission", "numpy", "scipy", "minionpy"))
+    packages = [f"{package}={of(package)}" for package in ("ipoa-mission", "numpy", "scipy", "minionpy")]
+    kernels = sorted({info.get("architecture", info["internal_api"]) for info in threadpool_info()})
+    return " ".join([*packages, f"blas={'+'.join(kernels)}"])

@@ -87,15 +87,15 @@ def _maps(cases: Sequence[str], algorithms: Sequence[tuple[str, dict[str, object
 CEC_D20 = Series("cec2022-d20", 30, _cec(20, [(name, {}) for name in ALGORITHMS]))
 CEC_D10 = Series("cec2022-d10", 30, _cec(10, [(name, {}) for name in ALGORITHMS]))
 CEC_BEYOND = Series("cec2022-d20-beyond", 30, _cec(20, [(name, {}) for name in BEYOND], BUDGET))
-CEC_EQUAL = Series("cec2022-d20-equal", 5, _cec(20, list(EQUAL.items()), BUDGET))
-CEC_ABLATION = Series("cec2022-d20-ablation", 8, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
+CEC_EQUAL = Series("cec2022-d20-equal", 20, _cec(20, list(EQUAL.items()), BUDGET))
+CEC_ABLATION = Series("cec2022-d20-ablation", 20, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
 
 #: The map of Table 5, once for each experiment.
 WEIGHTED = tuple(f"map-8-1/{experiment}" for experiment in WEIGHTS)
 
 MAPS_PAPER = Series("maps", 10, _maps([*WEIGHTED, *MAPS], [(name, {}) for name in ALGORITHMS]))
 MAPS_BEYOND = Series("maps-beyond", 10, _maps(list(MAPS), [(name, {}) for name in BEYOND], BUDGET))
-MAPS_ABLATION = Series("maps-ablation", 6, _maps(list(MAPS), [("ipoa", settings) for settings in ABLATION.values()]))
+MAPS_ABLATION = Series("maps-ablation", 10, _maps(list(MAPS), [("ipoa", settings) for settings in ABLATION.values()]))
 
 #: The six on the campus, and the variant of ours beside them.
 CAMPUS = Series(

@@ -1,14 +1,17 @@
-"""The tests that tell a difference from chance, and the correction that many comparisons need."""
+"""The tests that tell a difference from chance, and the corrections that many comparisons need."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+Samples: TypeAlias = Sequence[float] | NDArray[np.float64]
 
-def rank_sum(a: Sequence[float], b: Sequence[float]) -> float:
+
+def rank_sum(a: Samples, b: Samples) -> float:
     """p of the Wilcoxon rank-sum test, two-sided, by the normal approximation with continuity correction.
 
     The paper's: two samples of thirty without overlap give 3.0199e-11, which its Table 4 shows many times.
@@ -27,11 +30,27 @@ def holm(p: Sequence[float]) -> list[float]:
     return [float(c) for c in result]
 
 
+def told_apart(pairs: Sequence[tuple[Samples, Samples]], level: float = 0.05) -> list[str]:
+    """For each pair of samples of costs: is the first told from the second, and how?
+
+    "+" the first is lower, "-" it is higher, by the rank-sum test with Holm's correction over all pairs; "=" at that
+    level they are not told apart.
+    """
+    corrected = holm([rank_sum(a, b) for a, b in pairs])
+    return ["=" if p >= level else "+" if _is_lower(a, b) else "-" for (a, b), p in zip(pairs, corrected, strict=True)]
+
+
+def _is_lower(a: Samples, b: Samples) -> bool:
+    """Whether a number of `a` is more often below one of `b` than above it."""
+    return bool(stats.mannwhitneyu(a, b).statistic < len(a) * len(b) / 2)
+
+
 @dataclass(frozen=True)
 class Friedman:
-    """Mean rank of each treatment (1 is best), the test statistic, and its p."""
+    """Mean rank of each treatment (1 is best), over how many blocks, the test statistic, and its p."""
 
     mean_ranks: NDArray[np.float64]
+    blocks: int
     statistic: float
     p: float
 
@@ -40,7 +59,21 @@ def friedman(costs: NDArray[np.float64]) -> Friedman:
     """Friedman's test on `costs` (blocks, treatments), three treatments or more: do all rank alike over the blocks?"""
     ranks = stats.rankdata(costs, axis=1)
     result = stats.friedmanchisquare(*costs.T)
-    return Friedman(ranks.mean(axis=0), float(result.statistic), float(result.pvalue))
+    return Friedman(ranks.mean(axis=0), len(costs), float(result.statistic), float(result.pvalue))
+
+
+def post_hoc(test: Friedman, control: int) -> list[float]:
+    """p of each treatment against the one at index `control` (itself 1), by mean rank, corrected by Holm.
+
+    The normal approximation that follows a Friedman test: Demsar, JMLR 2006, 7, 1, section 3.2.2.
+    """
+    k = len(test.mean_ranks)
+    z = (test.mean_ranks - test.mean_ranks[control]) / np.sqrt(k * (k + 1) / (6 * test.blocks))
+    p = 2 * stats.norm.sf(np.abs(z))
+    others = [i for i in range(k) if i != control]
+    corrected = np.ones(k)
+    corrected[others] = holm(p[others].tolist())
+    return [float(c) for c in corrected]
 
 
 def places(values: Sequence[float]) -> list[int]:

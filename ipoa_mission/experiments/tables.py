@@ -45,3 +45,8 @@ def number(value: float) -> str:
 def per_cent(ours: float, theirs: float) -> str:
     """How much ours is above (+) or below (-) theirs."""
     return f"{(ours / theirs - 1) * 100:+.0f} %" if theirs else "-"
+
+
+def factor(ours: float, theirs: float) -> str:
+    """How many times theirs ours is: ×0.71."""
+    return f"×{ours / theirs:.2g}" if theirs else "-"

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments.rows import Row, Trial, read_rows, settings_text
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.experiments.rows import Row, Trial, open_to_append, read_rows, settings_text
 from ipoa_mission.experiments.runs import CHECKPOINTS, measure, run_trial
 
 pytest.importorskip("minionpy")
@@ -89,6 +89,38 @@ def test_a_line_that_was_cut_off_is_no_row_and_does_not_spoil_the_next(tmp_path:
     again = measure(TRIALS, path, Here())
     assert [(r.trial, r.cost) for r in again] == [(r.trial, r.cost) for r in whole]
     assert {r.trial for r in read_rows(path)} == set(TRIALS)
+
+
+def test_two_processes_do_not_add_to_the_same_file(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    with (
+        open_to_append(path),
+        pytest.raises(MissionError, match=r"rows\.csv: another process is adding runs to it$"),
+    ):
+        measure(TRIALS, path, Here())
+    measure(TRIALS, path, Here())
+    with open_to_append(path):  # who has nothing to add may still tell what is there
+        assert len(measure(TRIALS, path, Here(breaks_after=0))) == 4
+
+
+def test_what_waits_is_cancelled_when_the_series_is_stopped(tmp_path: Path) -> None:
+    class Busy(Here):
+        """Has one run done, and all others waiting."""
+
+        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+            future: Future[Any] = super().submit(fn, *args, **kwargs) if not self.count else Future()
+            waiting.append(future)
+            return future
+
+    def stop(done: int, _all: int) -> None:
+        if done:
+            raise KeyboardInterrupt
+
+    waiting: list[Future[Any]] = []
+    with pytest.raises(KeyboardInterrupt):
+        measure(TRIALS, tmp_path / "rows.csv", Busy(), stop)
+    assert [future.cancelled() for future in waiting] == [False, True, True, True]
+    assert len(read_rows(tmp_path / "rows.csv")) == 1
 
 
 def test_progress_is_told_from_what_was_there_to_the_end(tmp_path: Path) -> None:
