@@ -75,14 +75,18 @@ def speak_anywhere() -> None:
 
 @contextmanager
 def progress_bar(words: str) -> Iterator[Callable[[float, str], None]]:
-    """A bar on a terminal, nothing elsewhere. Call what you get with the fraction done and a few words."""
+    """A bar with the time gone and left on a terminal, nothing elsewhere.
+
+    Call what you get with the fraction done and a few words.
+    """
     if not sys.stderr.isatty():
         yield lambda _fraction, _words: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    what = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}"))
+    when = (TimeElapsedColumn(), TextColumn("·"), TimeRemainingColumn(), TextColumn("left"))
+    with Progress(*what, *when, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(words, total=1.0, words="")
         yield lambda fraction, said: progress.update(task, completed=fraction, words=said)

@@ -28,7 +28,7 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
                 yield pool
         except BrokenProcessPool as error:
             raise MissionError(
-                "a process that ran trials was killed", hint="memory? the same command goes on where it stopped"
+                "a process that ran trials was killed", hint="by lack of memory, perhaps; the same command goes on"
             ) from error
         return
     try:

@@ -35,8 +35,8 @@ def figure_3() -> str:
     figure, (left, right) = panels_of(1, 2, 9, 3.2)
     left.plot(np.arange(1, 301), z, ".", ms=3, color=COLOURS["ipoa"])
     left.set(xlabel="iteration", ylabel="z", title="300 iterates, a = 0.7")
-    right.hist(z, bins=30, color=COLOURS["dbo"])
-    right.set(xlabel="z", ylabel="count", title="their distribution")
+    right.hist(z, bins=30, color=COLOURS["dbo"], edgecolor="white", linewidth=0.3)
+    right.set(xlabel="z", ylabel="count", title="their distribution", xticks=[-1, -0.5, 0, 0.5, 1])
     return draw_svg(figure)
 
 
@@ -64,11 +64,13 @@ def figure_7(rows: Sequence[Row]) -> str:
             mean = np.maximum(np.mean(curves, axis=0), 1e-8)
             axes.semilogy(CHECKPOINTS, mean, color=COLOURS[name], label=name.upper(), lw=1.2)
         axes.set(title=f"{function} (optimum {optimum:g})")
+        _plain_log_ticks(axes)
+        axes.grid(alpha=0.25)
     for axes in panels[8:]:
         axes.set(xlabel="share of the evaluations")
     for axes in panels[::4]:
         axes.set(ylabel="mean error")
-    panels[0].legend(fontsize=7)
+    legend_of_all(figure, panels[0])
     return draw_svg(figure)
 
 
@@ -83,7 +85,11 @@ def figure_8(rows: Sequence[Row]) -> str:
         axes.set_xticks(range(1, len(ALGORITHMS) + 1), [name.upper() for name in ALGORITHMS], fontsize=7)
         if max(s.max() for s in samples) > 20 * optimum:
             axes.set_yscale("log")
-        axes.set(title=function)
+            _plain_log_ticks(axes)
+        axes.grid(axis="y", alpha=0.25)
+        axes.set(title=f"{function} (optimum {optimum:g})")
+    for axes in panels[::4]:
+        axes.set(ylabel="cost")
     return draw_svg(figure)
 
 
@@ -93,6 +99,21 @@ def panels_of(down: int, across: int, width: float, height: float) -> tuple[Any,
 
     figure = Figure(figsize=(width, height), layout="constrained")
     return figure, list(np.ravel(figure.subplots(down, across)))
+
+
+def legend_of_all(figure: Any, axes: Any) -> None:
+    """One legend for all panels, above them, of the lines that `axes` has."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), frameon=False)
+
+
+def _plain_log_ticks(axes: Any) -> None:
+    """60, 200, 1000 beside a logarithmic axis, and powers only where they are shorter."""
+    from matplotlib.ticker import LogFormatter
+
+    axes.yaxis.set_major_formatter(LogFormatter())
+    axes.yaxis.set_minor_formatter(LogFormatter(minor_thresholds=(1.5, 0.5)))
+    axes.tick_params(axis="y", which="both", labelsize=8)
 
 
 def draw_svg(figure: Any) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.experiments.figures import COLOURS, draw_svg, panels_of
+from ipoa_mission.experiments.figures import COLOURS, draw_svg, legend_of_all, panels_of
 from ipoa_mission.experiments.published import ALGORITHMS
 from ipoa_mission.experiments.rows import Row
 from ipoa_mission.planning.spline import Spline
@@ -25,11 +25,12 @@ def paths_on_maps(rows: Sequence[Row], scenarios: dict[str, Scenario]) -> str:
             control = np.array(best.measures["control"], dtype=np.float64).reshape(-1, 3)
             path = Spline(control).points(np.linspace(0, 1, 300))
             style = "-" if best.measures["feasible"] else ":"
-            above.plot(path[:, 0], path[:, 1], style, color=COLOURS[name], label=name.upper(), lw=1.4, zorder=3)
-            front.plot(path[:, 0], path[:, 2], style, color=COLOURS[name], lw=1.4)
+            above.plot(path[:, 0], path[:, 1], style, color=COLOURS[name], lw=1.4, zorder=3)
+            front.plot(path[:, 0], path[:, 2], style, color=COLOURS[name], lw=1.4, zorder=3)
+            above.plot([], [], "-", color=COLOURS[name], label=name.upper())
         above.set(title=f"{case}, from above", xlabel="east [m]", ylabel="north [m]", aspect="equal")
         front.set(title=f"{case}, from the south", xlabel="east [m]", ylabel="up [m]")
-        above.legend(fontsize=7, loc="lower right")
+    legend_of_all(figure, panels[0])
     return draw_svg(figure)
 
 
@@ -56,4 +57,11 @@ def _draw_world(above: Any, front: Any, scenario: Scenario) -> None:
             case Prism():
                 ring = np.asarray(body.outer)
                 above.fill(ring[:, 0], ring[:, 1], color="0.3")
-                front.fill_between([ring[:, 0].min(), ring[:, 0].max()], body.base, body.top, color="0.3", alpha=0.4)
+                front.fill_between(
+                    [ring[:, 0].min(), ring[:, 0].max()],
+                    body.base,
+                    body.top,
+                    facecolor="0.3",
+                    edgecolor="0.4",
+                    alpha=0.2,
+                )

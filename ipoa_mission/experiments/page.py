@@ -4,14 +4,15 @@ Every number in its sentences is computed from the rows; where a sentence depend
 sentence is chosen by the numbers.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
-from ipoa_mission.experiments.in_short import in_short
-from ipoa_mission.experiments.rows import Row
+from ipoa_mission.experiments.came_out import came_out
+from ipoa_mission.experiments.fell_short import fell_short
+from ipoa_mission.experiments.meant import meant
+from ipoa_mission.experiments.rows import Rows
 from ipoa_mission.experiments.tables import Table
 
 Made = Mapping[str, Table | str]
-Rows = Mapping[str, Sequence[Row]]
 
 
 def findings(made: Made, rows: Rows, folder: str) -> str:
@@ -30,10 +31,7 @@ def findings(made: Made, rows: Rows, folder: str) -> str:
             "",
             _measured(rows),
             "",
-            "## What came out, in short",
-            "",
-            *(f"* {line}" for line in in_short(rows)),
-            "",
+            *_sentences(rows),
             "## Table 3: the six algorithms on CEC2022",
             "",
             _HOW_TO_READ,
@@ -97,6 +95,18 @@ def findings(made: Made, rows: Rows, folder: str) -> str:
     )
 
 
+def _sentences(rows: Rows) -> list[str]:
+    found = {
+        "What came out": came_out(rows),
+        "What did not": fell_short(rows),
+        "What the paper must have meant": meant(rows),
+    }
+    lines = []
+    for heading, sentences in found.items():
+        lines += [f"## {heading}", "", *(f"* {sentence}" for sentence in sentences), ""]
+    return lines
+
+
 def _measured(rows: Rows) -> str:
     lines = ["| series | rows | measured | versions | CPU |", "| --- | --- | --- | --- | --- |"]
     for name, series in rows.items():
@@ -105,7 +115,11 @@ def _measured(rows: Rows) -> str:
         minutes = sum(row.seconds for row in series) / 60
         when = dates[0] if len(dates) == 1 else f"{dates[0]} to {dates[-1]}"
         lines.append(f"| {name} | {len(series)} | {when} | {versions} | {minutes:.1f} min |")
-    seeds = "The seed of a run is its number, with the problem and its dimension: the same for all algorithms."
+    seeds = (
+        "The seed of a run is its number, with the problem and its dimension: the same for all algorithms. The same "
+        "seed gives the same row to the last digit on the same kind of processor; "
+        "[cluster.md](cluster.md) says what another one changes."
+    )
     return "\n".join([*lines, "", seeds])
 
 

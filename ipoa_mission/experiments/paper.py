@@ -73,7 +73,7 @@ def table_3(rows: Sequence[Row]) -> Table:
             f"Printed: {ranking(published.ALGORITHMS, printed_means)}.",
             f"The printed SD of POA on f7, {published.TABLE_3['f7']['sd'][2]}, is impossible: thirty numbers cannot "
             "have an SD above √30 times their mean less their least, here "
-            f"{_widest(published.TABLE_3['f7'], 2):.0f}. The print's own place for it, 4, suits 28.35.",
+            f"{widest_sd(published.TABLE_3['f7'], 2):.0f}. The print's own place for it, 4, suits 28.35.",
             "Mean evaluations of a run: "
             + ", ".join(
                 f"{name.upper()} {np.mean([r.evaluations for r in rows if r.trial.algorithm == name]):,.0f}"
@@ -84,7 +84,7 @@ def table_3(rows: Sequence[Row]) -> Table:
     )
 
 
-def _widest(printed: dict[str, published.Numbers], k: int) -> float:
+def widest_sd(printed: dict[str, published.Numbers], k: int) -> float:
     """The largest SD that thirty numbers of that mean can have if none is below that best."""
     return float(np.sqrt(30) * (printed["mean"][k] - printed["best"][k]))
 
@@ -92,27 +92,37 @@ def _widest(printed: dict[str, published.Numbers], k: int) -> float:
 def table_4(rows: Sequence[Row]) -> Table:
     """Rank-sum tests of IPOA against each rival: ours, corrected by Holm over all sixty, and the printed p."""
     rivals = published.RIVALS_OF_TABLE_4
-    pairs = [(errors(rows, f, "ipoa"), errors(rows, f, rival)) for f in FUNCTIONS for rival in rivals]
-    raw = [rank_sum(ipoa, other) for ipoa, other in pairs]
-    signs = told_apart(pairs)
-    printed = [p for f in FUNCTIONS for p in published.TABLE_4[f]]
-    cells = [
-        f"{p:.2g}, Holm {q:.2g} ({sign}) · {t:.2g}"
-        for p, q, sign, t in zip(raw, holm(raw), signs, printed, strict=True)
-    ]
-    across = len(rivals)
+    raw = [rank_sum(ipoa, other) for rival in rivals for ipoa, other in _pairs(rows, rival)]
+    signs = [sign for found in ipoa_against(rows).values() for sign in found]
+    cells = [f"{p:.2g}, Holm {q:.2g} ({sign})" for p, q, sign in zip(raw, holm(raw), signs, strict=True)]
+    columns = [cells[k : k + len(FUNCTIONS)] for k in range(0, len(cells), len(FUNCTIONS))]
+    printed = [p for found in published.TABLE_4.values() for p in found]
     return Table(
         f"Table 4. Wilcoxon rank-sum, IPOA against each, {runs_of(rows)} runs. Each cell: our p, with Holm's "
         "correction over all sixty (+ IPOA better, - worse, = not told apart at 0.05) · printed p.",
         ["", *(name.upper() for name in rivals)],
-        [[f, *cells[across * k : across * (k + 1)]] for k, f in enumerate(FUNCTIONS)],
+        [
+            [f, *(f"{cell} · {p:.2g}" for cell, p in zip(row, published.TABLE_4[f], strict=True))]
+            for f, row in zip(FUNCTIONS, zip(*columns, strict=True), strict=True)
+        ],
         [
             f"IPOA is better in {signs.count('+')}, worse in {signs.count('-')} and not told apart in "
-            f"{signs.count('=')} of 60.",
-            "Printed p values below 0.05 (uncorrected): "
-            + f"{sum(p < 0.05 for row in published.TABLE_4.values() for p in row)} of 60.",
+            f"{signs.count('=')} of {len(signs)}.",
+            f"Printed p values below 0.05 (uncorrected): {sum(p < 0.05 for p in printed)} of {len(printed)}.",
         ],
     )
+
+
+def ipoa_against(rows: Sequence[Row]) -> dict[str, list[str]]:
+    """For each rival of Table 4, function by function: is IPOA told to be better (+), worse (-), or neither (=)?"""
+    rivals = published.RIVALS_OF_TABLE_4
+    signs = iter(told_apart([pair for rival in rivals for pair in _pairs(rows, rival)]))
+    return {rival: [next(signs) for _ in FUNCTIONS] for rival in rivals}
+
+
+def _pairs(rows: Sequence[Row], rival: str) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """IPOA's errors and the rival's, function by function."""
+    return [(errors(rows, f, "ipoa"), errors(rows, f, rival)) for f in FUNCTIONS]
 
 
 def contradictions() -> Table:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
-from ipoa_mission.experiments.maps import WEIGHTS
+from ipoa_mission.experiments.maps import MAPS, WEIGHTS
 from ipoa_mission.experiments.ranking import ranking
 from ipoa_mission.experiments.rows import Row, runs_of
 from ipoa_mission.experiments.statistics import places, told_apart
@@ -28,6 +28,11 @@ def of_map(
             value = row.cost if measure is None else row.measures[measure]
             found.append((row.trial.run, value))
     return np.array([value for _, value in sorted(found)], dtype=np.float64)
+
+
+def mean_over_maps(rows: Sequence[Row], algorithm: str, measure: str | None = None) -> float:
+    """Mean over the maps of the mean over the runs, of the cost or of a measure."""
+    return float(np.mean([of_map(rows, case, algorithm, measure).mean() for case in MAPS]))
 
 
 def table_5(rows: Sequence[Row]) -> Table:
@@ -98,6 +103,10 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
         f"(printed {per_cent(float(printed_length['ipoa']), float(printed_length[name]))})"
         for name in published.ALGORITHMS[1:]
     )
+    told = "; ".join(
+        f"{rival.upper()} {' / '.join(str(found.count(sign)) for sign in '+=-')}"
+        for rival, found in on_length(rows, cases).items()
+    )
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
         "Each cell: ours (place) · printed, on other maps (place).",
@@ -106,7 +115,7 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
         [
             f"Length of IPOA's paths against each: {gains}.",
             f"Told to be shorter / not told apart / longer on the maps (rank-sum, Holm over {len(cases)} maps and five "
-            f"rivals, 0.05): {_on_length(rows, cases)}.",
+            f"rivals, 0.05): {told}.",
             *([f"Mean rank by length: {_ranked_by_length(rows, cases)}."] if len(cases) > 2 else []),
             "Distance is the smooth curve's length. Iterations: when, of a thousand, the best cost was within 1 % of "
             "its last. Turn: mean angle between adjacent legs of the control points, the nodes that the algorithms "
@@ -119,20 +128,16 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
     )
 
 
-def _on_length(rows: Sequence[Row], cases: Sequence[str]) -> str:
-    """On how many of the maps IPOA's paths are told to be shorter, not told apart, and longer, rival by rival."""
+def on_length(rows: Sequence[Row], cases: Sequence[str]) -> dict[str, list[str]]:
+    """For each rival, map by map: are IPOA's paths told to be shorter (+), longer (-), or neither (=)?"""
     rivals = published.ALGORITHMS[1:]
     pairs = [
         (of_map(rows, case, "ipoa", "distance"), of_map(rows, case, rival, "distance"))
         for rival in rivals
         for case in cases
     ]
-    signs = told_apart(pairs)
-    of_rival = [signs[k : k + len(cases)] for k in range(0, len(signs), len(cases))]
-    return "; ".join(
-        f"{rival.upper()} {' / '.join(str(found.count(sign)) for sign in '+=-')}"
-        for rival, found in zip(rivals, of_rival, strict=True)
-    )
+    signs = iter(told_apart(pairs))
+    return {rival: [next(signs) for _ in cases] for rival in rivals}
 
 
 def _ranked_by_length(rows: Sequence[Row], cases: Sequence[str]) -> str:

@@ -11,7 +11,7 @@ from ipoa_mission.experiments.campus import campus_scenario
 from ipoa_mission.experiments.executors import open_executor
 from ipoa_mission.experiments.maps import map_scenario
 from ipoa_mission.experiments.page import findings
-from ipoa_mission.experiments.rows import Row
+from ipoa_mission.experiments.rows import Rows
 from ipoa_mission.experiments.runs import measure
 from ipoa_mission.experiments.series import (
     CAMPUS,
@@ -27,8 +27,6 @@ from ipoa_mission.experiments.series import (
 )
 from ipoa_mission.experiments.tables import Table
 from ipoa_mission.files import write_atomically
-
-Rows = Mapping[str, Sequence[Row]]  # by the name of their series
 
 
 @dataclass(frozen=True)

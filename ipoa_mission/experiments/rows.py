@@ -8,9 +8,10 @@ import csv
 import io
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
+from typing import TypeAlias
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.experiments.problem import Measures
@@ -46,6 +47,10 @@ class Row:
     measures: Measures
     date: str
     versions: str
+
+
+#: The rows of every series, by its name.
+Rows: TypeAlias = Mapping[str, Sequence[Row]]
 
 
 def runs_of(rows: Sequence[Row]) -> int:

@@ -7,16 +7,16 @@ where it stopped.
 
 import json
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, as_completed
-from contextlib import contextmanager
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_info, threadpool_limits
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput
 from ipoa_mission.experiments.campus import campus_problem
 from ipoa_mission.experiments.cec2022 import cec2022
 from ipoa_mission.experiments.maps import map_problem
@@ -42,7 +42,7 @@ def run_trial(trial: Trial) -> Row:
     """
     if trial.problem not in PROBLEMS:
         raise BadInput(f"problem: expected {' or '.join(PROBLEMS)}, not {trial.problem!r}")
-    with _one_thread():
+    with threadpool_limits(1, "blas"):  # runs are spread over processes, and on two threads sums end in other digits
         return _run(trial)
 
 
@@ -114,22 +114,8 @@ def _at_checkpoints(found: Optimum) -> tuple[float, ...]:
     return tuple(float(h) for h in found.history[np.maximum(spent, 0)])
 
 
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Linear algebra on one thread: runs are spread over processes, and on two threads sums end in other digits."""
-    try:
-        from threadpoolctl import threadpool_limits
-    except ImportError as error:
-        raise MissionError(
-            "runs need threadpoolctl, which is not installed", hint='pip install "ipoa-mission[experiments]"'
-        ) from error
-    with threadpool_limits(1, user_api="blas"):
-        yield
-
-
 def _versions() -> str:
     """What the last digits of a run depend on: the packages, and for which processor NumPy's BLAS computes."""
-    from threadpoolctl import threadpool_info
 
     def of(package: str) -> str:
         try:

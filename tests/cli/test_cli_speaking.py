@@ -1,9 +1,11 @@
 """How the command line speaks: to machines, to people, to terminals, and when it is stopped."""
 
+import io
 import json
 import logging
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +17,7 @@ import pytest
 import typer
 
 from ipoa_mission.cli.app import app
+from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.experiments import reproduce
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.planning import planner
@@ -131,6 +134,22 @@ def test_a_terminal_gets_colour_unless_no_color_says_otherwise(tmp_path: Path, n
     assert ended.returncode == 2
     assert "nothing.plan: cannot be read" in said
     assert ("\x1b[1;31m" in said) is not no_color
+
+
+def test_a_bar_tells_the_time_gone_and_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("COLUMNS", "120")
+    with progress_bar("measuring") as show:
+        for done in (1, 2, 3):
+            show(done / 4, f"tiny: {done} of 4")
+    said = re.sub(r"\x1b\[[0-9;?]*\w", "", terminal.getvalue())
+    assert re.search(r"measuring .* tiny: 3 of 4 0:00:0\d · 0:00:0\d left", said)
 
 
 def test_names_that_look_like_markup_are_told_as_they_are(run, mission: Path) -> None:
