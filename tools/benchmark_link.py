@@ -9,8 +9,9 @@ wait; those over a perfect link run alone. A run is exact when the client says "
 autopilot holds every item to the last 1e-7 degree; those that are off by one such unit are "near"; anything else that
 was called done is false. Times are from the order to upload until the client has the final MISSION_ACK; ours is given
 a second time with reading back and comparing, which the others leave out. Bytes are those of mission messages, both
-ways, until the vehicle's first MISSION_ACK. Every client has a process of its own; connecting is not counted. Rows are
-written as they come, and a rerun goes on where the last one stopped.
+ways, until the vehicle's first MISSION_ACK. Every client has a process of its own (over a perfect link a
+new one for each upload); connecting is not counted. Rows are written as they come, and a rerun goes on where the last
+one stopped.
 """
 
 import argparse
@@ -28,9 +29,8 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, fields, replace
-from functools import partial
 from pathlib import Path
 
 from ipoa_mission.errors import MissionError
@@ -141,18 +141,75 @@ def vehicle(autopilot: Autopilot, faults: Faults, seed: int) -> Iterator[tuple[M
         channel.close()
 
 
-def in_process(client: str, port: int, sent: Mission) -> tuple[bool, float, float | None]:
-    """Said, seconds to the Ack, seconds till verified: ours or MAVSDK, in a process of its own."""
-    command = [sys.executable, __file__, "--as", client, str(port), str(sent.autopilot), str(len(sent.items))]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S + 60, check=False)
-    except subprocess.TimeoutExpired:
-        return False, LIMIT_S, None
-    line = next((line for line in done.stderr.splitlines() if line.startswith("RESULT ")), None)
-    if line is None:
-        raise NotConnected(done.stderr[-500:])
-    said, seconds, verified_s = json.loads(line[7:])
-    return said, seconds, verified_s
+class Worker:
+    """A client in a process of its own that makes one upload after the other."""
+
+    def __init__(self, client: str) -> None:
+        command = [sys.executable, __file__, "--as", client]
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        )
+
+    def upload(self, port: int, sent: Mission) -> tuple[bool, float, float | None]:
+        """Said, seconds to the Ack, seconds till verified.
+
+        Raises:
+            NotConnected: it did not get that far; the worker has ended.
+        """
+        pipe = self._process.stdin, self._process.stderr
+        assert pipe[0] is not None
+        assert pipe[1] is not None
+        timer = threading.Timer(LIMIT_S + 60, self._process.kill)
+        timer.start()
+        pipe[0].write(f"{port} {sent.autopilot}\n")
+        pipe[0].flush()
+        words = []
+        for line in pipe[1]:
+            if line.startswith("RESULT "):
+                timer.cancel()
+                said, seconds, verified_s = json.loads(line[7:])
+                return said, seconds, verified_s
+            words.append(line)
+        is_late = not timer.is_alive()
+        timer.cancel()
+        if is_late:
+            return False, LIMIT_S, None
+        raise NotConnected("".join(words)[-500:])
+
+    def close(self) -> None:
+        """End the process."""
+        with self._process:
+            self._process.kill()
+
+
+class Workers:
+    """A worker for each thread, used again and again, or a new one for each upload."""
+
+    def __init__(self, client: str, is_reused: bool) -> None:
+        self._client = client
+        self._is_reused = is_reused
+        self._mine = threading.local()
+        self._all: list[Worker] = []
+
+    def upload(self, port: int, sent: Mission) -> tuple[bool, float, float | None]:
+        """See `Worker`."""
+        worker = getattr(self._mine, "worker", None) or Worker(self._client)
+        self._mine.worker = worker
+        self._all.append(worker)
+        is_usable = False
+        try:
+            result = worker.upload(port, sent)
+            is_usable = self._is_reused
+            return result
+        finally:
+            if not is_usable:
+                worker.close()
+                self._mine.worker = None
+
+    def close(self) -> None:
+        """End them all."""
+        for worker in self._all:
+            worker.close()
 
 
 def ours(port: str, sent: Mission, fast: bool = False) -> tuple[bool, float, float | None]:
@@ -241,17 +298,17 @@ def _until(lines: "queue.Queue[str]", words: str, seconds: float) -> bool:
     return False
 
 
-def run(cell: Cell, seed: int) -> Run:
+def run(cell: Cell, seed: int, workers: Workers) -> Run:
     """One upload; a client that did not find the vehicle gets another chance."""
     for _ in range(4):
         try:
-            return attempt(cell, seed)
+            return attempt(cell, seed, workers)
         except NotConnected as error:
             print(f"{cell}, seed {seed}: not connected: {error}", file=sys.stderr)
     raise SystemExit(f"{cell}: the client does not connect")
 
 
-def attempt(cell: Cell, seed: int) -> Run:
+def attempt(cell: Cell, seed: int, workers: Workers) -> Run:
     """One upload, if the client connects.
 
     Raises:
@@ -260,7 +317,7 @@ def attempt(cell: Cell, seed: int) -> Run:
     sent = mission(cell.autopilot, ITEMS)
     faults = Faults(loss=cell.loss_percent / 100, delay_s=cell.delay_ms / 1000)
     with vehicle(cell.autopilot, faults, seed) as (mock, channel):
-        upload = mavproxy if cell.client == "mavproxy" else partial(in_process, cell.client)
+        upload = mavproxy if cell.client == "mavproxy" else workers.upload
         said, seconds, verified_s = upload(channel.port, sent)
         held = mock.transfers.listed(MissionType.MISSION)
     exact = compare(to_wire(sent), held, cell.autopilot) is None
@@ -319,8 +376,9 @@ def complete(cell: Cell, runs: int, at_once: int, path: Path) -> None:
     there = {one.seed for one in read_rows(path) if one.cell == cell}
     missing = [seed for seed in range(runs) if seed not in there]
     is_perfect = not (cell.delay_ms or cell.loss_percent)
-    with ThreadPoolExecutor(1 if is_perfect else at_once) as pool:
-        for done in as_completed([pool.submit(run, cell, seed) for seed in missing]):
+    workers = Workers(cell.client, is_reused=not is_perfect and cell.client != "mavsdk")
+    with closing(workers), ThreadPoolExecutor(1 if is_perfect else at_once) as pool:
+        for done in as_completed([pool.submit(run, cell, seed, workers) for seed in missing]):
             add_row(path, done.result())
     print(f"{cell}: {len(missing)} runs more, {len(there)} were there", flush=True)
 
@@ -385,9 +443,11 @@ def main() -> None:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--as"]:
-        name, port, family, count = sys.argv[2:6]
-        act = {"ours": ours, "by-file": by_file, "mavsdk": mavsdk}[name]
-        result = act(port, mission(Autopilot(family), int(count)))
-        sys.stderr.write("\nRESULT " + json.dumps(result) + "\n")
+        act = {"ours": ours, "by-file": by_file, "mavsdk": mavsdk}[sys.argv[2]]
+        for asked in sys.stdin:
+            port, family = asked.split()
+            result = act(port, mission(Autopilot(family), ITEMS))
+            sys.stderr.write("\nRESULT " + json.dumps(result) + "\n")
+            sys.stderr.flush()
     else:
         main()
