@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import Progress, silent
-from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Step
+from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Step, TimeUp
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
@@ -94,18 +94,27 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[None]:
 
     try:
         closing = yield from write_file(MISSION_FILE, pack_mission(job.items, job.kind), note)
-    except Cancelled:  # a file that is not closed is not taken
-        raise Cancelled("cancelled: the vehicle keeps the mission it had") from None
+    except (Cancelled, TimeUp) as broken_off:  # a file that is not closed is not taken
+        raise type(broken_off)(f"{broken_off}: the vehicle keeps the mission it had") from None
     try:
         yield from _settle(job, closing)
+    except TimeUp as late:
+        raise TimeUp(f"{late}: the vehicle holds a whole mission, the old or the new one") from None
     except Cancelled:
-        try:
-            yield from _settle(job, closing)
-        except FileRefused:
-            raise Cancelled("cancelled: the vehicle keeps the mission it had") from None
-        raise Cancelled(
-            "cancelled too late: the vehicle holds the whole new mission", hint="clear it if it must not be flown"
-        ) from None
+        raise (yield from _cancelled_late(job, closing)) from None
+
+
+def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
+    """What became of a file that may have been taken before it was cancelled."""
+    try:
+        yield from _settle(job, closing)
+    except FileRefused:
+        return Cancelled("cancelled: the vehicle keeps the mission it had")
+    except (NoAnswer, TimeUp, ReadBackDiffers):
+        return Cancelled("cancelled: the vehicle holds a whole mission, the old or the new one, and does not say which")
+    return Cancelled(
+        "cancelled too late: the vehicle holds the whole new mission", hint="clear it if it must not be flown"
+    )
 
 
 def _settle(job: Upload, closing: FileMessage) -> Dialogue[None]:

@@ -89,9 +89,10 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
     """
     course = Course()
     try:
-        yield from overhearing(_store(job, course, progress), course.overheard)
-    except Cancelled:
-        yield from _give_in(job, course, progress)
+        try:
+            yield from overhearing(_store(job, course, progress), course.overheard)
+        except Cancelled:
+            yield from _give_in(job, course, progress)
     except TimeUp as late:
         yield Remark(Ack(Result.OPERATION_CANCELLED, job.kind))
         where = f"item {max(course.furthest, 0)} of {len(job.items)} of the {list_name(job.kind)}"
@@ -110,7 +111,8 @@ def _give_in(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
     """Leave a whole list behind, the old or the new one, and say which."""
     name = list_name(job.kind)
     if job.truncates:
-        yield from _store(job, Course(), progress)
+        course.attempt = 0
+        yield from _store(job, course, progress)
         raise Cancelled(
             f"cancelled: the vehicle had already dropped its old {name}, so the new one was completed",
             hint="it is whole and verified; clear it if it must not be flown",

@@ -11,7 +11,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown, UdpChannel, open_channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
-from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Heartbeat, MissionType, Text
@@ -21,6 +21,7 @@ from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.vehicle import connect, meet, open_line, scan
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
@@ -100,7 +101,7 @@ def test_a_whole_session_over_real_sockets(
     log = tmp_path / "session.tlog"
     with (
         run_mock(family, 50.0, transport) as running,  # type: ignore[attr-defined]
-        connect(url.format(running.port), log=log) as vehicle,
+        connect(url.format(running.port), log=str(log)) as vehicle,
     ):
         assert vehicle.autopilot is family
         vehicle.upload(replace(MISSION, items=MISSION.items[:2]))
@@ -119,6 +120,20 @@ def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("ipoa_mission.link.vehicle.PRESENCE_S", 0.2)
     with pytest.raises(NoAnswer, match=r"udpin:127.0.0.1:0: no autopilot is heard"):
         connect("udpin:127.0.0.1:0")
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None:
+    slow = Faults(delay_s=0.2)
+    line = Line(Loopback(Station(Mock(family, HOME)), BadPipe(slow, 0), BadPipe(slow, 1)), Codec(245, 190))
+    vehicle = meet(line, patience=replace(SPECIFIED, total_s=5.0), fast=False)
+    begun = line.channel.now()
+    legs = (waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(50))
+    with pytest.raises(TimeUp, match=r"attempt 1 had come to item 1\d of 5\d of the mission") as late:
+        vehicle.upload(Mission(HOME, (takeoff(HOME, 10.0), *legs)))
+    assert line.channel.now() == pytest.approx(begun + 5.0, abs=0.1)
+    assert ("keeps" if family is Autopilot.PX4 else "mixture") in str(late.value.hint)
+    vehicle.upload(MISSION)  # the next one has its own five seconds
 
 
 # --- several vehicles -----------------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 """ArduPilot's fast path: the mission as one file by MAVFTP, verified the same way, with the ordinary way behind it."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -10,11 +11,11 @@ from link_pair import HOME, items_of
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.conversations import MissionRefused
-from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
-from ipoa_mission.link.messages import FileTransfer, ItemAt, MissionType
+from ipoa_mission.link.messages import FileTransfer, ItemAt, Message, MissionType
 from ipoa_mission.link.mission_file import (
     MISSION_FILE,
     FileRefused,
@@ -136,6 +137,62 @@ def test_silence_says_what_was_asked() -> None:
     mock.receive = lambda *anything: None  # type: ignore[method-assign]
     with pytest.raises(NoAnswer, match="when asked to reset the file service"):
         converse(vehicle.line, Target(1, 1), write_file("x", b"y"), SPECIFIED)
+
+
+@pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
+@pytest.mark.parametrize("moment", [1.0, 4.0, 5.0], ids=["while writing", "while closing", "while reading back"])
+def test_broken_off_the_vehicle_holds_a_whole_mission_and_the_message_says_which(
+    error: MissionError, moment: float
+) -> None:
+    vehicle, mock = aboard(Faults(delay_s=0.2))
+    old, new = items_of(ARDUPILOT, 4, shift=0.1), items_of(ARDUPILOT, 40)
+    vehicle.upload_items(old, MissionType.MISSION)
+    until = vehicle.line.channel.now() + moment
+    exchange = Exchange(upload_by_file(Upload(new, ARDUPILOT)), vehicle.line.channel.now(), SPECIFIED)
+    with pytest.raises(type(error)) as told:
+        drive(exchange, vehicle.line, until, error)
+    held = mock.transfers.listed(0)
+    words = str(told.value)
+    if isinstance(error, TimeUp) and moment > 2.0:
+        assert "a whole mission, the old or the new one" in words
+        assert None in (compare(old, held, ARDUPILOT), compare(new, held, ARDUPILOT))
+    else:
+        assert compare(old if "keeps the mission it had" in words else new, held, ARDUPILOT) is None
+        assert ("too late" in words) == (moment > 2.0)
+
+
+@pytest.mark.parametrize(("mute", "words"), [(True, "does not say which"), (False, "keeps the mission it had")])
+def test_cancelled_while_closing_a_vehicle_that_refuses_or_is_silent(mute: bool, words: str) -> None:
+    vehicle, mock = aboard(Faults(delay_s=0.2))
+    original = mock.receive
+
+    def receive(message: Message, source: Target, now: float) -> None:
+        closes = isinstance(message, FileTransfer) and unpack(message).opcode == Opcode.TERMINATE_SESSION
+        if not (closes and mute):
+            original(message, source, now)
+
+    mock.receive = receive  # type: ignore[method-assign]
+    mock._files = FileService(True, 650, mock.transfers.listed, lambda items: False)
+    exchange = Exchange(
+        upload_by_file(Upload(items_of(ARDUPILOT, 4), ARDUPILOT)), vehicle.line.channel.now(), SPECIFIED
+    )
+    with pytest.raises(Cancelled, match=words):
+        drive(exchange, vehicle.line, vehicle.line.channel.now() + 1.3, Cancelled("cancelled"))
+
+
+def drive(exchange: Exchange[None], line: Line, moment: float, error: MissionError) -> None:
+    """Converse, and break off at this moment."""
+    now = line.channel.now
+    while not exchange.finished:
+        for message in exchange.outgoing():
+            line.send(message, Target(1, 1))
+        for heard in line.receive(min(exchange.deadline, moment)):
+            if heard.message is not None:
+                exchange.receive(heard.message, now())
+        exchange.tick(now())
+        if now() >= moment:
+            moment = math.inf
+            exchange.interrupt(error, now())
 
 
 # --- the file -------------------------------------------------------------------------------------------------------

@@ -3,9 +3,10 @@
 import pytest
 from link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
 
-from ipoa_mission.link.conversations import MissionRefused
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer
-from ipoa_mission.link.events import event_number
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.conversations import MissionRefused, download
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, TimeUp
+from ipoa_mission.link.events import event_number, mission_event, words_of
 from ipoa_mission.link.messages import (
     Ack,
     Count,
@@ -204,6 +205,50 @@ def test_cancelled_in_mid_upload_ardupilot_is_given_the_whole_new_mission() -> N
     assert compare(sent, vehicle.holds(), ARDUPILOT) is None
 
 
+def test_cancelled_while_it_is_read_back_the_vehicle_is_asked_what_it_holds() -> None:
+    class Fading(Air):
+        """After this moment nothing comes through."""
+
+        end = 1e9
+
+        def _launch(self, messages: list[Message], to_vehicle: bool) -> None:
+            super()._launch([] if self.now > self.end else messages, to_vehicle)
+
+    sent = items_of(PX4, 4)
+    air = Air(Vehicle(PX4), [Fate(1, 0.1)])
+    with pytest.raises(Cancelled, match="too late: the vehicle holds the whole new mission"):
+        air.hold(upload(Upload(sent, PX4)), interrupts=interrupt_at(1.3))  # type: ignore[arg-type]
+    fading = Fading(Vehicle(PX4), [Fate(1, 0.1)])
+    fading.end = 1.3
+    with pytest.raises(Cancelled, match="a whole mission, the old or the new one, but does not answer"):
+        fading.hold(upload(Upload(sent, PX4)), interrupts=interrupt_at(1.3))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
+def test_broken_off_while_the_verdict_is_awaited_the_new_mission_is_whole(error: MissionError) -> None:
+    air = Air(Vehicle(PX4))
+    with pytest.raises(type(error), match="the vehicle holds the whole new mission, verified") as told:
+        air.hold(upload(Upload(items_of(PX4, 4), PX4)), interrupts={1.0: error})
+    assert told.value.hint == "whether it finds it flyable was not waited for"
+
+
+@pytest.mark.parametrize(("autopilot", "hint"), [(PX4, "keeps the mission it had"), (ARDUPILOT, "a mixture")])
+def test_time_that_is_up_says_how_far_it_came_and_what_the_vehicle_holds(autopilot: Autopilot, hint: str) -> None:
+    vehicle = Vehicle(autopilot)
+    vehicle.store(items_of(autopilot, 4, shift=0.1))
+    air = Air(vehicle, [Fate(1, 0.1)])
+    with pytest.raises(TimeUp, match="the time is up: attempt 1 had come to item 9 of 30 of the mission") as late:
+        air.hold(upload(Upload(items_of(autopilot, 30), autopilot)), interrupts={2.1: TimeUp("the time is up")})
+    assert hint in str(late.value.hint)
+
+
+def test_a_download_that_takes_too_long_says_how_much_had_come() -> None:
+    vehicle = Vehicle(PX4)
+    vehicle.store(items_of(PX4, 30))
+    with pytest.raises(TimeUp, match="9 of 30 items of the mission had come"):
+        Air(vehicle, [Fate(1, 0.1)]).hold(download(MissionType.MISSION), interrupts={2.1: TimeUp("the time is up")})
+
+
 # --- the verdict ----------------------------------------------------------------------------------------------------
 
 
@@ -222,7 +267,7 @@ def judged(*words: Message) -> dict[type[Message], list[list[Message]]]:
     ("words", "why"),
     [
         ((Event(event_number("navigator_mis_takeoff_too_low"), 3), Current(0, 1, 1)), "the take-off is too low"),
-        ((Text(2, "Mission rejected: geofence"), Current(0, 1, 1)), "Mission rejected: geofence"),
+        ((Text(2, "Mission rejected: geofence\t"), Current(0, 1, 1)), "Mission rejected: geofence$"),
         ((Event(12345, 3), Current(0, 1, 1)), "no reason was heard"),
     ],
 )
@@ -238,6 +283,13 @@ def test_a_mission_that_the_vehicle_finds_unflyable_is_an_error_with_its_reason(
 )
 def test_the_last_state_that_is_told_counts(words: tuple[Message, ...]) -> None:
     assert lead(upload(Upload(items_of(PX4, 1), PX4)), judged(*words)).finished
+
+
+def test_what_an_event_says_has_its_numbers_in_it() -> None:
+    assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off is too low: it takes 3.0 m at least"
+    number, arguments = mission_event("unsup_cmd", 2, 400)
+    assert words_of(number, arguments) == "item 2 has command 400, which this vehicle cannot fly"
+    assert words_of(number, b"\x02") == "item 2 has command 0, which this vehicle cannot fly"  # zeros are not sent
 
 
 def test_px4s_numbers_of_events_are_hashes_of_their_names() -> None:
