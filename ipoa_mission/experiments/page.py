@@ -4,23 +4,28 @@ Every number in its sentences is computed from the rows; where a sentence depend
 sentence is chosen by the numbers.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ipoa_mission.experiments.came_out import came_out
 from ipoa_mission.experiments.fell_short import fell_short
 from ipoa_mission.experiments.meant import meant
-from ipoa_mission.experiments.rows import Rows
+from ipoa_mission.experiments.rows import Rows, runs_of
 from ipoa_mission.experiments.tables import Table
 
 Made = Mapping[str, Table | str]
 
 
-def findings(made: Made, rows: Rows, folder: str) -> str:
-    """The page, in Markdown; tables are set in it, figures are linked from `folder` beside it."""
+def findings(made: Made, sources: Mapping[str, Sequence[str]], rows: Rows, folder: str) -> str:
+    """The page, in Markdown; tables are set in it, figures are linked from `folder` beside it.
 
-    def table(name: str) -> str:
+    `sources` names the series that each table or figure is made of.
+    """
+
+    def show(name: str) -> str:
         found = made[name]
-        return found.markdown() if isinstance(found, Table) else f"![{name}]({folder}/{name}.svg)\n"
+        shown = found.markdown() if isinstance(found, Table) else f"![{name}]({folder}/{name}.svg)\n"
+        files = ", ".join(f"[`{one}.csv`]({folder}/rows/{one}.csv)" for one in sources[name])
+        return f"{shown}\n*`ipoa-mission reproduce {name}`; {f'rows: {files}' if files else 'needs no runs'}.*\n"
 
     return "\n".join(
         [
@@ -29,68 +34,78 @@ def findings(made: Made, rows: Rows, folder: str) -> str:
             "*Made by `ipoa-mission reproduce all`; every number on this page comes from the rows in "
             f"[`{folder}/rows/`]({folder}/rows/), and can be made again from them or from nothing.*",
             "",
-            _measured(rows),
+            _WORDS,
             "",
             *_sentences(rows),
             "## Table 3: the six algorithms on CEC2022",
             "",
-            _HOW_TO_READ,
+            _TABLE_3,
             "",
-            table("table-3"),
+            show("table-3"),
             "The paper gives all six the same iterations; at the same evaluations it looks like this:",
             "",
-            table("equal"),
+            show("equal"),
             "## Which dimension is it?",
             "",
             "The paper says D = 20 for its Table 3. Here are the six algorithms at both dimensions, beside the print.",
             "",
-            table("dimension"),
+            show("dimension"),
             "## Table 4: rank-sum tests",
             "",
-            table("table-4"),
-            table("contradictions"),
+            show("table-4"),
+            show("contradictions"),
             "## Figure 3 and Figure 5: the chaotic map, the densities",
             "",
-            table("figure-3"),
-            table("figure-5"),
+            show("figure-3"),
+            show("figure-5"),
             "## Figure 7: convergence at D = 20",
             "",
-            table("figure-7"),
+            "An iteration costs each algorithm another number of evaluations; so the axis is the share of those that "
+            "each spends, which Table 3's notes list. For an axis of iterations multiply by a thousand.",
+            "",
+            show("figure-7"),
             "## Figure 8: box plots at D = 10",
             "",
-            table("figure-8"),
+            "Boxes from the first quartile to the third, the median in them; whiskers to the last run within one and a "
+            "half boxes.",
+            "",
+            show("figure-8"),
             "## Tables 5 to 7, Figures 9 and 10: paths on random maps",
             "",
             _MAPS,
             "",
-            table("table-5"),
-            table("table-6"),
-            table("table-7"),
+            show("table-5"),
+            show("table-6"),
+            show("table-7"),
             "In the figures a path that touches something is dotted; of each algorithm's runs the cheapest is drawn.",
             "",
-            table("figure-9"),
-            table("figure-10"),
+            show("figure-9"),
+            show("figure-10"),
             "## Table 8 and Figure 11: the campus",
             "",
-            table("table-8"),
-            table("figure-11"),
+            show("table-8"),
+            show("figure-11"),
             "## What the text says of its tables",
             "",
             "The percentages that the text draws from its own tables:",
             "",
-            table("improvements"),
+            show("improvements"),
             "## What each strategy is worth, and what each reading gives",
             "",
             _READINGS,
             "",
-            table("ablation"),
-            table("maps-ablation"),
+            show("ablation"),
+            show("maps-ablation"),
             "## Beyond the paper",
             "",
             _BEYOND,
             "",
-            table("beyond"),
-            table("maps-beyond"),
+            show("beyond"),
+            show("maps-beyond"),
+            "## What was run",
+            "",
+            _measured(rows),
+            "",
         ]
     )
 
@@ -108,24 +123,33 @@ def _sentences(rows: Rows) -> list[str]:
 
 
 def _measured(rows: Rows) -> str:
-    lines = ["| series | rows | measured | versions | CPU |", "| --- | --- | --- | --- | --- |"]
+    lines = ["| series | runs | rows | measured | versions | CPU |", "| --- | --- | --- | --- | --- | --- |"]
     for name, series in rows.items():
         dates = sorted({row.date for row in series})
         versions = "; ".join(sorted({row.versions for row in series}))
         minutes = sum(row.seconds for row in series) / 60
         when = dates[0] if len(dates) == 1 else f"{dates[0]} to {dates[-1]}"
-        lines.append(f"| {name} | {len(series)} | {when} | {versions} | {minutes:.1f} min |")
-    seeds = (
-        "The seed of a run is its number, with the problem and its dimension: the same for all algorithms. The same "
-        "seed gives the same row to the last digit on the same kind of processor; "
-        "[cluster.md](cluster.md) says what another one changes."
-    )
-    return "\n".join([*lines, "", seeds])
+        lines.append(f"| {name} | {runs_of(series)} | {len(series)} | {when} | {versions} | {minutes:.1f} min |")
+    return "\n".join([*lines, "", _SEEDS])
 
 
-_HOW_TO_READ = (
+_WORDS = (
+    "*Error* is what a cost lies above the known optimum of its function. *Mean log10 error* is log10 of the mean "
+    "error over the runs, averaged over the twelve functions: one unit is a factor of ten, lower is better. One "
+    "algorithm is *told* to be better than another where a two-sided rank-sum test says so at 0.05 after Holm's "
+    "correction. *Place* is 1 for the lowest. After each Friedman test over functions or maps, one algorithm is "
+    "compared with all others by mean rank, again with Holm's correction (+ better, - worse, = not told apart)."
+)
+
+_TABLE_3 = (
     "N = 30, T = 1000, Table 2's constants, the functions from `minionpy`. The algorithms are given the same number of "
     "iterations, as in the paper, not the same number of evaluations: the last note says how many each spends."
+)
+
+_SEEDS = (
+    "The seed of a run is its number, with the problem and its dimension: the same for all algorithms. The same seed "
+    "gives the same row to the last digit on the same kind of processor; [cluster.md](cluster.md) says what another "
+    "one changes. CPU is what these runs took on a machine that was not quiet."
 )
 
 _MAPS = (
@@ -135,7 +159,8 @@ _MAPS = (
     "this is the paper's method, not the product's. Two things are seen at once. Control points gather near the "
     "start: the algorithms move by multiplying coordinates, which draws everything towards the origin, and the start "
     "at (5, 5) happens to be beside it. And a path that costs little at its nodes may still touch something between "
-    "them."
+    "them. *Iterations*, which the paper does not define, are counted to the first, of a thousand, at which the best "
+    "cost known was within 1 % of what the search ended with."
 )
 
 _READINGS = (

@@ -108,7 +108,8 @@ def reproduce(
         else:
             written.append(_write(out / f"{name}.svg", item))
     if what == "all":
-        written.append(_write(out.with_name(f"{out.name}.md"), findings(made, rows, out.name)))
+        sources = {name: [series.name for series in ITEMS[name].needs] for name in made}
+        written.append(_write(out.with_name(f"{out.name}.md"), findings(made, sources, rows, out.name)))
     return written
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.optimize.ipoa import levy_factor
+from ipoa_mission.optimize.levy import levy_factor
 from ipoa_mission.optimize.search import Box, Search, keep_better
 from ipoa_mission.optimize.settings import Count, Members
 
@@ -29,23 +29,26 @@ class HHO:
         f = yield x
         rabbit, rabbit_cost = x[f.argmin()], f.min()
         for t in range(self.iterations):
-            energy = 2 * (1 - t / self.iterations) * (2 * rng.random((n, 1)) - 1)  # E
+            energy = 2 * (1 - t / self.iterations) * (2 * rng.random((n, 1)) - 1)  # E, their eq. (3)
             jump = 2 * (1 - rng.random((n, 1)))  # J
             perching, hard = np.abs(energy) >= 1, np.abs(energy) < 0.5
             q, r1, r2, r3, r4 = rng.random((5, n, 1))
             mean = x.mean(axis=0)
 
+            # Perching, their eq. (1)
             other = x[rng.integers(n, size=n)]
             perch = np.where(
                 q < 0.5,
                 other - r1 * np.abs(other - 2 * r2 * x),  # beside a family member
                 rabbit - mean - r3 * (box.lower + r4 * span),  # on a tall tree
             )
+            # Besieging, hard by their eq. (6) or soft by (4)
             besiege = np.where(
                 hard,
                 rabbit - energy * np.abs(rabbit - x),
                 rabbit - x - energy * np.abs(jump * rabbit - x),
             )
+            # Diving, their eqs. (7) and (12), and again with a Levy step, (8) and (13), where that was no better
             dive = rabbit - energy * np.abs(jump * rabbit - np.where(hard, mean, x))  # Y
             diving = ~perching & (q < 0.5)
             trial = box.clip(np.where(perching, perch, np.where(diving, dive, besiege)))

@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.optimize.levy import levy_factor
 from ipoa_mission.optimize.search import Box, Candidates, Search, keep_better
 from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction, Members
 
@@ -21,7 +22,7 @@ from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction, Mem
 class IPOA:
     """POA with a chaotic and refracted start, an inertia weight, Levy flights and a t-distributed mutation.
 
-    Constants are those of Table 2 where it has them; k n of eq. (21) and the range of eq. (29) are not given there.
+    Constants are those of Table 2 where it has them; k n of eq. (20) and the range of eq. (29) are not given there.
     """
 
     population: Members = 30
@@ -43,7 +44,7 @@ class IPOA:
     reading: Literal["step", "literal", "survivor"] = "step"  # what s of (27) multiplies
     weight: Literal["exp(t/T)", "exp(t/T-1)", "exp(t/T)-1"] = "exp(t/T)"  # omega of (22)
     prey: Literal["member", "best"] = "member"
-    mutated: Literal["each", "best", "own"] = "each"  # (30) for each pelican, for the best only, or around each one
+    mutated: Literal["each", "best", "own"] = "each"  # (30) for each, for the best only; (28) around each
     rand: Literal["pelican", "dimension"] = "pelican"  # what rand of (23) is drawn for; the authors of POA: a pelican
     steps: Literal["pelican", "dimension"] = "dimension"  # what s of (27) and t(nu) of (30) are drawn for
     share: Fraction = 1.0  # of s that is taken: 0.01 is usual in cuckoo search and Harris hawks
@@ -126,15 +127,3 @@ def refract(x: Candidates, box: Box, kn: float) -> Candidates:
     """The refracted opposites of `x`, eq. (20); `kn` is the scale factor times the index of refraction."""
     middle = (box.lower + box.upper) / 2
     return middle + middle / kn - x / kn
-
-
-def levy_factor(beta: float, shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float64]:
-    """Levy flight path factors s by Mantegna's algorithm, eqs. (25) and (26)."""
-    sigma_u = (
-        math.gamma(1 + beta)
-        * math.sin(math.pi * beta / 2)
-        / (math.gamma((1 + beta) / 2) * beta * 2 ** ((beta - 1) / 2))
-    ) ** (1 / beta)
-    u, v = rng.standard_normal((2, *shape))
-    factor: NDArray[np.float64] = sigma_u * u / np.abs(v) ** (1 / beta)
-    return factor

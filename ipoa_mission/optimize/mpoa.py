@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from ipoa_mission.optimize.poa import towards_prey, wing
 from ipoa_mission.optimize.search import Box, Search, keep_better
 from ipoa_mission.optimize.settings import Amount, Count, Fraction, Members
 from ipoa_mission.optimize.ssa import flee
@@ -33,17 +34,10 @@ class MPOA:
         x = box.sample(n, rng)  # (13)
         f = yield x
         for t in range(1, self.iterations + 1):
-            k = rng.integers(n)
-            prey, prey_cost = x[k], f[k]
-
-            # Moving towards prey, (14) and (15)
-            intensity = rng.integers(1, 3, (n, 1))
-            towards = (prey_cost < f)[:, None]
-            trial = box.clip(x + rng.random((n, width)) * np.where(towards, prey - intensity * x, x - prey))
+            # POA's two phases, (14) to (17)
+            trial = box.clip(towards_prey(x, f, width, rng))
             x, f = keep_better(x, f, trial, (yield trial))
-
-            # Winging on the water surface, (16) and (17)
-            trial = box.clip(x + self.radius * (1 - t / self.iterations) * (2 * rng.random((n, d)) - 1) * x)
+            trial = box.clip(wing(x, self.radius * (1 - t / self.iterations), rng))
             x, f = keep_better(x, f, trial, (yield trial))
 
             # Cauchy mutation (inferred)

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from ipoa_mission.optimize.search import Box, Search, keep_better
+from ipoa_mission.optimize.search import Box, Candidates, Costs, Search, keep_better
 from ipoa_mission.optimize.settings import Amount, Count, Members
 
 
@@ -33,15 +33,23 @@ class POA:
         x = box.sample(n, rng)  # (13)
         f = yield x
         for t in range(1, self.iterations + 1):
-            k = rng.integers(n)
-            prey, prey_cost = x[k], f[k]
+            trial = box.clip(towards_prey(x, f, width, rng))
+            x, f = keep_better(x, f, trial, (yield trial))  # (15)
+            trial = box.clip(wing(x, self.radius * (1 - t / self.iterations), rng))
+            x, f = keep_better(x, f, trial, (yield trial))  # (17)
 
-            # Moving towards prey, (14) and (15)
-            intensity = rng.integers(1, 3, (n, 1))  # I is 1 or 2
-            towards = (prey_cost < f)[:, None]
-            trial = box.clip(x + rng.random((n, width)) * np.where(towards, prey - intensity * x, x - prey))
-            x, f = keep_better(x, f, trial, (yield trial))
 
-            # Winging on the water surface, (16) and (17)
-            trial = box.clip(x + self.radius * (1 - t / self.iterations) * (2 * rng.random((n, d)) - 1) * x)
-            x, f = keep_better(x, f, trial, (yield trial))
+def towards_prey(x: Candidates, f: Costs, width: int, rng: np.random.Generator) -> Candidates:
+    """Moving towards prey, eq. (14), or away from it where it costs more; `width` numbers a pelican are drawn."""
+    n = len(x)
+    k = rng.integers(n)
+    prey, prey_cost = x[k], f[k]
+    intensity = rng.integers(1, 3, (n, 1))  # I is 1 or 2
+    cheaper = (prey_cost < f)[:, None]
+    moved: Candidates = x + rng.random((n, width)) * np.where(cheaper, prey - intensity * x, x - prey)
+    return moved
+
+
+def wing(x: Candidates, radius: float, rng: np.random.Generator) -> Candidates:
+    """Winging on the water surface, eq. (16); `radius` is R (1 - t/T)."""
+    return x + radius * (2 * rng.random(x.shape) - 1) * x

@@ -110,9 +110,11 @@ def test_every_item_is_made_of_its_rows_and_twice_the_same(name: str, rows: dict
 
 def test_the_page_holds_every_table_and_links_every_figure(rows: dict[str, Sequence[Row]]) -> None:
     made = {name: item.make(rows) if "figure" not in name else "<svg/>" for name, item in ITEMS.items()}
-    page = findings(made, rows, "results")
+    sources = {name: [series.name for series in item.needs] for name, item in ITEMS.items()}
+    page = findings(made, sources, rows, "results")
     for name, item in made.items():
         assert (item.caption if isinstance(item, Table) else f"(results/{name}.svg)") in page, name
+        assert f"`ipoa-mission reproduce {name}`" in page
     assert "nan" not in page
 
 

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import ks_2samp
 
-from ipoa_mission.optimize.ipoa import IPOA, iterate_chaotic_map, levy_factor, refract
+from ipoa_mission.optimize.ipoa import IPOA, iterate_chaotic_map, refract
+from ipoa_mission.optimize.levy import levy_factor
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Box, Candidates, Costs, minimise
