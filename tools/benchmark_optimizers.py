@@ -1,7 +1,8 @@
 """Our optimisers beside mealpy's, on the same function with the same budget: seconds of CPU, and their ratio.
 
 Timed side by side, alternating, because two numbers from two machines, or two hours, mean nothing.
-Needs: pip install mealpy minionpy. Example: python tools/benchmark_optimizers.py --repeats 3
+Needs: pip install mealpy minionpy, in an environment of its own, for mealpy holds NumPy at 1.26.
+Example: python tools/benchmark_optimizers.py --repeats 3
 """
 
 import argparse
