@@ -88,14 +88,19 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[None]:
         NoAnswer, ReadBackDiffers, Cancelled.
     """
     total = len(job.items)
+    done = 0
 
     def note(sent: int, size: int) -> None:
-        progress(total * sent // size, total)
+        nonlocal done
+        done = total * sent // size
+        progress(done, total)
 
     try:
         closing = yield from write_file(MISSION_FILE, pack_mission(job.items, job.kind), note)
     except (Cancelled, TimeUp) as broken_off:  # a file that is not closed is not taken
-        raise type(broken_off)(f"{broken_off}: the vehicle keeps the mission it had") from None
+        raise type(broken_off)(
+            f"{broken_off}: the vehicle keeps the mission it had", hint=f"{done} of {total} items had been sent"
+        ) from None
     try:
         yield from _settle(job, closing)
     except TimeUp as late:

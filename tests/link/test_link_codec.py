@@ -88,6 +88,18 @@ def test_pymavlink_s_frames_of_both_versions_are_read() -> None:
         assert not heard.is_for(245, 191)
 
 
+def test_fields_that_a_newer_autopilot_adds_are_passed_over() -> None:
+    # PX4 1.17 sends MISSION_COUNT with an opaque_id behind its type, which this dialect does not know.
+    kind = dialect.MAVLink_mission_count_message
+    payload = b"\x05\x00\xf5\xbe\x00" + b"\x12\x34\x56\x78"
+    body = bytes((len(payload), 0, 0, 0, 1, 1, kind.id, 0, 0)) + payload
+    crc = dialect.x25crc(body + bytes((kind.crc_extra,))).crc.to_bytes(2, "little")
+    (frame,) = frames(b"\xfd" + body + crc)
+    heard = Codec(245, 190).decode(frame)
+    assert heard is not None
+    assert heard.message == m.Count(5)
+
+
 @given(st.integers(-1_800_000_000, 1_800_000_000), st.sampled_from([0, 3, 5, 6, 10, 11]))
 def test_degrees_survive_to_the_last_unit(value: int, frame: int) -> None:
     assert wire.coordinate(wire.degrees(value, frame), frame) == value

@@ -6,6 +6,7 @@ from link_pair import HOME, Air, Fate, Vehicle, items_of
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import download
+from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, home_item
@@ -35,6 +36,26 @@ def test_an_upload_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot,
             assert None in (compare(before, vehicle.holds(), autopilot), compare(sent, vehicle.holds(), autopilot))
         return
     assert compare(sent, vehicle.holds(), autopilot) is None
+
+
+@settings(UNHURRIED, max_examples=300)
+@given(SCHEDULES, st.sampled_from(Autopilot), st.integers(0, 6), st.integers(1, 6), st.floats(0.0, 3.0))
+def test_what_a_cancelled_upload_leaves_is_what_it_says(
+    fates: list[Fate], autopilot: Autopilot, old: int, new: int, moment: float
+) -> None:
+    vehicle = Vehicle(autopilot)
+    before, sent = items_of(autopilot, old, shift=0.01), items_of(autopilot, new)
+    vehicle.store(before)
+    try:
+        Air(vehicle, fates).hold(upload(Upload(sent, autopilot)), interrupts={moment: Cancelled("cancelled")})
+    except Cancelled as cancelled:
+        held = vehicle.holds()
+        if "old or the new" in str(cancelled):
+            assert None in (compare(before, held, autopilot), compare(sent, held, autopilot))
+        else:
+            assert compare(before if "keeps" in str(cancelled) else sent, held, autopilot) is None
+    except MissionError:
+        return
 
 
 @settings(UNHURRIED, max_examples=500)
