@@ -26,9 +26,9 @@ from ipoa_mission.timing.copter_legs import (
     straight_leg,
 )
 from ipoa_mission.timing.copter_parameters import CopterLimits, copter_limits
-from ipoa_mission.timing.copter_spline import FLOWN_ON_INTO, LAST_NAV, Place, flies_on_to
+from ipoa_mission.timing.copter_spline import FLOWN_ON_INTO, Place, flies_on_to
 from ipoa_mission.timing.copter_vertical import Climb, descend, take_off
-from ipoa_mission.timing.itinerary import Itinerary
+from ipoa_mission.timing.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.timing.wind import CALM, Wind
@@ -84,7 +84,8 @@ class _Flight:
     """
 
     def __init__(self, route: Itinerary, limits: CopterLimits, wind: Wind, body: Body, fast: bool | None) -> None:
-        self.route, self.limits = route, limits
+        self.route, self.limits, self.wind = route, limits, wind
+        self.top = body.top_speed(limits.lean)
         self.items = [visit.item for visit in route.visits]
         steps = stepping("_ardupilot_steps", fast, 0.0)
         plain = steps is _ardupilot_steps
@@ -96,7 +97,10 @@ class _Flight:
         self.done: list[float] = []
         self.done_reasons: list[str] = []
         self.remarks: list[str] = []
-        self.samples: list[float] = [0.0] * 7
+        height = flying_already(route)
+        if height is not None:
+            self.here, self.airborne = (0.0, 0.0, height), True
+        self.samples: list[float] = [0.0, *self.here, 0.0, 0.0, 0.0]
         clock_lag = max(limits.accel / limits.jerk, STEP)
         lean = GRAVITY * math.tan(limits.lean)
         drag = (body.linear_drag, body.quadratic_drag, wind.east, wind.north)
@@ -135,7 +139,7 @@ class _Flight:
             east, north, _ = self.target(n)
             self.straight_to((east, north, self.here[2]))
             self.come_down(0.0)
-        elif command <= LAST_NAV:
+        elif command <= LAST_NAV or command in UNTIMED:
             self.remarks.append(f"item {visit.seq}: command {command} is not modelled and counts as no time")
         return ""
 
@@ -159,7 +163,8 @@ class _Flight:
             corner = corner_deg(this.origin, target, following.target)
         flown_at = self.fly(this, following)
         planned = this.shape.peak if this.shape is not None and this.length > 1.0 else None
-        why = slow_because(planned, this.limits.speed, self.speeds.level, flown_at, corner, following is None)
+        top = self.top + self.wind.along(target[0] - this.origin[0], target[1] - this.origin[1])
+        why = slow_because(planned, this.limits.speed, self.speeds.level, top, flown_at, corner, following is None)
         self.here, self.planned = target, following
         self.tail = this if following is not None and this.shape is not None else None
         if following is not None:

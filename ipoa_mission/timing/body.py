@@ -5,6 +5,7 @@ two simulators' quadrotors, read from the recorded flights (see docs/flight-time
 matters; near the speed where it meets the greatest lean it decides.
 """
 
+import math
 from dataclasses import dataclass
 
 GRAVITY = 9.80665  # [m/s^2]
@@ -37,6 +38,17 @@ class Body:
     quadratic_drag: float
     lag: float
     senses: Senses | None = None
+
+    def top_speed(self, lean: float) -> float:
+        """The level speed [m/s] at which drag meets what a lean [rad] gives in calm air.
+
+        It solves (linear + q v) v = g tan(lean). Of the level speed v the leaning body meets v cos(lean), so q is the
+        quadratic drag times that.
+        """
+        pull, q = GRAVITY * math.tan(lean), self.quadratic_drag * math.cos(lean)
+        if self.linear_drag <= 0 and q <= 0:
+            return math.inf
+        return 2 * pull / (self.linear_drag + math.sqrt(self.linear_drag**2 + 4 * q * pull))
 
 
 #: ArduPilot's built-in quadrotor: at 30 degrees of lean its drag allows 10.0 m/s level.

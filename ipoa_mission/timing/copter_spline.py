@@ -11,12 +11,12 @@ import numpy as np
 
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Command, Item
+from ipoa_mission.timing.itinerary import LAST_NAV
 
 Place = tuple[float, float, float]
 
 NO_TANGENT = (0.0, 0.0, 0.0)
 SHORTEST_TANGENT = 0.01  # a leg before that is shorter gives a spline no direction [m]
-LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the copter
 
 #: After a waypoint the copter flies on into these; before everything else it stops.
 FLOWN_ON_INTO = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})

@@ -7,7 +7,7 @@ import numpy as np
 
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.timing.ardupilot import fly_arducopter
-from ipoa_mission.timing.itinerary import Itinerary, itinerary
+from ipoa_mission.timing.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
@@ -78,6 +78,12 @@ def estimate(
     if route.over_terrain:
         numbers = ", ".join(map(str, route.over_terrain))
         remarks = (*remarks, f"items {numbers}: height over terrain taken as height over home")
+    conditions = [visit.seq for visit in route.visits if visit.item.command in CONDITIONS]
+    if conditions:
+        numbers = ", ".join(map(str, dict.fromkeys(conditions)))
+        remarks = (*remarks, f"items {numbers}: what they put off is taken as done at once")
+    if flying_already(route) is not None:
+        remarks = (*remarks, "the mission has no take-off: counted from over home, as high as its first place")
     return Estimate(
         total_s=items[-1].done_s if items else 0.0,
         low_s=items[-1].low_s if items else 0.0,

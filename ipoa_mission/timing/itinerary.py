@@ -17,6 +17,14 @@ from ipoa_mission.world.frame import LocalFrame
 MOST_VISITS = 20_000
 
 
+LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
+#: Above it, but they take time all the same.
+UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})
+#: They put off the commands after them, which the models take as done at once.
+CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
+TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
+
+
 @dataclass(frozen=True)
 class Visit:
     """An item as its turn comes; `seq` counts from 1 (home is 0)."""
@@ -51,6 +59,15 @@ def itinerary(mission: Mission) -> Itinerary:
     )
     visits = tuple(Visit(n + 1, mission.items[n]) for n in order)
     return Itinerary(visits, places[list(order)] if order else places[:0], over_terrain)
+
+
+def flying_already(route: Itinerary) -> float | None:
+    """The height over home [m] at which a mission without a take-off begins: that of its first place; else None."""
+    for visit, place in zip(route.visits, route.places, strict=True):
+        command = visit.item.command
+        if command <= LAST_NAV and command != Command.NAV_DELAY:
+            return None if command in TAKEOFFS or math.isnan(place[0]) else max(float(place[2]), 0.0)
+    return None
 
 
 def _followed(mission: Mission) -> list[int]:

@@ -16,19 +16,24 @@ def corner_deg(before: Place, at: Place, after: Place) -> float:
     return abs(math.degrees(math.atan2(x1 * y2 - y1 * x2, x1 * x2 + y1 * y2)))
 
 
-def slow_because(planned: float | None, allowed: float, asked: float, flown: float, corner: float, stops: bool) -> str:
-    """The reasons of a leg, joined: too short, steep, drag, a corner or a stop at its end.
+def slow_because(
+    planned: float | None, allowed: float, asked: float, top: float, flown: float, corner: float, stops: bool
+) -> str:
+    """The reasons of a leg, joined: too short, steep, drag, lag, a corner or a stop at its end.
 
     `planned` is its peak speed as planned (None where nothing is planned, as on a spline), `allowed` what its slope
-    leaves of the speed `asked` for, and `flown` its highest level speed.
+    leaves of the speed `asked` for, `top` what drag and wind leave of it, and `flown` its highest level speed.
     """
     found = []
+    wanted = min(asked if planned is None else planned, allowed, asked)
     if planned is not None and planned < SLOW * min(allowed, asked):
         found.append("leg shorter than its braking distance")
     elif allowed < SLOW * asked:
         found.append("climb or descent rate")
-    elif planned is not None and flown < SLOW * min(planned, asked):
+    if top < SLOW * wanted:
         found.append("drag at the greatest lean")
+    elif planned is not None and not found and flown < SLOW * wanted:
+        found.append("lag behind the path")
     if corner >= SHARP_DEG:
         found.append(f"corner {corner:.0f} deg")
     if stops:

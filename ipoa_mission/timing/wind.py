@@ -21,5 +21,10 @@ class Wind:
         """The part that blows towards the north [m/s]."""
         return -self.speed * math.cos(math.radians(self.from_deg))
 
+    def along(self, east: float, north: float) -> float:
+        """The part that blows along a direction, given by a level vector of any length [m/s]; 0 for no direction."""
+        length = math.hypot(east, north)
+        return (self.east * east + self.north * north) / length if length > 0 else 0.0
+
 
 CALM = Wind()
