@@ -37,7 +37,7 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         features = document.get("features")
         if not isinstance(features, list):
             raise BadInput(f"{path}: features: expected a list")
-        found = [(f"{path}: features[{i}]", feature) for i, feature in enumerate(features)]
+        found = [(f"{path}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features)]
     elif kind == "Feature":
         found = [(f"{path}: feature", document)]
     elif kind == "GeometryCollection" or kind in SHAPES:
@@ -48,6 +48,12 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
     made = [mistakes.attempt(_feature, place, feature, to_degrees) for place, feature in found]
     mistakes.tell()
     return tuple(feature for feature in made if feature is not None)
+
+
+def _number(feature: Any) -> str:
+    """What OpenStreetMap calls a feature, in brackets, if the file says so."""
+    number = feature.get("id") if isinstance(feature, dict) else None
+    return f" ({number})" if isinstance(number, str) and number else ""
 
 
 def _feature(place: str, feature: Any, to_degrees: "_Degrees") -> Feature | None:

@@ -12,10 +12,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.frame import REACH, LocalFrame
 
 LEAST_AREA = 1e-3  # [m^2]
-REACH = 100_000.0  # the local frame is right to here; what is farther from home is an error [m]
 
 
 def to_plane(shapes: Sequence[Any], places: Sequence[str], frame: LocalFrame) -> NDArray[Any]:

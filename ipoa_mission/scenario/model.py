@@ -25,7 +25,7 @@ from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.surroundings import Surroundings, survey
 from ipoa_mission.scenario.vehicle import VehicleSection
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.frame import REACH, LocalFrame
 
 
 class CostSection(Section):
@@ -148,6 +148,17 @@ class Scenario(Section):
     @classmethod
     def _profile_beneath(cls, table: Any) -> Any:
         return with_profile(table) if isinstance(table, dict) else table
+
+    @model_validator(mode="after")
+    def _near_home(self) -> "Scenario":
+        places = {"start": self.start, "goal": self.goal, **{f"via[{i}]": place for i, place in enumerate(self.via)}}
+        for name, place in (places | {f"rally[{i}]": place for i, place in enumerate(self.rally)}).items():
+            away = float(np.hypot(*place.east_north(self.frame)))
+            if not away < REACH:
+                raise ValueError(
+                    f"{name}: expected a place within {REACH / 1000:g} km of home, not {away / 1000:.0f} km"
+                )
+        return self
 
     @cached_property
     def frame(self) -> LocalFrame:

@@ -13,6 +13,8 @@ from pyproj import Transformer
 
 from ipoa_mission.geometry import Points, Vector
 
+REACH = 100_000.0  # what is farther from home than this is a mistake [m]
+
 
 @dataclass(frozen=True)
 class Geodetic:

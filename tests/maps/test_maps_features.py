@@ -97,6 +97,9 @@ BROKEN = {
     '{"type": "Topology"}': "type: expected 'FeatureCollection', not 'Topology'",
     '{"type": "FeatureCollection", "features": 3}': "features: expected a list",
     '{"type": "FeatureCollection", "features": [3]}': "features[0]: expected a Feature",
+    '{"type": "FeatureCollection", "features": [{"type": "Feature", "id": "way/7", "geometry": 3}]}': (
+        "features[0] (way/7).geometry.type: expected a kind of geometry, such as 'Polygon', not None"
+    ),
     '{"type": "FeatureCollection", "features": [], "crs": "WGS84"}': (
         "crs: expected the name of a coordinate system, such as 'EPSG:32633'"
     ),

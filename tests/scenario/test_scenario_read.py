@@ -24,6 +24,7 @@ BROKEN = {
     "home = { longitude_deg = 8 }": "home.latitude_deg: expected, but not there",
     "start = { east = 0, up = 3 }": "start: expected either east and north, or latitude_deg and longitude_deg",
     "start = { east = 0, north = 0 }": "start: expected exactly one of up, altitude_amsl or height_above_ground",
+    "goal = {latitude_deg = 46, longitude_deg = 8, up = 9}": "goal: expected a place within 100 km of home, not 111 km",
     "goal = { east = 0, nort = 0, up = 1 }": "goal.nort: unknown key; did you mean north?",
     "safety_distance = -1": "safety_distance: expected a number of at least 0, not -1",
     "safety_distance = inf": "safety_distance: expected a finite number, not inf",
