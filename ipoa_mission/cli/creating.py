@@ -42,6 +42,8 @@ def new(
 
     if target.suffix != ".toml":
         raise BadInput(f'{target}: expected a name that ends in .toml, not in "{target.suffix}"')
+    if not target.parent.is_dir():
+        raise BadInput(f"{target}: expected a folder to write it to, but there is no {target.parent}")
     if target.exists() and not force:
         raise BadInput(f"{target}: there is such a file already", hint="--force writes over it")
     answers = suggest_answers(buildings, elevation)

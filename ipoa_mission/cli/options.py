@@ -1,5 +1,6 @@
 """Options that several verbs share, each said once."""
 
+import logging
 import math
 from enum import StrEnum
 from pathlib import Path
@@ -10,6 +11,8 @@ import typer
 from ipoa_mission.cli.vehicles import Backend
 from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicle import Autopilot
+
+log = logging.getLogger(__name__)
 
 #: Headings under which `--help` gathers options.
 ON_THE_LINK = "The link"
@@ -186,6 +189,19 @@ JsonOption: TypeAlias = Annotated[
 ]
 
 
+def _known(name: str) -> str:
+    """The same name; a warning if no model uses it, which is most often a slip of the finger."""
+    from difflib import get_close_matches
+
+    from ipoa_mission.timing.parameters import known_parameters
+
+    known = known_parameters()
+    if name not in known:
+        meant = get_close_matches(name, known, 1)
+        log.warning("--param %s changes nothing%s", name, f"; did you mean {meant[0]}?" if meant else "")
+    return name
+
+
 def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:
     """Parameters from a file, then those named on the command line, which win.
 
@@ -202,7 +218,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
         try:
             if not (name.strip() and equals and math.isfinite(number := float(value))):
                 raise ValueError
-            parameters[name.strip().upper()] = number
+            parameters[_known(name.strip().upper())] = number
         except ValueError:
             raise BadInput(f"--param {text}: expected NAME=VALUE with a number, like WPNAV_ACCEL=250") from None
     return parameters

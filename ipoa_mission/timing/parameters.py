@@ -9,7 +9,8 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.vehicle import Parameters
+from ipoa_mission.timing import copter_parameters, px4_parameters
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Parameters
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id holds sixteen characters
 SEPARATOR = re.compile(r"[,\s]+")
@@ -30,6 +31,12 @@ def read_parameters(path: Path) -> Parameters:
             name, value = _name_and_value(text, f"{path}: line {number}")
             found[name] = value
     return found
+
+
+def known_parameters() -> frozenset[str]:
+    """The names of all parameters that the models of either autopilot use, old names and new ones."""
+    further = (copter_parameters.FURTHER, copter_parameters.RENAMED, px4_parameters.FURTHER)
+    return frozenset(name for names in (*DEFAULT_PARAMETERS.values(), *further) for name in names)
 
 
 def _name_and_value(text: str, place: str) -> tuple[str, float]:

@@ -56,6 +56,13 @@ def test_a_parameter_changes_the_estimate(run, mission: str) -> None:
     assert slow > usual + 20  # 35 m at 0.5 m/s in place of 2.5 m/s
 
 
+def test_a_parameter_that_no_model_uses_is_said_with_the_one_that_was_meant(run, mission: str) -> None:
+    ended = run(f"estimate {mission} --param WPNAV_ACCELL=500")
+    assert ended.code == 0
+    assert "warning: --param WPNAV_ACCELL changes nothing; did you mean WPNAV_ACCEL?" in ended.err
+    assert run(f"estimate {mission} --param WPNAV_ACCEL=500 --param WP_ACC=5 --param MPC_TILTMAX_AIR=40").err == ""
+
+
 def test_a_parameter_that_is_no_number_is_bad_input(run, mission: str) -> None:
     ended = run(f"estimate {mission} --param WPNAV_SPEED=fast")
     assert ended.code == 2

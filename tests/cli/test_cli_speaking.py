@@ -204,7 +204,7 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run, monkeypatch) ->
         ("export {mission} picture.png", 'expected a name that ends in .kml, .geojson, .csv, .gpx, not in ".png"'),
         ("estimate {sitl}", "expected a mission (.plan, .waypoints), not a scenario"),
         ("compare {mission} {sitl}", "sitl.toml"),
-        ("new there/is/none.toml --yes --answer home=1,2 --answer goal=1,2.001", "cannot be written"),
+        ("new there/is/none.toml --yes --answer home=1,2 --answer goal=1,2.001", "expected a folder to write it to"),
         ("new first.toml --yes", "hint: --answer home=..., or --buildings FILE"),
         ("new first.json --yes", "expected a name that ends in .toml"),
         ("plan {mission}", "expected a scenario (.toml), not a mission"),
