@@ -10,7 +10,7 @@ from pathlib import Path
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.dataflash import read_dataflash
-from ipoa_mission.link.logbook import FlightRecord, Logbook
+from ipoa_mission.link.logbook import FlightRecord, Logbook, brings_down
 from ipoa_mission.link.logged import told
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
@@ -54,7 +54,9 @@ def flight_of(messages: Iterable[Message], mission: Mission, path: Path) -> Flig
     vehicle agreed to arm, to change its mode or to start; and only failing that with the heartbeat that shows it.
     """
     mode = mission_custom_mode(mission.autopilot)
-    logbook = Logbook(len(mission.items), first=int(FIRMWARE[mission.autopilot].home_is_item_0))
+    first = int(FIRMWARE[mission.autopilot].home_is_item_0)
+    lands = bool(mission.items) and brings_down(mission.items[-1].command)
+    logbook = Logbook(len(mission.items), first, lands)
     coming = iter(messages)
     since_beat: list[Message] = []
     for message in coming:

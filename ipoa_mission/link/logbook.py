@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
 from ipoa_mission.link.messages import Current, Heartbeat, Message, Position, Reached, Text
+from ipoa_mission.mission.items import Command
 
 #: A vehicle that says nothing for so long is lost.
 LOST_S = 10.0
@@ -28,7 +29,8 @@ class FlightRecord:
     """A flight as it was flown. Time zero: armed, in the mission mode, on the ground.
 
     `item_reached_s` maps an index into `Mission.items` to the time when that item was done; one that the autopilot
-    does not report (PX4: before a DO item) has the time when it turned to the next.
+    does not report (PX4: before a DO item) has the time when it turned to the next. An RTL or LAND that ends the
+    mission is done when the motors stop, whatever the autopilot says before (PX4 reports RTL as it begins).
     """
 
     item_reached_s: dict[int, float]
@@ -38,12 +40,21 @@ class FlightRecord:
     completed: bool
 
 
-class Logbook:
-    """Hears everything and remembers what belongs to a flight; `first` is the sequence number of the first item."""
+def brings_down(command: int) -> bool:
+    """Whether a mission that ends with this command ends on the ground."""
+    return command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH)
 
-    def __init__(self, items: int, first: int) -> None:
+
+class Logbook:
+    """Hears everything and remembers what belongs to a flight.
+
+    `first` is the sequence number of the first item; `lands`: the last one brings the vehicle to the ground.
+    """
+
+    def __init__(self, items: int, first: int, lands: bool) -> None:
         self._items = items
         self._first = first
+        self.lands = lands
         self._clock = 0.0
         self._zero = 0.0
         self._reached: dict[int, float] = {}
@@ -100,8 +111,12 @@ class Logbook:
     def record(self) -> FlightRecord:
         """The flight so far."""
         reached = dict(sorted((index, t) for index, t in self._reached.items() if 0 <= index < self._items))
-        last = reached.get(self._items - 1)
-        end = last if last is not None else self.disarmed_s if self.disarmed_s is not None else self._since
+        final = self._items - 1
+        if self.lands:
+            reached.pop(final, None)
+            if self.is_complete and self.disarmed_s is not None:
+                reached[final] = self.disarmed_s
+        end = reached.get(final, self.disarmed_s if self.disarmed_s is not None else self._since)
         return FlightRecord(reached, end, tuple(self._path), tuple(self._texts), self.is_complete)
 
     @property
@@ -109,7 +124,7 @@ class Logbook:
         return self._clock - self._zero
 
 
-def watch(logbook: Logbook, lands: bool, progress: Callable[[int], None]) -> Dialogue[FlightRecord]:
+def watch(logbook: Logbook, progress: Callable[[int], None]) -> Dialogue[FlightRecord]:
     """Listen until the flight is over: disarmed, or, for a mission that does not land, complete.
 
     The logbook hears the same messages first. `progress` is told how many items are done.
@@ -123,7 +138,7 @@ def watch(logbook: Logbook, lands: bool, progress: Callable[[int], None]) -> Dia
         if logbook.done != told:
             told = logbook.done
             progress(told)
-        if logbook.disarmed_s is not None or (logbook.is_complete and not lands):
+        if logbook.disarmed_s is not None or (logbook.is_complete and not logbook.lands):
             return logbook.record()
         heard = yield Pause(LOST_S)
     raise NoAnswer(

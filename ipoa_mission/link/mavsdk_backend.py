@@ -20,14 +20,14 @@ from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.conversations import MissionRefused, Progress, list_name, silent
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
-from ipoa_mission.link.logbook import FlightRecord, Sample
+from ipoa_mission.link.logbook import FlightRecord, Sample, brings_down
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable
 from ipoa_mission.link.wire import coordinate, degrees
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import compare, from_wire, to_wire
-from ipoa_mission.mission.items import Command, Item, Mission
+from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -209,7 +209,7 @@ class MavsdkVehicle:
         over = threading.Event()
         was_armed = threading.Event()
         heard = [time.monotonic()]
-        lands = bool(self._expected) and self._expected[-1].command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH)
+        lands = bool(self._expected) and brings_down(self._expected[-1].command)
 
         def note_progress(told: Any, _: Any) -> None:
             done = min(max(int(told.current) - self._first, 0), len(self._expected))
@@ -242,7 +242,10 @@ class MavsdkVehicle:
         finally:
             for unsubscribe, handle in handles:
                 unsubscribe(handle)
-        return FlightRecord(reached, time.monotonic() - self._started, tuple(path), tuple(self._words), True)
+        total_s = time.monotonic() - self._started
+        if lands:
+            reached[len(self._expected) - 1] = total_s
+        return FlightRecord(reached, total_s, tuple(path), tuple(self._words), True)
 
     def close(self) -> None:
         """Let MAVSDK end its threads."""

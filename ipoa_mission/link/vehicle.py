@@ -19,7 +19,7 @@ from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Line, converse
-from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
+from ipoa_mission.link.logbook import FlightRecord, Logbook, brings_down, watch
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STANDBY,
@@ -36,7 +36,7 @@ from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
-from ipoa_mission.mission.items import Command, Item, Mission
+from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -176,8 +176,7 @@ class Vehicle:
         self._tempo = Tempo(patience)
         if round_trip_s is not None:
             self._tempo.sample(round_trip_s)
-        self._logbook = Logbook(0, self._first)
-        self._lands = True
+        self._logbook = Logbook(0, self._first, lands=True)
         self._until = math.inf
 
     # --- missions ---------------------------------------------------------------------------------------------------
@@ -257,7 +256,7 @@ class Vehicle:
         Raises:
             NoAnswer: the vehicle is not heard any more.
         """
-        return self._hold(watch(self._logbook, self._lands, progress))
+        return self._hold(watch(self._logbook, progress))
 
     def home(self) -> Geodetic | None:
         """Where the vehicle's home is; None while it does not know."""
@@ -321,9 +320,8 @@ class Vehicle:
 
     def _expect(self, items: Sequence[Item]) -> None:
         armed = self._logbook.armed
-        self._logbook = Logbook(len(items), self._first)
+        self._logbook = Logbook(len(items), self._first, lands=bool(items) and brings_down(items[-1].command))
         self._logbook.armed = armed
-        self._lands = bool(items) and items[-1].command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH)
 
     def _await_ready(self) -> None:
         """An ArduPilot that is still starting up answers every COUNT with NO_SPACE."""

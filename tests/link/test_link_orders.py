@@ -157,7 +157,7 @@ def noted(logbook: Logbook, *messages: Message) -> Logbook:
 
 
 def test_a_flight_is_timed_by_the_vehicles_own_clock_from_its_start() -> None:
-    logbook = noted(Logbook(3, first=1), at(100.0), Reached(1), armed(True))
+    logbook = noted(Logbook(3, first=1, lands=False), at(100.0), Reached(1), armed(True))
     logbook.begin()
     noted(logbook, at(105.0), Reached(1), at(107.0), Reached(1), Text(6, "words"), at(110.0), Current(3))
     noted(logbook, at(112.0), Reached(3), at(115.0), armed(False), BEAT)
@@ -171,8 +171,20 @@ def test_a_flight_is_timed_by_the_vehicles_own_clock_from_its_start() -> None:
     assert logbook.disarmed_s == 15.0
 
 
+def test_a_mission_that_lands_is_over_when_the_motors_stop() -> None:
+    """PX4 reports RTL as it begins, and says that the mission is complete; ArduCopter never reports a final LAND."""
+    for last in (Reached(1), Current(1, 2, 5)):
+        logbook = noted(Logbook(2, first=0, lands=True), armed(True))
+        logbook.begin()
+        noted(logbook, at(60.0), Reached(0), last)
+        assert logbook.record().item_reached_s == {0: 60.0}
+        record = noted(logbook, at(190.0), armed(False)).record()
+        assert record.item_reached_s == {0: 60.0, 1: 190.0}
+        assert record.total_s == 190.0
+
+
 def test_a_flight_that_breaks_off_is_not_complete() -> None:
-    logbook = noted(Logbook(3, first=0), armed(True))
+    logbook = noted(Logbook(3, first=0, lands=True), armed(True))
     logbook.begin()
     noted(logbook, at(4.0), Reached(0), Current(77), Current(1), at(9.0), armed(False))
     record = logbook.record()
@@ -183,7 +195,7 @@ def test_a_flight_that_breaks_off_is_not_complete() -> None:
 
 
 def test_a_record_of_a_flight_under_way_ends_now() -> None:
-    logbook = Logbook(2, first=0)
+    logbook = Logbook(2, first=0, lands=True)
     logbook.begin()
     assert noted(logbook, at(3.0)).record().total_s == 3.0
 
@@ -191,9 +203,9 @@ def test_a_record_of_a_flight_under_way_ends_now() -> None:
 def test_watching_ends_with_the_flight_and_tells_of_progress() -> None:
     told: list[int] = []
     for lands, last in ((True, armed(False)), (False, Current(1, 2, 5))):
-        logbook = noted(Logbook(2, first=0), armed(True))
+        logbook = noted(Logbook(2, first=0, lands=lands), armed(True))
         logbook.begin()
-        exchange = Exchange(watch(logbook, lands, told.append), 0.0, SPECIFIED)
+        exchange = Exchange(watch(logbook, told.append), 0.0, SPECIFIED)
         for now, message in enumerate([at(1.0), Reached(0), BEAT, last] if not lands else [at(1.0), Reached(0), last]):
             logbook.note(message)
             exchange.receive(message, float(now))
@@ -202,6 +214,6 @@ def test_watching_ends_with_the_flight_and_tells_of_progress() -> None:
 
 
 def test_a_lost_vehicle_is_an_error() -> None:
-    exchange = Exchange(watch(Logbook(2, 0), True, lambda done: None), 0.0, SPECIFIED)
+    exchange = Exchange(watch(Logbook(2, 0, lands=True), lambda done: None), 0.0, SPECIFIED)
     with pytest.raises(NoAnswer, match="not heard any more"):
         exchange.tick(LOST_S)
