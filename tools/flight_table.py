@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "timing"))  # where the flights are read, for the tests and here
+sys.path.insert(0, str(ROOT / "tests"))  # where the flights are read, for the tests and here
 
 from recorded_flights import Recorded, read_flights  # noqa: E402
 

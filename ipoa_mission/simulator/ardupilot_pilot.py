@@ -1,6 +1,7 @@
 """ArduCopter in AUTO, RTL, LAND and LOITER: what it makes of each item, and how it takes off and lands."""
 
 import math
+import random
 from collections.abc import Callable
 
 from ipoa_mission.mission.items import Command, Item
@@ -29,7 +30,8 @@ Manoeuvre = Callable[[float], None]
 class ArduPilotPilot:
     """One submode at a time: a method that is called at each step, and returns when there is no more to do."""
 
-    def __init__(self, body: Body, situation: Situation, parameters: Parameters) -> None:
+    def __init__(self, body: Body, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
+        """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
         self._body, self._now, self._p = body, situation, parameters
         body.attitude_s = max(parameters["ATC_INPUT_TC"], 0.01)
         self._path = PathFollower(parameters)

@@ -5,6 +5,7 @@ clock: `advance(to_s)` integrates to that simulated second and no further.
 """
 
 import math
+import random
 from collections.abc import Callable
 from typing import Protocol
 
@@ -38,7 +39,7 @@ class Pilot(Protocol):
         """Let `dt` seconds pass."""
 
 
-PILOTS: dict[Autopilot, Callable[[Body, Situation, Parameters], Pilot]] = {
+PILOTS: dict[Autopilot, Callable[[Body, Situation, Parameters, random.Random], Pilot]] = {
     Autopilot.ARDUPILOT: ArduPilotPilot,
     Autopilot.PX4: PX4Pilot,
 }
@@ -48,16 +49,25 @@ class Flight:
     """One vehicle from its home on the ground: state lives through time."""
 
     def __init__(
-        self, autopilot: Autopilot, home: Geodetic, parameters: Parameters, wind: tuple[float, float] = (0.0, 0.0)
+        self,
+        autopilot: Autopilot,
+        home: Geodetic,
+        parameters: Parameters,
+        wind: tuple[float, float] = (0.0, 0.0),
+        seed: int = 0,
     ) -> None:
-        """`wind` blows towards east and north [m/s]; `parameters` are read again whenever the vehicle is armed."""
+        """`wind` blows towards east and north [m/s]; `parameters` are read again whenever the vehicle is armed.
+
+        `seed` picks the errors of the sensors.
+        """
         self.autopilot = autopilot
         self.home = home
         self.frame = LocalFrame(home)
         self._given = parameters
         self._now = Situation(Program((), self.frame, autopilot), mission=MissionState.NO_MISSION)
+        self._chance = random.Random(seed)
         self._body = Body(AIRFRAMES[autopilot], wind)
-        self._pilot: Pilot = PILOTS[autopilot](self._body, self._now, self.parameters)
+        self._pilot: Pilot = PILOTS[autopilot](self._body, self._now, self.parameters, self._chance)
 
     # --- what it is like --------------------------------------------------------------------------------------------
 
@@ -160,7 +170,7 @@ class Flight:
         if self.armed:
             return
         self._now.armed, self._now.armed_s = True, self.time_s
-        self._pilot = PILOTS[self.autopilot](self._body, self._now, self.parameters)
+        self._pilot = PILOTS[self.autopilot](self._body, self._now, self.parameters, self._chance)
         self._pilot.enter()
 
     def disarm(self) -> None:

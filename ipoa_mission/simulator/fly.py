@@ -49,7 +49,7 @@ def board(
     log: Path | None = None,
 ) -> Vehicle:
     """A connected simulated vehicle that stands at the mission's home."""
-    station = Station(Autopilot(mission.autopilot, mission.home, parameters, nak_at=faults.nak_at))
+    station = Station(Autopilot(mission.autopilot, mission.home, parameters, nak_at=faults.nak_at, seed=seed))
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)
     return meet(line)

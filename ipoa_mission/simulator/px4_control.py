@@ -3,6 +3,7 @@
 import math
 
 from ipoa_mission.simulator.body import GRAVITY, Body
+from ipoa_mission.simulator.px4_hover import HoverThrust
 from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.vehicle import Parameters
 
@@ -20,7 +21,8 @@ class PositionControl:
         self._most = parameters["MPC_XY_VEL_MAX"]
         self.most_lean = GRAVITY * math.tan(math.radians(min(get("MPC_TILTMAX_AIR", 45.0), 89.0)))
         self._margin = get("MPC_THR_XY_MARG", 0.3) * most_thrust
-        self._most_thrust = most_thrust
+        self._full_thrust = most_thrust
+        self._hover = HoverThrust(parameters, most_thrust)
         self.reset()
 
     def reset(self) -> None:
@@ -44,6 +46,8 @@ class PositionControl:
         A place of NaN is not held. `climbs`: the highest rates up and down.
         """
         at, flown = seen
+        self._learn_to_hover(body, dt)
+        most_thrust = self._full_thrust / self._hover.ratio  # from here on as PX4 believes thrust to be
         self._differentiate(flown, dt)
         wanted = self._velocity(at, place, motion, climbs)
         errors = [w - v for w, v in zip(wanted, flown, strict=True)]
@@ -60,20 +64,29 @@ class PositionControl:
         ]
         size = math.hypot(asked[0], asked[1])
         lean = min(size, self.most_lean)
-        thrust = max(GRAVITY + asked[2], 0.12 / 0.5 * GRAVITY * 0.0)
+        thrust = max(GRAVITY + asked[2], 0.0)
         flat = lean * thrust / GRAVITY
-        top = math.sqrt(max(self._most_thrust**2 - min(flat, self._margin) ** 2, 0.0))
+        top = math.sqrt(max(most_thrust**2 - min(flat, self._margin) ** 2, 0.0))
         if not ((thrust >= top and errors[2] > 0.0) or (thrust <= 0.0 and errors[2] < 0.0)):
             self._integral[2] += self._up[1] * errors[2] * dt
         self._integral[2] = min(max(self._integral[2], -GRAVITY), GRAVITY)
         thrust = min(thrust, top)
-        flat = min(flat, math.sqrt(max(self._most_thrust**2 - thrust**2, 0.0)))
+        flat = min(flat, math.sqrt(max(most_thrust**2 - thrust**2, 0.0)))
         share = flat / size if size > 1e-9 else 1.0
         for i in range(2):
             lost = asked[i] * (1.0 - share) if flat < size else 0.0
             self._integral[i] += self._flat[1] * (errors[i] - 2.0 / self._flat[0] * lost) * dt
         lean = flat * GRAVITY / thrust if thrust > 0.1 else 0.0
-        return ((asked[0] * lean / size, asked[1] * lean / size) if size > 1e-9 else (0.0, 0.0)), thrust
+        leaning = (asked[0] * lean / size, asked[1] * lean / size) if size > 1e-9 else (0.0, 0.0)
+        return leaning, thrust * self._hover.ratio
+
+    def _learn_to_hover(self, body: Body, dt: float) -> None:
+        """A change of what hovering takes must not change the thrust: the integrator makes up for it."""
+        if body.on_ground:
+            return
+        before = self._hover.ratio
+        self._hover.learn(body.thrust, body.az, body.vz, dt)
+        self._integral[2] = (GRAVITY + self._integral[2]) * before / self._hover.ratio - GRAVITY
 
     def _differentiate(self, flown: Triple, dt: float) -> None:
         if self._was is not None:

@@ -8,7 +8,7 @@ from ipoa_mission.vehicle import Parameters
 
 TURNING = 0.98  # cosine between flying and aiming below which the vehicle is turning
 LOOKAHEAD = 5.0  # least distance ahead on the leg that is aimed at in a turn [m]
-EMERGENCY = 1.3  # so many times too fast: brake hard
+SETPOINT_S = 0.06  # from a waypoint's being reached to the target's turning, as recorded at all waypoints
 
 
 def speed_over(jerk: float, acceleration: float, distance: float, end: float) -> float:
@@ -33,7 +33,9 @@ class PathFollower:
         self.axes = (Axis(jerk, self._acceleration), Axis(jerk, self._acceleration), Axis(jerk, self._rise))
         self._held = self.cruise  # the speed that a turn may not exceed
         self._wanted: Triple = (0.0, 0.0, 0.0)
-        self.lead((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), None)
+        self._coming: tuple[tuple[Triple, Triple, Triple], float] | None = None
+        self._wait_s = 0.0
+        self._turn_to(((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
 
     def begin(self, place: Triple, motion: Triple = (0.0, 0.0, 0.0)) -> None:
         """Start from here."""
@@ -41,10 +43,22 @@ class PathFollower:
             axis.begin(x, v)
         self._wanted = (0.0, 0.0, 0.0)
 
-    def lead(self, last: Triple, goal: Triple, beyond: Triple | None) -> None:
-        """The leg to follow, and the waypoint after it, if it is to be left without stopping."""
-        self._legs = (last, goal, beyond if beyond is not None else goal)
-        self._points = self._legs
+    def lead(self, last: Triple, goal: Triple, beyond: Triple | None, radius: float) -> None:
+        """The leg to follow, and the waypoint after it if it is to be left without stopping; in `SETPOINT_S`."""
+        self._coming = (last, goal, beyond if beyond is not None else goal), radius
+        self._wait_s = SETPOINT_S
+
+    def lift(self, by: float) -> None:
+        """Move the leg up or down [m]; where the vehicle is beside it, it is looked for anew."""
+        legs, radius = self._coming if self._coming is not None else (self._legs, self.radius)
+        last, goal, beyond = ((x, y, z + by) for x, y, z in legs)
+        if self._coming is not None:
+            self._coming = (last, goal, beyond), radius
+        else:
+            self._turn_to((last, goal, beyond))
+
+    def _turn_to(self, legs: tuple[Triple, Triple, Triple]) -> None:
+        self._legs = self._points = legs
         self._state = "new"
 
     def set_speed(self, speed: float) -> None:
@@ -77,6 +91,11 @@ class PathFollower:
         `climb`: rate and acceleration of a take-off in place of the usual; `sink`: descend at this rate, whatever
         the height of the goal.
         """
+        self._wait_s -= dt
+        if self._coming is not None and self._wait_s <= 0.0:
+            legs, self.radius = self._coming
+            self._coming = None
+            self._turn_to(legs)
         self._back_to_leg(at)
         self._limit_height(climb)
         wanted = self._velocity(sink)
@@ -137,12 +156,12 @@ class PathFollower:
         aligned = (x.speed * dx + y.speed * dy) / (speed * away) if speed * away > 0.0 else 0.0
         turning = speed > 0.2 and aligned < TURNING and away > self.radius
         flat = self._flat_speed(away, dx, dy, goal, beyond)
+        dz = goal[2] - z.place
         if turning:
             flat = min(flat, self._held)
-            dx, dy = self._ahead(last, goal)
+            dx, dy, dz = self._ahead(last, goal)
         else:
             self._held = flat
-        dz = goal[2] - z.place
         if sink is not None:
             size = math.hypot(dx, dy)
             return (dx * flat / size, dy * flat / size, -sink) if size > 0.0 else (0.0, 0.0, -sink)
@@ -176,18 +195,17 @@ class PathFollower:
         over = speed_over(self._jerk, z.accelerations, abs(goal[2] - z.place), end)
         return min(self.axes_most[0], over)
 
-    def _ahead(self, last: Triple, goal: Triple) -> tuple[float, float]:
-        """Horizontally from the target to a point on the leg, ahead of the nearest one."""
-        ux, uy = goal[0] - last[0], goal[1] - last[1]
-        length = math.hypot(ux, uy)
-        if length > 0.0:
-            ux, uy = ux / length, uy / length
-        x, y, _ = self.place
-        along = (x - last[0]) * ux + (y - last[1]) * uy
-        nx, ny = last[0] + ux * along - x, last[1] + uy * along - y
+    def _ahead(self, last: Triple, goal: Triple) -> Triple:
+        """From the target to a point on the leg, ahead of the nearest one."""
+        leg = (goal[0] - last[0], goal[1] - last[1], goal[2] - last[2])
+        length = math.sqrt(leg[0] * leg[0] + leg[1] * leg[1] + leg[2] * leg[2])
+        ux, uy, uz = (d / length for d in leg) if length > 0.0 else leg
+        x, y, z = self.place
+        along = (x - last[0]) * ux + (y - last[1]) * uy + (z - last[2]) * uz
+        nx, ny, nz = last[0] + ux * along - x, last[1] + uy * along - y, last[2] + uz * along - z
         reach = max(self.radius, LOOKAHEAD)
-        ahead = math.sqrt(max(reach * reach - nx * nx - ny * ny, 0.0))
-        return nx + ux * ahead, ny + uy * ahead
+        ahead = math.sqrt(max(reach * reach - nx * nx - ny * ny - nz * nz, 0.0))
+        return nx + ux * ahead, ny + uy * ahead, nz + uz * ahead
 
 
 def _within(dx: float, dy: float, dz: float, flat: float, climb: float) -> Triple:

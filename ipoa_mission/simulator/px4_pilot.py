@@ -1,19 +1,23 @@
 """PX4 in AUTO.MISSION, AUTO.RTL, AUTO.LAND and AUTO.LOITER: what it makes of each item, take-off and landing."""
 
 import math
+import random
 from collections.abc import Callable
 
 from ipoa_mission.mission.items import Command, Item
 from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.program import NAVIGATED
 from ipoa_mission.simulator.px4_control import PositionControl
+from ipoa_mission.simulator.px4_estimate import MotionEstimate
 from ipoa_mission.simulator.px4_guidance import PathFollower
+from ipoa_mission.simulator.px4_home import HomeHeight
 from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
 from ipoa_mission.vehicle import Parameters
 
 ON_GROUND_SINK = 0.7  # before taking off the target sinks at this rate [m/s]
 CONE_DISTANCE = 10.0  # RTL_MIN_DIST: nearer to home than that, the return climbs less
+NAVIGATOR_S = 0.05  # how often it is looked whether an item is done
 HEADING_ERROR = math.radians(12.0)  # MIS_YAW_ERR
 #: Items that hide the report of the waypoint before them (as measured).
 HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
@@ -23,11 +27,13 @@ Manoeuvre = Callable[[float], None]
 class PX4Pilot:
     """One manoeuvre at a time: a method that is called at each step."""
 
-    def __init__(self, body: Body, situation: Situation, parameters: Parameters) -> None:
+    def __init__(self, body: Body, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
         self._body, self._now, self._p = body, situation, parameters
         body.attitude_s = 1.0 / parameters.get("MC_ROLL_P", 6.5)
         self._path = PathFollower(parameters)
         self._control = PositionControl(parameters, body.airframe.most_thrust)
+        self._home = HomeHeight(chance)
+        self._motion = MotionEstimate(chance)
         self._manoeuvre: Manoeuvre = self._wait
         self._goal: Triple = body.place
         self._radius = parameters["NAV_ACC_RAD"]
@@ -35,7 +41,8 @@ class PX4Pilot:
         self._entered_s: float | None = None
         self._touched_s: float | None = None
         self._ramp = 0.0
-        self._flying = False
+        self._next_check_s = 0.0
+        self._above_home = False  # whether the goal's height moves with what home is believed to be
 
     # --- orders -----------------------------------------------------------------------------------------------------
 
@@ -58,10 +65,21 @@ class PX4Pilot:
     def step(self, dt: float) -> None:
         """Decide, and let the body move."""
         if not self._now.armed:
-            self._ramp, self._flying = 0.0, False
+            self._ramp = 0.0
             self._body.step((0.0, 0.0), 0.0, dt)
             return
+        if not self._now.landed:
+            self._correct_home(dt)
         self._manoeuvre(dt)
+
+    def _correct_home(self, dt: float) -> None:
+        before = self._home.shift
+        self._home.advance(dt)
+        rise = self._home.shift - before
+        if rise != 0.0 and self._above_home:
+            x, y, z = self._goal
+            self._goal = (x, y, z + rise)
+            self._path.lift(rise)
 
     # --- the mission ------------------------------------------------------------------------------------------------
 
@@ -77,6 +95,7 @@ class PX4Pilot:
             if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0.0 and item.params[0] in (0.0, 1.0):
                 self._path.set_speed(item.params[1])
             self._now.done(index)
+            self._next_check_s = self._now.time_s
             index = program.after(index, taking=True)
         if index is None or index >= len(program):
             self._now.mission = MissionState.COMPLETE
@@ -98,34 +117,37 @@ class PX4Pilot:
         self._radius = self._p["NAV_ACC_RAD"]
         match item.command:
             case Command.NAV_TAKEOFF:
-                self._begin_takeoff(self._now.program.place(index, here))
+                self._begin_takeoff(self._place(index))
             case Command.NAV_RETURN_TO_LAUNCH:
                 self._now.mission = MissionState.COMPLETE
                 self._now.mode = FlightMode.RETURN
                 self._now.done(index)
                 self._begin_return()
             case Command.NAV_LAND:
-                place = self._now.program.place(index, here)
-                self._begin_landing(place if item.has_position else here)
+                self._begin_landing(self._place(index) if item.has_position else here)
             case Command.NAV_DELAY:
-                self._lead(self._goal, None)
+                self._lead(self._goal)
                 self._entered_s = self._now.time_s
                 self._manoeuvre = self._delay
             case _ if self._now.landed:  # told to begin in the air: it climbs first
-                self._begin_takeoff(self._now.program.place(index, here))
+                self._begin_takeoff(self._place(index))
             case _:
                 self._fly_to(index, item)
+
+    def _place(self, index: int) -> Triple:
+        """Where item `index` is, by what home is believed to be."""
+        x, y, z = self._now.program.place(index, self._body.place)
+        return x, y, z + self._home.shift if self._now.program.is_above_home(index) else z
 
     def _begin_takeoff(self, target: Triple) -> None:
         here = self._body.place
         self._heading = self._body.yaw
-        self._top = max(target[2], here[2])
-        self._lead((here[0], here[1], self._top), None)
+        self._lead((here[0], here[1], max(target[2], here[2])), None, self._now.current)
         self._path.begin(here, (0.0, 0.0, -ON_GROUND_SINK) if self._now.landed else self._body.motion)
         self._manoeuvre = self._take_off
 
     def _fly_to(self, index: int, item: Item) -> None:
-        program, here = self._now.program, self._body.place
+        program = self._now.program
         if item.params[1] > 0.001 and item.command == Command.NAV_WAYPOINT:
             self._radius = item.params[1]
         heading = item.params[3]
@@ -136,7 +158,7 @@ class PX4Pilot:
                 beyond = None
                 break
             beyond = program.next_flown(beyond)
-        self._lead(program.place(index, here), program.place(beyond, here) if beyond is not None else None)
+        self._lead(self._place(index), self._place(beyond) if beyond is not None else None, index)
         self._manoeuvre = self._follow
 
     @staticmethod
@@ -145,10 +167,10 @@ class PX4Pilot:
             return math.inf
         return item.params[0] if item.command in (Command.NAV_WAYPOINT, Command.NAV_LOITER_TIME) else 0.0
 
-    def _lead(self, goal: Triple, beyond: Triple | None) -> None:
-        """Follow the line from the last goal to the next."""
-        self._path.radius = self._radius
-        self._path.lead(self._goal, goal, beyond)
+    def _lead(self, goal: Triple, beyond: Triple | None = None, index: int | None = None) -> None:
+        """Follow the line from the last goal to the next, item `index` if it is one of the mission's."""
+        self._above_home = index is not None and self._now.program.is_above_home(index)
+        self._path.lead(self._goal, goal, beyond, self._radius)
         self._goal = goal
 
     # --- manoeuvres: one is called at each step ---------------------------------------------------------------------
@@ -170,20 +192,22 @@ class PX4Pilot:
             self._path.axes[2].place = self._body.z
         self._ramp = min(self._ramp + dt / max(self._p["MPC_TKO_RAMP_T"], dt), 1.0)
         self._fly(dt, climb=slow if low else None)
-        if self._body.z > self._top - self._p["NAV_MC_ALT_RAD"]:
-            self._flying = True
-            here = self._body.place
-            target = self._now.program.place(self._now.current, here)
-            if math.hypot(target[0] - here[0], target[1] - here[1]) > self._radius:
-                self._lead((target[0], target[1], self._top), None)
-                self._manoeuvre = self._follow
-            else:
-                self._done()
+        if self._is_check_due() and self._body.z > self._goal[2] - self._p["NAV_MC_ALT_RAD"]:
+            target = self._place(self._now.current)  # now a waypoint like any other
+            self._lead((target[0], target[1], self._goal[2]), index=self._now.current)
+            self._manoeuvre = self._follow
+
+    def _is_check_due(self) -> bool:
+        """Whether the navigator, which runs less often than the controllers, looks at the place now."""
+        if self._now.time_s < self._next_check_s - 1e-6:
+            return False
+        self._next_check_s = self._now.time_s + NAVIGATOR_S
+        return True
 
     def _follow(self, dt: float) -> None:
         self._fly(dt)
         item = self._now.program.items[self._now.current]
-        if self._entered_s is None and self._arrived():
+        if self._entered_s is None and self._is_check_due() and self._arrived():
             self._entered_s = self._now.time_s
         if self._entered_s is not None and self._now.time_s - self._entered_s >= self._hold_s(item):
             self._done()
@@ -215,16 +239,16 @@ class PX4Pilot:
         self._radius = self._p["NAV_ACC_RAD"]
         self._heading = None
         home = math.hypot(here[0], here[1])
-        height = self._p["RTL_RETURN_ALT"]
+        height = self._p["RTL_RETURN_ALT"]  # all above home
         if home <= self._radius:
             height = 2.0 * home
         else:
             if home <= CONE_DISTANCE:
                 height = min(home, height)  # a cone of 45 degrees
             height = max(height, 2.0 * self._radius)
-        self._return_height = max(height, here[2])
+        self._return_height = max(height + self._home.shift, here[2])
         self._goal = here
-        self._lead((here[0], here[1], self._return_height), None)
+        self._lead((here[0], here[1], self._return_height))
         self._manoeuvre = self._climb_to_return
 
     def _climb_to_return(self, dt: float) -> None:
@@ -292,7 +316,7 @@ class PX4Pilot:
         speed = math.hypot(body.vx, body.vy)
         way = speed / (2.0 * most) + most / (2.0 * self._p["MPC_JERK_AUTO"])
         self._goal = body.place
-        self._lead((body.x + body.vx * way, body.y + body.vy * way, body.z), None)
+        self._lead((body.x + body.vx * way, body.y + body.vy * way, body.z))
         self._manoeuvre = self._hover
 
     def _fly(self, dt: float, climb: tuple[float, float] | None = None, sink: float | None = None) -> None:
@@ -308,9 +332,8 @@ class PX4Pilot:
             place = (place[0], place[1], math.nan)
         if self._ramp < 1.0:
             push = (push[0], push[1], 0.0)
-        lean, thrust = self._control.lean_and_thrust(
-            body, (self._body.place, self._body.motion), place, path.motion, push, (up, down), dt
-        )
+        seen = (body.place, self._motion.of(body.motion, dt))
+        lean, thrust = self._control.lean_and_thrust(body, seen, place, path.motion, push, (up, down), dt)
         self._turn(dt)
         body.step(lean, thrust, dt)
 

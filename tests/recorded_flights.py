@@ -16,7 +16,7 @@ from ipoa_mission.mission.items import Command, Mission
 from ipoa_mission.mission.waypoints_file import read_waypoints
 from ipoa_mission.vehicle import Autopilot, Parameters
 
-FLIGHTS = Path(__file__).resolve().parents[1] / "flights"
+FLIGHTS = Path(__file__).resolve().parent / "flights"
 WAYPOINTS = (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
 
 

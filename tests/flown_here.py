@@ -1,0 +1,21 @@
+"""The recorded missions flown by the built-in autopilot, for the tests and for the table in the documentation."""
+
+from recorded_flights import Recorded
+
+from ipoa_mission.simulator.flight import Flight
+
+
+def fly_here(flight: Recorded, seed: int) -> tuple[dict[int, float], float]:
+    """When each item was done, by its number in the mission file, and when the motors stopped [s].
+
+    An item that is done several times counts as it is done first.
+    """
+    mission = flight.mission
+    here = Flight(mission.autopilot, mission.home, flight.parameters, seed=seed)
+    here.load(mission.items)
+    here.arm()
+    here.start()
+    while here.armed:
+        here.advance(here.time_s + 1.0)
+        assert here.time_s < 2.0 * flight.end_s, flight.name
+    return {reached.index + 1: reached.time_s for reached in reversed(here.reached)}, here.time_s
