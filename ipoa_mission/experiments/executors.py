@@ -2,7 +2,7 @@
 
 import signal
 from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any
@@ -18,7 +18,7 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
 
     Raises:
         BadInput: fewer than one job, or an address that Dask does not take.
-        MissionError: Dask distributed is not installed, nobody answers at `address`, or a process was killed.
+        MissionError: Dask distributed is not installed, nobody answers at `address`, or whoever ran trials was lost.
     """
     if jobs < 1:
         raise BadInput(f"jobs: expected at least 1, not {jobs}")
@@ -49,8 +49,13 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
         raise MissionError(
             f"no Dask scheduler answers at {address}", hint="start one with: dask scheduler, and workers beside it"
         ) from error
-    with client, client.get_executor(pure=False, retries=10) as pool:
-        yield pool
+    try:
+        with client, client.get_executor(pure=False, retries=10) as pool:
+            yield pool
+    except (CancelledError, distributed.KilledWorker) as error:
+        raise MissionError(
+            f"the cluster at {address} was lost while it ran trials", hint="the same command goes on where it stopped"
+        ) from error
 
 
 def _leave_ctrl_c_to_the_parent() -> None:
