@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
-from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
+from ipoa_mission.experiments.cec2022 import FUNCTIONS
 from ipoa_mission.experiments.maps import MAPS
-from ipoa_mission.experiments.paper import FLOOR, errors, mean_log_error
+from ipoa_mission.experiments.paper import FLOOR, errors, mean_log_error, off_the_print
 from ipoa_mission.experiments.paper_maps import of_map
 from ipoa_mission.experiments.ranking import ranking
 from ipoa_mission.experiments.rows import Row, runs_of, settings_text
@@ -53,14 +53,9 @@ def table_equal(rows: Sequence[Row]) -> Table:
 
 def table_ablation(rows: Sequence[Row]) -> Table:
     """IPOA on CEC2022 with each strategy off and each other reading, one at a time."""
-    optima = dict(zip(FUNCTIONS, OPTIMA, strict=True))
 
     def of(settings: str, function: str) -> NDArray[np.float64]:
         return errors(rows, function, "ipoa", settings)
-
-    def off_the_print(settings: str) -> float:
-        ratios = [of(settings, f).mean() / (published.TABLE_3[f]["mean"][0] - optima[f]) for f in FUNCTIONS]
-        return float(np.mean(np.abs(np.log(ratios))))
 
     return Table(
         f"Ablation and readings: IPOA on CEC2022, D = 20, {runs_of(rows)} runs.",
@@ -69,7 +64,7 @@ def table_ablation(rows: Sequence[Row]) -> Table:
             [
                 label,
                 f"{mean_log_error(rows, 'ipoa', settings_text(**wanted)):.2f}",
-                f"{off_the_print(settings_text(**wanted)):.2f}",
+                f"{off_the_print(rows, settings=settings_text(**wanted)):.2f}",
                 *_against_the_first(of, wanted, FUNCTIONS),
             ]
             for label, wanted in ABLATION.items()
@@ -121,9 +116,6 @@ def table_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
     everyone = [*rows, *paper]
     names = [*BEYOND, *published.ALGORITHMS]
 
-    def of(name: str, function: str) -> Samples:
-        return np.maximum(errors(everyone, function, name), FLOOR)
-
     means = np.array([[errors(everyone, f, name).mean() for name in names] for f in FUNCTIONS])
     return Table(
         "Beyond the paper: CEC2022, D = 20.",
@@ -137,7 +129,7 @@ def table_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
             f"1e-8, averaged over the functions. The first {len(BEYOND)} spent 90,060 evaluations a run, the paper's "
             "six what N = 30 and T = 1000 gives them.",
             f"Mean rank: {ranking(names, np.maximum(means, FLOOR), OURS)}.",
-            _ours_against(of, FUNCTIONS),
+            _sentence(ours_against(rows, paper), len(FUNCTIONS)),
         ],
     )
 
@@ -154,18 +146,30 @@ def table_maps_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
         [*_with_places(list(MAPS), means), ["collision-free", *(f"{share:.0%}" for share in feasible)]],
         [
             f"Mean rank: {ranking(names, means, OURS)}.",
-            _ours_against(lambda name, case: of_map(everyone, case, name), list(MAPS)),
+            _sentence(ours_against_on_maps(everyone), len(MAPS)),
         ],
     )
 
 
-def _ours_against(of: Callable[[str, str], Samples], cases: Sequence[str]) -> str:
-    """On how many cases our variant is told to be better than each rival, not told apart, and worse."""
-    signs = {
-        rival: told_apart([(of(OURS, case), of(rival, case)) for case in cases]) for rival in (*BEYOND[1:], "ipoa")
-    }
+def ours_against(rows: Sequence[Row], paper: Sequence[Row]) -> dict[str, list[str]]:
+    """For each rival, function by function: is our variant told to be better (+), worse (-), or neither (=)?"""
+    everyone = [*rows, *paper]
+    return _ours_against(lambda name, function: np.maximum(errors(everyone, function, name), FLOOR), FUNCTIONS)
+
+
+def ours_against_on_maps(rows: Sequence[Row]) -> dict[str, list[str]]:
+    """The same by cost on the maps; `rows` are those of the paper's six and of the rivals."""
+    return _ours_against(lambda name, case: of_map(rows, case, name), list(MAPS))
+
+
+def _ours_against(of: Callable[[str, str], Samples], cases: Sequence[str]) -> dict[str, list[str]]:
+    rivals = (*BEYOND[1:], "ipoa")
+    return {rival: told_apart([(of(OURS, case), of(rival, case)) for case in cases]) for rival in rivals}
+
+
+def _sentence(signs: dict[str, list[str]], cases: int) -> str:
     return (
-        f"{OURS} better / not told apart / worse (rank-sum, Holm over the {len(cases)}, 0.05): "
+        f"{OURS} better / not told apart / worse (rank-sum, Holm over the {cases}, 0.05): "
         + "; ".join(f"than {rival} {_counted(found)}" for rival, found in signs.items())
         + "."
     )

@@ -68,7 +68,7 @@ def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[
         assert cell.startswith(
             f"{number(300 + np.mean([cost_of(place, run) for run in range(RUNS)]))} ({place}) · {number(printed)} ("
         )
-    assert table.notes[0].startswith("IPOA is first in 24 of 36 here; the print has it first in 25")
+    assert table.notes[0].startswith("IPOA is first in 24 of 36 here; in print in 25")
 
 
 def test_table_4_says_better_where_it_is_and_corrects(rows: dict[str, Sequence[Row]]) -> None:
