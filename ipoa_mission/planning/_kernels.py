@@ -197,7 +197,7 @@ def path_costs(points, chart, rules):
 
 
 @njit(inline="always")
-def _add(gradient, hessian, window, i, base, pull, flat, slope, curvature):
+def _add(gradient, band, window, i, base, pull, flat, slope, curvature):
     """Adds a term that changes by `pull` (3, 3) with the nodes before, at and after i.
 
     Its first derivative is `slope`, its second `curvature`; both are handed on to the five control points, on which
@@ -212,7 +212,7 @@ def _add(gradient, hessian, window, i, base, pull, flat, slope, curvature):
             here = curvature * flat[a]
             if here != 0.0:
                 for b in range(a + 1):
-                    hessian[base + a, base + b] += here * flat[b]
+                    band[a - b, base + b] += here * flat[b]
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -220,13 +220,14 @@ def path_model(nodes, first, window, count, chart, rules, soft):
     """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
 
     `nodes` (n, 3) depend on `count` control points: node i - 1, i and i + 1 on those from `first[i]` with the
-    coefficients `window[i]` (3, 5). Returns the value, (3 count,) and (3 count, 3 count). The model is Gauss-Newton's:
-    what bends downwards is left out, absolute values are re-weighted squares.
+    coefficients `window[i]` (3, 5). Returns the value, (3 count,) and the lower band of the Hessian, (15, 3 count):
+    `band[i - j, j]` is its element i, j. The model is Gauss-Newton's: what bends downwards is left out, absolute values
+    are re-weighted squares.
     """
     n = len(nodes)
     raster, listed_from, listed, around = chart.cells, chart.first, chart.listed, chart.around
     kind, shape, edges, heights, low_zones = chart.kind, chart.shape, chart.edges, chart.heights, chart.low_zones
-    value, gradient, hessian = 0.0, np.zeros(3 * count), np.zeros((3 * count, 3 * count))
+    value, gradient, band = 0.0, np.zeros(3 * count), np.zeros((15, 3 * count))
     step, level, leg, danger = np.zeros((n, 3)), np.zeros(n), np.zeros(n), np.zeros(n)
     pull, flat = np.zeros((3, 3)), np.zeros(15)
     for i in range(n - 1):
@@ -249,18 +250,18 @@ def path_model(nodes, first, window, count, chart, rules, soft):
             broken = _least_height(low_zones, rules.height + soft.above, x, y) - (z - ground)
             if broken > 0.0:
                 value += 0.5 * stiffness * broken**2
-                _add(gradient, hessian, window, i, base, pull, flat, stiffness * broken, stiffness)
+                _add(gradient, band, window, i, base, pull, flat, stiffness * broken, stiffness)
             broken = z - ground - (rules.ceiling - soft.above)
             if broken > 0.0:
                 value += 0.5 * stiffness * broken**2
-                _add(gradient, hessian, window, i, base, pull, flat, -stiffness * broken, stiffness)
+                _add(gradient, band, window, i, base, pull, flat, -stiffness * broken, stiffness)
         for axis in range(3):
             broken = max(chart.lower[axis] - nodes[i, axis], nodes[i, axis] - chart.upper[axis]) + soft.aside
             if broken > 0.0:
                 pull[1] = 0.0
                 pull[1, axis] = 1.0 if 2.0 * nodes[i, axis] > chart.lower[axis] + chart.upper[axis] else -1.0
                 value += 0.5 * stiffness * broken**2
-                _add(gradient, hessian, window, i, base, pull, flat, stiffness * broken, stiffness)
+                _add(gradient, band, window, i, base, pull, flat, stiffness * broken, stiffness)
         for k in range(listed_from[cell], listed_from[cell + 1]):
             body = listed[k]
             if not around[body, 3] < z < around[body, 4]:
@@ -290,7 +291,7 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 slope += weight * change
                 curvature += weight * max(bend, 0.0)
             if slope != 0.0 or curvature > 0.0:
-                _add(gradient, hessian, window, i, base, pull, flat, slope, curvature)
+                _add(gradient, band, window, i, base, pull, flat, slope, curvature)
 
     # Length of each leg (which threats make dearer), even spacing, climb limits
     for i in range(n - 1):
@@ -303,7 +304,7 @@ def path_model(nodes, first, window, count, chart, rules, soft):
             pull[1, axis] = -pull[2, axis]
         _add(
             gradient,
-            hessian,
+            band,
             window,
             i,
             base,
@@ -321,7 +322,7 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 pull[2, 2] = level[i] / leg[i]
             for axis in range(3):
                 pull[1, axis] = -pull[2, axis]
-            _add(gradient, hessian, window, i, base, pull, flat, 0.0, price / leg[i])
+            _add(gradient, band, window, i, base, pull, flat, 0.0, price / leg[i])
         for sign, limit in ((1.0, rules.climb - soft.flatter), (-1.0, rules.descent - soft.flatter)):
             broken = sign * step[i, 2] - limit * level[i]
             if broken > 0.0:
@@ -333,7 +334,7 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 value += 0.5 * soft.stiffness / even * broken**2
                 _add(
                     gradient,
-                    hessian,
+                    band,
                     window,
                     i,
                     base,
@@ -367,11 +368,8 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 pull[1, axis] = -pull[0, axis] - pull[2, axis]
             smooth = math.sqrt(angle * angle + soft.bend**2)
             value += rate * (smooth - soft.bend)
-            _add(gradient, hessian, window, i, base, pull, flat, rate * angle / smooth, rate / smooth)
-    for a in range(3 * count):
-        for b in range(a):
-            hessian[b, a] = hessian[a, b]
-    return value, gradient, hessian
+            _add(gradient, band, window, i, base, pull, flat, rate * angle / smooth, rate / smooth)
+    return value, gradient, band
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")

@@ -3,7 +3,7 @@
 Short searches begin at different guesses, a straight line and the distinct ways through a coarse lattice, so that
 they end in different passages between the obstacles; each result is polished to the nearest optimum. Then the best
 curves, with twice the control points, are searched again piece by piece. The best of all are settled: polished until
-their proof holds.
+their proof holds; and the best of these once more, with twice the control points again.
 """
 
 from typing import TypeAlias
@@ -70,18 +70,18 @@ def _search_once(searcher: Searcher, progress: Progress) -> Proved:
 
 def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
     """A few settled curves; if none of them holds, the search begins anew with guesses from a finer lattice."""
-    proved: list[Proved] = []
+    problem, proved = searcher.problem, list[tuple[Trail, Proof]]()
     for coarsest in range(len(FINER) - 1):
-        trails = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
-        for trail in trails[:TRIED]:
-            proved.append(settle(trail, searcher.problem))
+        for trail in _improve(_find_passages(searcher, coarsest, progress), searcher, progress)[:TRIED]:
+            proved.append(settle(trail, problem))
             if sum(proof.holds for _, proof in proved) == WANTED:
-                return proved
-        if any(proof.holds for _, proof in proved):
-            return proved
-        if (why := blockage(searcher.problem)) is not None:
+                break
+        if safe := [trail for trail, proof in proved if proof.holds]:
+            proved.append(settle(refine(min(safe, key=problem.cost)), problem))
+            break
+        if (why := blockage(problem)) is not None:
             raise why
-    return proved
+    return [(trail.curve, proof) for trail, proof in proved]
 
 
 def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Trail]:

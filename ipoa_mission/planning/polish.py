@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dpbsv
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.chart import Soft
@@ -20,6 +21,7 @@ from ipoa_mission.planning.spline import Spline, even_basis
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
 ATTEMPTS = 4
+BAND = 14  # coordinates farther apart than this share no term: a term depends on five control points
 HOPELESS = -1.0  # what a little more clearance does not mend [m]
 FELT = 8  # how many control points away a change is felt, via points included
 SOFTER = Soft(bend=0.02, edge=0.5, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
@@ -27,8 +29,9 @@ SOFT = SOFTER._replace(bend=5e-3, edge=0.3, stiffness=30.0, aside=0.01, above=0.
 HARD = SOFT._replace(bend=1e-3, edge=0.1, stiffness=100.0, above=0.02, flatter=1e-3)
 HARDER = HARD._replace(bend=1e-4, edge=0.05, stiffness=1000.0)
 HARDEST = HARDER._replace(bend=1e-5, edge=0.02, stiffness=10_000.0, aside=0.005)
+SHARPEST = HARDEST._replace(bend=1e-6, edge=0.004, aside=0.003)
 ROUGH = (SOFTER, SOFT, HARD)
-FINE = (HARD, HARDER, HARDEST)
+FINE = (HARD, HARDER, HARDEST, SHARPEST)
 
 
 def polish(
@@ -38,8 +41,9 @@ def polish(
     steps: int = 8,
     part: slice = ALL,
     finer: int = 1,
+    enough: float = 5e-6,
 ) -> Trail:
-    """The curve after at most `steps` Gauss-Newton steps at each stage.
+    """The curve after at most `steps` Gauss-Newton steps at each stage, or until one gains less than `enough`.
 
     Its ends and via points stay; `part` says which of the inner control points may move. It is looked at as closely
     as in the search, or `finer` times so.
@@ -47,11 +51,11 @@ def polish(
     nodes = finer * max(problem.nodes, NODES_PER_SPAN * trail.curve.spans)
     control, bench = trail.curve.control, _prepare(trail, problem, part, nodes)
     for soft in stages:
-        control = _descend(control, problem, bench, soft, steps)
+        control = _descend(control, problem, bench, soft, steps, enough)
     return Trail(Spline(control), trail.via_at)
 
 
-def settle(trail: Trail, problem: PathProblem) -> tuple[Spline, Proof]:
+def settle(trail: Trail, problem: PathProblem) -> tuple[Trail, Proof]:
     """The curve polished until its proof holds, or as near to that as it comes.
 
     Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
@@ -60,14 +64,14 @@ def settle(trail: Trail, problem: PathProblem) -> tuple[Spline, Proof]:
     more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(ATTEMPTS):
         stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
-        trail = polish(trail, problem, stages, steps=40, finer=2)
+        trail = polish(trail, problem, stages, steps=60, finer=2, enough=1e-8)
         proof = prove_curve(trail.curve, problem.scenario)
         if not HOPELESS < proof.worst.slack < 0:
             break
         for check in proof.checks:
             short = max(-1.2 * check.slack, 0.0)
             more[_REMEDY[check.limit]] += np.radians(short) if check.unit == "deg" else short
-    return trail.curve, proof
+    return trail, proof
 
 
 _REMEDY = {
@@ -82,13 +86,38 @@ _REMEDY = {
 
 @dataclass(frozen=True, eq=False)
 class _Bench:
-    """The nodes that depend on the control points `some`, how they do, and the ways in which those may move."""
+    """The nodes that depend on the control points `some`, how they do, and how those may move.
+
+    Without via points the coordinates `free` of them move each by itself; with via points they move by `spread`
+    (3 some, f), and the Hessian of that has elements up to `reach` beside its diagonal.
+    """
 
     some: slice
     look: Matrix  # (nodes, n)
     first: NDArray[np.int64]
     window: NDArray[np.float64]
-    spread: Matrix  # (3 some, f)
+    free: slice
+    spread: Matrix | None
+    reach: int
+
+    def moved(self, control: Points, step: Vector) -> Points:
+        """Control points (n, 3) after a step (f,)."""
+        control = control.copy()
+        some = control[self.some].reshape(-1)
+        if self.spread is None:
+            some[self.free] += step
+        else:
+            some += self.spread @ step
+        return control
+
+    def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
+        """Gradient and lower band of the Hessian by what is free, from those by all coordinates of `some`."""
+        if self.spread is None:
+            return gradient[self.free], band[:, self.free]
+        lower = sum(np.diag(row[: len(row) - k], -k) for k, row in enumerate(band))
+        hessian = self.spread.T @ (lower + np.tril(lower, -1).T) @ self.spread
+        diagonals = [np.diagonal(hessian, -k) for k in range(self.reach + 1)]
+        return gradient @ self.spread, np.array([np.pad(d, (0, len(hessian) - len(d))) for d in diagonals])
 
 
 def _prepare(trail: Trail, problem: PathProblem, part: slice, nodes: int) -> _Bench:
@@ -97,42 +126,46 @@ def _prepare(trail: Trail, problem: PathProblem, part: slice, nodes: int) -> _Be
     low, high = max(int(varied[0]) - FELT, 0), min(int(varied[-1]) + FELT + 1, n)
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
-    free = freedom(trail, problem.scenario, part)[low:high]
-    spread = np.einsum("nf,ab->nafb", free, np.eye(3)).reshape(3 * len(free), -1)
-    return _Bench(slice(low, high), even_basis(n, nodes)[seen], first[seen] - low, window[seen], spread)
+    free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
+    if len(trail.via_at):
+        ways = freedom(trail, problem.scenario, part)[low:high]
+        spread = np.einsum("nf,ab->nafb", ways, np.eye(3)).reshape(3 * len(ways), -1)
+        near = np.abs(np.subtract.outer(np.arange(len(spread)), np.arange(len(spread)))) <= BAND
+        pairs = np.argwhere(np.abs(spread.T) @ near @ np.abs(spread) > 0)
+        reach = int((pairs[:, 0] - pairs[:, 1]).max(initial=0))
+    some = slice(low, high)
+    return _Bench(some, even_basis(n, nodes)[seen], first[seen] - low, window[seen], free, spread, reach)
 
 
-def _descend(control: Points, problem: PathProblem, bench: _Bench, soft: Soft, steps: int) -> Points:
+def _descend(control: Points, problem: PathProblem, bench: _Bench, soft: Soft, steps: int, enough: float) -> Points:
     """Levenberg and Marquardt: the less damped the better the model has been right."""
     from ipoa_mission.planning._kernels import path_model
 
     count = bench.some.stop - bench.some.start
 
-    def model(control: Points) -> tuple[float, Vector, NDArray[np.float64]]:
+    def model(control: Points) -> tuple[float, Vector, Matrix]:
         nodes = bench.look @ control
-        value, gradient, hessian = path_model(
-            nodes, bench.first, bench.window, count, problem.chart, problem.rules, soft
-        )
-        return value, gradient @ bench.spread, bench.spread.T @ hessian @ bench.spread
+        value, gradient, band = path_model(nodes, bench.first, bench.window, count, problem.chart, problem.rules, soft)
+        return value, *bench.reduced(gradient, band)
 
-    value, gradient, hessian = model(control)
+    value, gradient, band = model(control)
     damping = 1e-3
     for _ in range(steps):
-        scale = np.diag(hessian)
         for _ in range(6):
-            damped = hessian + np.diag(damping * scale + 1e-6 * scale.mean())
-            trial = control.copy()
-            trial[bench.some] += (bench.spread @ np.linalg.solve(damped, -gradient)).reshape(count, 3)
-            trial_value, trial_gradient, trial_hessian = model(trial)
-            if trial_value < value:
+            damped = band.copy()
+            damped[0] += damping * band[0] + 1e-6 * band[0].mean()
+            _, step, failed = dpbsv(damped, gradient, lower=1)
+            trial = bench.moved(control, -step)
+            trial_value, trial_gradient, trial_band = model(trial)
+            if not failed and trial_value < value:
                 break
             damping = max(8 * damping, 1e-4)
         else:
             return control
         gain = value - trial_value
-        control, value, gradient, hessian = trial, trial_value, trial_gradient, trial_hessian
+        control, value, gradient, band = trial, trial_value, trial_gradient, trial_band
         damping = max(damping / 5, 1e-7)
-        if gain < 5e-6 * abs(value):
+        if gain < enough * abs(value):
             return control
     return control
 

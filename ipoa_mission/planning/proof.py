@@ -162,7 +162,7 @@ def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, P
     Zones are narrower by `stray`, so that the path itself is within where its leg is. The number is right to a leg or
     two in a run that was cut out of the middle of a leg.
     """
-    limits = replace(limits, low_zones=tuple(replace(z, radius=z.radius - stray) for z in limits.low_zones))
+    limits = replace(limits, low_zones=tuple(replace(z, radius=max(z.radius - stray, 0.0)) for z in limits.low_zones))
     cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]
     for zone in limits.low_zones:
         step, away = np.diff(legs[:, :2], axis=0), legs[:-1, :2] - (zone.east, zone.north)

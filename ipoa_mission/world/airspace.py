@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.obstacles import Obstacle, straightened
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Terrain
 
@@ -58,7 +58,7 @@ class Bounds:
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
         """The least margin of the straight leg from a to b."""
-        fractions = np.array([0.0, 1.0])
+        fractions, b = np.array([0.0, 1.0]), straightened(a, b)
         if self.footprint is not None:
             inner = (
                 self.footprint.break_parameters(a[:2], b[:2]),

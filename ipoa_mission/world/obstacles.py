@@ -16,6 +16,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.polygon import Polygon, Ring, quadratic_roots
 
+LEVEL = 1e-12  # a leg that goes less far than this along an axis does not go along it [m]
 TOUCHING = 1e-6  # a leg that goes through may have been tried at the walls only [m]
 
 
@@ -73,6 +74,7 @@ class Sphere:
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
         """Least signed distance of the leg, and where."""
+        b = straightened(a, b)
         return _least(self, a, b, _foot(a, b, np.asarray(self.center)))
 
 
@@ -113,6 +115,7 @@ class Cylinder:
         With q(t) the squared distance to the axis and w(t) the height over a cap, the rim is nearest where
         (q' + (w^2)')^2 q = r^2 q'^2, a quartic; deep inside, side and cap balance where q = (r + w)^2.
         """
+        b = straightened(a, b)
         axis = np.array([self.east, self.north])
         away, step = a[:2] - axis, (b - a)[:2]
         q = np.array([away @ away, 2 * away @ step, step @ step])
@@ -167,6 +170,7 @@ class Prism:
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
         """Least signed distance of the leg, and where."""
+        b = straightened(a, b)
         corners, edges = self.footprint.starts, self.footprint.ends - self.footprint.starts
         candidates = [self.footprint.break_parameters(a[:2], b[:2]), _levels(a, b, self.base, self.top)]
         for level in (self.base, self.top):
@@ -189,6 +193,11 @@ def box(name: str, lower: tuple[float, float, float], upper: tuple[float, float,
     """A box along the axes, as a prism."""
     (e0, n0, base), (e1, n1, top) = lower, upper
     return Prism(name, ((e0, n0), (e1, n0), (e1, n1), (e0, n1)), (), base, top)
+
+
+def straightened(a: Vector, b: Vector) -> Vector:
+    """The end b of a leg, put right so that quotients of steps do not overflow: what is next to nothing is nothing."""
+    return np.where(np.abs(b - a) < LEVEL, a, b)
 
 
 def _upright(aside: Vector, up: Vector, base: float, top: float) -> Vector:

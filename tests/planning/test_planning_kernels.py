@@ -65,7 +65,10 @@ def model(problem: PathProblem, control: np.ndarray, soft: Soft = SOFT) -> tuple
 
     n = len(control)
     first, window = _windows(n, 60)
-    return path_model(even_basis(n, 60) @ control, first, window, n, problem.chart, problem.rules, soft)
+    nodes = even_basis(n, 60) @ control
+    found, gradient, band = path_model(nodes, first, window, n, problem.chart, problem.rules, soft)
+    lower = sum(np.diag(row[: len(row) - k], -k) for k, row in enumerate(band))
+    return found, gradient, lower + np.tril(lower, -1).T
 
 
 def value(problem: PathProblem, airspace: Airspace, control: np.ndarray, even: float) -> float:
@@ -93,7 +96,6 @@ def test_the_model_has_the_value_of_the_twin_and_its_derivative(town: Town, fenc
             slope = (ahead - behind) / 2e-6
             np.testing.assert_allclose(gradient, slope, atol=2e-4 * np.abs(slope).max())
             assert np.linalg.eigvalsh(hessian).min() > -1e-8 * np.abs(hessian).max()
-            np.testing.assert_allclose(hessian, hessian.T, rtol=1e-9, atol=1e-9)
 
 
 def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town) -> None:

@@ -30,18 +30,18 @@ def test_round_a_mast_it_finds_two_tangents_and_an_arc(scenario, side: int) -> N
     mast = {"kind": "cylinder", "name": "mast", "east": 50, "north": 0, "radius": 10, "height": 95, "base": 0.0}
     job = scenario(obstacles=[mast], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.0)
     rough = polish(bulging(job, 18.0 * side, 0.0), pose(job))
-    curve, proof = settle(refine(rough), pose(job))
+    trail, proof = settle(refine(rough), pose(job))
     assert proof.worst.slack >= 0
-    assert curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
-    assert side * curve.points(np.array([0.5]))[0, 1] > 11.5
+    assert trail.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
+    assert side * trail.curve.points(np.array([0.5]))[0, 1] > 11.5
 
 
 def test_over_a_ball_the_way_is_the_same_turned_upright(scenario) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 0, "up": 20, "radius": 10}
     job = scenario(obstacles=[ball], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.0)
-    curve, proof = settle(refine(polish(bulging(job, 0.0, 18.0), pose(job))), pose(job))
+    trail, proof = settle(refine(polish(bulging(job, 0.0, 18.0), pose(job))), pose(job))
     assert proof.worst.slack >= 0
-    assert curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
+    assert trail.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
 
 
 def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario) -> None:
@@ -57,11 +57,11 @@ def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario) -> None:
         "base": 0.0,
     }
     job = scenario(obstacles=[wall], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.5)
-    curve, proof = settle(refine(polish(bulging(job, 0.0, 40.0), pose(job))), pose(job))
+    trail, proof = settle(refine(polish(bulging(job, 0.0, 40.0), pose(job))), pose(job))
     reach = np.hypot(49.9, 20)  # to an edge, round which the clearance makes an arc of 2 m
     tangent, angle = np.sqrt(reach**2 - 2**2), np.arctan2(20, 49.9) + np.arcsin(2 / reach)
     assert proof.worst.slack >= 0
-    assert curve.length == pytest.approx(2 * tangent + 2 * 2 * angle + 0.2, rel=3e-3)
+    assert trail.curve.length == pytest.approx(2 * tangent + 2 * 2 * angle + 0.2, rel=3e-3)
 
 
 def test_ends_and_via_points_stay(scenario) -> None:
@@ -95,6 +95,6 @@ def test_it_never_makes_a_curve_dearer(town) -> None:
 def test_the_threat_is_kept_out_of_where_that_is_cheap(scenario) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 3, "up": 20, "radius": 5}
     job = scenario(obstacles=[ball], vehicle=VEHICLE)
-    curve, _ = settle(refine(polish(bulging(job, -8.0, 0.0), pose(job))), pose(job))
-    assert curve_cost(curve, job).threat == 0
-    assert job.airspace.obstacle_clearance(curve.sample(1000)).distance == pytest.approx(5.5, abs=0.1)
+    trail, _ = settle(refine(polish(bulging(job, -8.0, 0.0), pose(job))), pose(job))
+    assert curve_cost(trail.curve, job).threat == 0
+    assert job.airspace.obstacle_clearance(trail.curve.sample(1000)).distance == pytest.approx(5.5, abs=0.1)

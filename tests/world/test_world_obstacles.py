@@ -181,3 +181,14 @@ def test_a_corner_given_twice_is_one_corner() -> None:
     np.testing.assert_array_equal(other.distance(points), one.distance(points))
     assert other.convex
     assert other.leg_clearance(points[0], points[1]) == one.leg_clearance(points[0], points[1])
+
+
+@every_kind
+def test_legs_next_to_nothing_off_an_axis_are_as_those_along_it(kind: str) -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(50):
+        body = KINDS[kind](rng)
+        for axis in range(3):
+            a, b = (x * np.eye(3)[axis] for x in rng.uniform(-40, 40, 2))
+            least, _ = body.leg_clearance(a + rng.choice([-1, 1], 3) * 1e-319, b + rng.choice([-1, 1], 3) * 2e-319)
+            assert least == pytest.approx(body.leg_clearance(a, b)[0], abs=1e-9)
