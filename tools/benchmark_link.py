@@ -2,6 +2,7 @@
 
     python tools/benchmark_link.py                        what the rows of docs/link/uploads.csv still lack
     python tools/benchmark_link.py --table                the tables of docs/link.md, from those rows
+    python tools/benchmark_link.py --fast-path            ArduPilot's mission file against items, on a virtual clock
     python tools/benchmark_link.py --runs 5 --loss 0 30 --rows new.csv
 
 Each upload has an autopilot, a UDP socket and a radio of its own, in real time. Several run at once, for they mostly
@@ -38,11 +39,14 @@ from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link import vehicle as vehicle_module
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import Peer, UdpChannel
+from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
-from ipoa_mission.simulator.faults import Faults
+from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicle import Autopilot
@@ -413,6 +417,26 @@ def table(rows: list[Run], autopilot: Autopilot) -> str:
     return "\n".join(lines)
 
 
+def fast_path(delay_ms: float, loss: float, runs: int) -> str:
+    """A row of the table of ArduPilot's fast path: 100 items, verified, on a virtual clock; all must be exact."""
+    sent = to_wire(mission(Autopilot.ARDUPILOT, 100))
+    medians = []
+    for fast in (False, True):
+        took = []
+        for seed in range(runs):
+            faults = Faults(loss=loss / 100, delay_s=delay_ms / 1000)
+            mock = Mock(Autopilot.ARDUPILOT, HOME)
+            channel = Loopback(Station(mock), BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
+            here = vehicle_module.meet(Line(channel, Codec(245, 190)), fast=fast)
+            begun = channel.now()
+            here.upload_items(sent, MissionType.MISSION)
+            took.append(channel.now() - begun)
+            assert compare(sent, mock.transfers.listed(MissionType.MISSION), Autopilot.ARDUPILOT) is None
+        medians.append(statistics.median(took))
+    slow, quick = medians
+    return f"| {delay_ms:g} | {loss:g} | {slow:.1f} | {quick:.1f} | {slow / quick:.1f} |"
+
+
 def main() -> None:
     """Run what is missing, or print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -425,7 +449,13 @@ def main() -> None:
     parser.add_argument("--autopilots", nargs="+", type=Autopilot, default=list(Autopilot))
     parser.add_argument("--rows", type=Path, default=ROWS)
     parser.add_argument("--table", action="store_true")
+    parser.add_argument("--fast-path", action="store_true")
     arguments = parser.parse_args()
+    if arguments.fast_path:
+        print("| delay, ms | loss, % | item by item, s | as one file, s | times as quick |\n|---|---|---|---|---|")
+        for delay_ms, loss in itertools.product((50, 200), arguments.loss):
+            print(fast_path(delay_ms, loss, arguments.runs), flush=True)
+        return
     if arguments.table:
         for autopilot in arguments.autopilots:
             print(f"{autopilot}:\n\n{table(read_rows(arguments.rows), autopilot)}\n")
