@@ -1,12 +1,39 @@
-"""pymavlink's own tools (mavutil, mavwp) in a process of their own: parameters, upload, download, flight."""
+"""pymavlink's own tools (mavutil, mavparm, mavwp) in a process of their own: parameters, three lists, flight."""
 
 import json
 import sys
 
-from pymavlink import mavutil, mavwp
+from pymavlink import mavparm, mavutil, mavwp
 
 
-def main(port: str, path: str) -> None:
+def send(link: mavutil.mavfile, loader: mavwp.MissionItemProtocol) -> int:
+    """Upload a list; the result."""
+    kind = loader.mav_mission_type()
+    link.mav.mission_count_send(link.target_system, link.target_component, loader.count(), kind)
+    while True:
+        asked = link.recv_match(
+            type=["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"], blocking=True, timeout=5
+        )
+        assert asked is not None, "the upload stalls"
+        assert asked.mission_type == kind
+        if asked.get_type() == "MISSION_ACK":
+            return int(asked.type)
+        link.mav.send(loader.wp(asked.seq))
+
+
+def read(link: mavutil.mavfile, kind: int) -> list[int]:
+    """Download a list; its commands."""
+    link.mav.mission_request_list_send(link.target_system, link.target_component, kind)
+    count = link.recv_match(type="MISSION_COUNT", blocking=True, timeout=5).count
+    commands = []
+    for seq in range(count):
+        link.mav.mission_request_int_send(link.target_system, link.target_component, seq, kind)
+        commands.append(link.recv_match(type="MISSION_ITEM_INT", blocking=True, timeout=5).command)
+    link.mav.mission_ack_send(link.target_system, link.target_component, 0, kind)
+    return commands
+
+
+def main(port: str, path: str, rally_path: str) -> None:
     link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
     link.mav.heartbeat_send(6, 8, 0, 0, 0)
     link.wait_heartbeat(timeout=10)
@@ -20,22 +47,16 @@ def main(port: str, path: str) -> None:
             break
     loader = mavwp.MAVWPLoader(link.target_system, link.target_component)
     loader.load(path)
-    link.waypoint_count_send(loader.count())
-    while True:
-        asked = link.recv_match(
-            type=["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"], blocking=True, timeout=5
-        )
-        assert asked is not None, "the upload stalls"
-        if asked.get_type() == "MISSION_ACK":
-            break
-        link.mav.send(loader.wp(asked.seq))
-    link.waypoint_request_list_send()
-    count = link.recv_match(type="MISSION_COUNT", blocking=True, timeout=5).count
-    commands = []
-    for seq in range(count):
-        link.mav.mission_request_int_send(link.target_system, link.target_component, seq)
-        commands.append(link.recv_match(type="MISSION_ITEM_INT", blocking=True, timeout=5).command)
-    link.mav.mission_ack_send(link.target_system, link.target_component, 0)
+    fence = mavwp.MissionItemProtocol_Fence(link.target_system, link.target_component)
+    for latitude, longitude in ((47.39, 8.49), (47.41, 8.49), (47.40, 8.51)):
+        place = round(latitude * 1e7), round(longitude * 1e7)
+        vertex = (link.target_system, link.target_component, 0, 0, 5001, 0, 0, 3, 0, 0, 0, *place, 0, 1)
+        fence.add(mavutil.mavlink.MAVLink_mission_item_int_message(*vertex))
+    rally = mavwp.MissionItemProtocol_Rally(link.target_system, link.target_component)
+    rally.load(rally_path)
+    results = [send(link, one) for one in (loader, fence, rally)]
+    commands = [read(link, kind) for kind in (0, 1, 2)]
+    was_set = mavparm.MAVParmDict().mavset(link, "WPNAV_SPEED", 600.0)
     link.arducopter_arm()
     link.motors_armed_wait()
     link.set_mode("AUTO")
@@ -46,8 +67,8 @@ def main(port: str, path: str) -> None:
         if heard.get_type() == "MISSION_ITEM_REACHED":
             reached.append(heard.seq)
     link.close()
-    told = {"ack": asked.type, "parameters": len(parameters), "commands": commands, "reached": reached}
+    told = {"results": results, "parameters": len(parameters), "commands": commands, "reached": reached, "set": was_set}
     sys.stdout.write(json.dumps(told) + "\n")
 
 
-main(sys.argv[1], sys.argv[2])
+main(*sys.argv[1:4])

@@ -19,10 +19,12 @@ MISSION = """QGC WPL 110
 def test_mavutil_and_mavwp_complete_a_session(run_mock: Callable[..., object], tmp_path: Path) -> None:
     path = tmp_path / "mission.txt"
     path.write_text(MISSION)
+    rally = tmp_path / "rally.txt"
+    rally.write_text("RALLY 47.4005 8.5 25.0 20.0 0.0 0\n")
     with run_mock(Autopilot.ARDUPILOT, speedup=20.0) as running:  # type: ignore[attr-defined]
         client = Path(__file__).parent / "mavutil_client.py"
         done = subprocess.run(
-            [sys.executable, str(client), str(running.port), str(path)],
+            [sys.executable, str(client), str(running.port), str(path), str(rally)],
             capture_output=True,
             text=True,
             timeout=60,
@@ -31,8 +33,10 @@ def test_mavutil_and_mavwp_complete_a_session(run_mock: Callable[..., object], t
         assert done.returncode == 0, done.stdout + done.stderr
         told = json.loads(done.stdout.splitlines()[-1])
         assert told == {
-            "ack": 0,
+            "results": [0, 0, 0],
             "parameters": len(running.mock.table.values),
-            "commands": [16, 22, 16, 20],
+            "commands": [[16, 22, 16, 20], [5001] * 3, [5100]],
             "reached": [1, 2, 3],
+            "set": True,
         }
+        assert running.mock.table.values["WPNAV_SPEED"] == 600.0
