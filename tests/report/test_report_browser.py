@@ -161,21 +161,21 @@ def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_o
     box = plan.bounding_box()
     zoom = lambda: float(plan.get_attribute("data-zoom"))  # noqa: E731
     stop = page.locator('#map [data-stop="4"]')
-    spot = lambda: _middle(stop.bounding_box())  # noqa: E731
+    spot = lambda: _within(plan.bounding_box(), stop.bounding_box())  # noqa: E731
     length = lambda: shown(page, ".scale")  # noqa: E731
     first, whole = spot(), length()
 
-    page.mouse.move(*first)
+    page.mouse.move(box["x"] + first[0], box["y"] + first[1])
     page.mouse.wheel(0, -400)
     assert zoom() == 1.0  # the page scrolls until the map is taken
     plan.scroll_into_view_if_needed()
     stop.click()
-    first = spot()
     page.mouse.wheel(0, -600)
     page.wait_for_function("Number(document.getElementById('map').dataset.zoom) > 2")
     assert spot() == pytest.approx(first, abs=1.5)  # what one points at stays where it is
     assert length() != whole
 
+    box = plan.bounding_box()
     page.mouse.move(box["x"] + 60, box["y"] + box["height"] - 60)
     page.mouse.down()
     page.mouse.move(box["x"] + 90, box["y"] + box["height"] - 80, steps=4)
@@ -184,6 +184,11 @@ def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_o
     stop.click()
     assert page.evaluate(HERE_IS_ON_ITS_STOP)
 
+    page.locator('tr[data-stop="0"]').click()  # outside of what the map shows
+    there = _within(plan.bounding_box(), page.locator('#map [data-stop="0"]').bounding_box())
+    assert 0 <= there[0] <= box["width"]
+    assert 0 <= there[1] <= box["height"]
+
     page.locator('#map [data-key="Home"]').click()
     assert (zoom(), length()) == (1.0, whole)
     assert spot() == pytest.approx(first, abs=1.5)
@@ -191,6 +196,7 @@ def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_o
     assert zoom() == 1.5
     plan.focus()
     page.keyboard.press("0")
+    box = plan.bounding_box()
     page.evaluate(PINCH, [box["x"] + 200, box["y"] + 150])
     assert zoom() == pytest.approx(3.0, rel=0.05)
 
@@ -212,8 +218,9 @@ PINCH = """([x, y]) => {
 }"""
 
 
-def _middle(box: dict[str, float]) -> tuple[float, float]:
-    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+def _within(box: dict[str, float], part: dict[str, float]) -> tuple[float, float]:
+    """Where the middle of a part lies, from the corner of the whole [pixels]."""
+    return part["x"] + part["width"] / 2 - box["x"], part["y"] + part["height"] / 2 - box["y"]
 
 
 @pytest.mark.parametrize("width", [390, 768, 1280])

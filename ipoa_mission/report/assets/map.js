@@ -80,6 +80,10 @@ function makeMap(map) {
 
   return {
     mark(east, north) { here.x = east - west; here.y = south + height - north; put(here); },
+    reveal(east, north) {  // move there, if it is outside of what is shown
+      const x = east - west, y = south + height - north, across = width / view.zoom, down = height / view.zoom;
+      if (x < view.x || x > view.x + across || y < view.y || y > view.y + down) look(x - across / 2, y - down / 2, view.zoom);
+    },
     place(event) {  // east and north of where one points
       const [across, down] = shares(event);
       return [west + view.x + (across * width) / view.zoom, south + height - view.y - (down * height) / view.zoom];

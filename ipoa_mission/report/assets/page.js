@@ -57,6 +57,7 @@
     const row = document.querySelector(`tr[data-stop="${n}"]`), box = row.closest(".scroll");
     if (row.offsetTop < box.scrollTop + 50 || row.offsetTop + row.offsetHeight > box.scrollTop + box.clientHeight)
       box.scrollTop = row.offsetTop - box.clientHeight / 2;
+    if (stops[n].spot) plan.reveal(...stops[n].spot);
     point(stops[n].index);
   }
 
