@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.experiments.paper import errors
@@ -29,9 +30,14 @@ COLOURS = {
 }
 
 
+def chaotic_iterates() -> NDArray[np.float64]:
+    """300 iterates of the chaotic map, eq. (18), with a = 0.7."""
+    return iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
+
+
 def figure_3() -> str:
-    """The iterative chaotic map, eq. (18), a = 0.7: 300 iterates, and how they are distributed."""
-    z = iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
+    """The iterates of the chaotic map, and how they are distributed."""
+    z = chaotic_iterates()
     figure, (left, right) = panels_of(1, 2, 9, 3.2)
     left.plot(np.arange(1, 301), z, ".", ms=3, color=COLOURS["ipoa"])
     left.set(xlabel="iteration", ylabel="z", title="300 iterates, a = 0.7")

@@ -6,8 +6,11 @@ sentence is chosen by the numbers.
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from ipoa_mission.experiments.came_out import came_out
 from ipoa_mission.experiments.fell_short import fell_short
+from ipoa_mission.experiments.figures import chaotic_iterates
 from ipoa_mission.experiments.meant import meant
 from ipoa_mission.experiments.rows import Rows, runs_of
 from ipoa_mission.experiments.tables import Table
@@ -55,6 +58,8 @@ def findings(made: Made, sources: Mapping[str, Sequence[str]], rows: Rows, folde
             show("table-4"),
             show("contradictions"),
             "## Figure 3 and Figure 5: the chaotic map, the densities",
+            "",
+            _chaos(),
             "",
             show("figure-3"),
             show("figure-5"),
@@ -122,6 +127,15 @@ def _sentences(rows: Rows) -> list[str]:
     return lines
 
 
+def _chaos() -> str:
+    size = np.abs(chaotic_iterates())
+    outer, inner = float(np.mean(size > 0.9)), float(np.mean(size < 0.1))
+    return (
+        "The chaotic map is said to spread the first pelicans evenly. It spreads them towards the bounds: of these 300 "
+        f"iterates {outer:.0%} lie in the outermost tenth of the interval and {inner:.0%} in the innermost."
+    )
+
+
 def _measured(rows: Rows) -> str:
     lines = ["| series | runs | rows | measured | versions | CPU |", "| --- | --- | --- | --- | --- | --- |"]
     for name, series in rows.items():
@@ -148,8 +162,8 @@ _TABLE_3 = (
 
 _SEEDS = (
     "The seed of a run is its number, with the problem and its dimension: the same for all algorithms. The same seed "
-    "gives the same row to the last digit on the same kind of processor; [cluster.md](cluster.md) says what another "
-    "one changes. CPU is what these runs took on a machine that was not quiet."
+    "gives the same row to the last digit on the same kind of processor; `docs/cluster.md` says what another one "
+    "changes. CPU is what these runs took on a machine that was not quiet."
 )
 
 _MAPS = (
