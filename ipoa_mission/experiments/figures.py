@@ -30,14 +30,14 @@ COLOURS = {
 }
 
 
-def chaotic_iterates() -> NDArray[np.float64]:
-    """300 iterates of the chaotic map, eq. (18), with a = 0.7."""
-    return iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
+def chaotic_iterates(starts: int) -> NDArray[np.float64]:
+    """300 iterates of the chaotic map, eq. (18), with a = 0.7, from each of so many starts, (300, starts)."""
+    return iterate_chaotic_map(0.7, 300, starts, np.random.default_rng(3))
 
 
 def figure_3() -> str:
     """The iterates of the chaotic map, and how they are distributed."""
-    z = chaotic_iterates()
+    z = chaotic_iterates(1)[:, 0]
     figure, (left, right) = panels_of(1, 2, 9, 3.2)
     left.plot(np.arange(1, 301), z, ".", ms=3, color=COLOURS["ipoa"])
     left.set(xlabel="iteration", ylabel="z", title="300 iterates, a = 0.7")
