@@ -11,14 +11,14 @@ from ipoa_mission.cli.options import (
     JsonOption,
     ParameterFileOption,
     ParameterOption,
+    WindOption,
     read_parameter_options,
+    read_wind_option,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 
 if TYPE_CHECKING:
     from ipoa_mission.timing.estimate import Estimate
-
-BAR = 10  # characters for the item that takes longest
 
 
 def check(
@@ -59,6 +59,7 @@ def estimate(
     autopilot: AutopilotOption = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
+    wind: WindOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
@@ -68,37 +69,47 @@ def estimate(
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
     from ipoa_mission.mission.files import read_mission
-    from ipoa_mission.mission.items import command_name
+    from ipoa_mission.mission.items import short_name
     from ipoa_mission.timing.estimate import estimate as predict
 
     mission = read_mission(file, autopilot)
-    found = predict(mission, read_parameter_options(param, param_file))
+    found = predict(mission, read_parameter_options(param, param_file), read_wind_option(wind))
     if as_json:
         tell_json(estimate_as_json(found))
         return
-    longest = max((item.duration_s for item in found.items), default=0.0)
     rows = [
         (
             str(item.seq),
-            command_name(item.command),
+            short_name(item.command),
             _number(item.length),
             _number(item.peak_speed if item.length else 0.0),
             f"{item.duration_s:.1f}",
             f"{item.done_s:.1f}",
-            _bar(item.duration_s, longest),
+            f"{max(item.done_s - item.low_s, item.high_s - item.done_s):.1f}",
             item.reason,
         )
         for item in found.items
     ]
-    columns = ["item", "command", "leg\nm", "peak\nm/s", "takes\ns", "done at\ns", "", "what keeps it slow"]
-    tell_table(
-        f"{file.name} on {mission.autopilot}; time zero: armed, in the mission mode, on the ground", columns, rows
-    )
+    columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "what keeps it slow"]
+    title = f"{file.name} on {mission.autopilot}; time zero: armed, in the mission mode, on the ground"
+    tell_table(title, columns, rows, width=100)
     tell(*notes(found.remarks))
     tell(
+        *route_in_words(found),
         f"estimated {found.total_s:.1f} s (between {found.low_s:.0f} and {found.high_s:.0f}); "
-        f"QGroundControl would say {found.qgroundcontrol_s:.0f} s"
+        f"QGroundControl would say {found.qgroundcontrol_s:.0f} s",
     )
+
+
+def route_in_words(found: "Estimate") -> list[str]:
+    """How the route compares with the least time on it; nothing where there is no route."""
+    route = found.route
+    if not route.seconds > 0:
+        return []
+    return [
+        f"first place to last waypoint {route.seconds:.1f} s, {route.ratio:.2f} times the least "
+        f"({route.least:.1f} s) on that path"
+    ]
 
 
 def estimate_as_json(found: "Estimate") -> dict[str, Any]:
@@ -108,9 +119,27 @@ def estimate_as_json(found: "Estimate") -> dict[str, Any]:
         "low_s": round(found.low_s, 3),
         "high_s": round(found.high_s, 3),
         "qgroundcontrol_s": round(found.qgroundcontrol_s, 3),
-        "items": [{"seq": item.seq, "done_s": round(item.done_s, 3), "reason": item.reason} for item in found.items],
+        "route": route_as_json(found),
+        "items": [
+            {
+                "seq": item.seq,
+                "done_s": round(item.done_s, 3),
+                "low_s": round(item.low_s, 3),
+                "high_s": round(item.high_s, 3),
+                "reason": item.reason,
+            }
+            for item in found.items
+        ],
         "remarks": list(found.remarks),
     }
+
+
+def route_as_json(found: "Estimate") -> dict[str, float] | None:
+    """The time of the route, the least time on it, and how many times that it takes; None where there is no route."""
+    route = found.route
+    if not route.seconds > 0:
+        return None
+    return {"seconds": round(route.seconds, 3), "least": round(route.least, 3), "ratio": round(route.ratio, 4)}
 
 
 def _count(number: int, what: str) -> str:
@@ -119,7 +148,3 @@ def _count(number: int, what: str) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.1f}" if value else ""
-
-
-def _bar(value: float, longest: float) -> str:
-    return "▇" * round(BAR * value / longest) if longest else ""

@@ -30,7 +30,9 @@ from ipoa_mission.cli.options import (
     SystemOption,
     TimeoutOption,
     VehicleOption,
+    WindOption,
     read_parameter_options,
+    read_wind_option,
 )
 from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_table
 from ipoa_mission.cli.vehicles import Backend, connect_to, put
@@ -48,6 +50,7 @@ def fly(
     autopilot: AutopilotOption = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
+    wind: WindOption = None,
     report: ReportOption = False,
     as_json: JsonOption = False,
     link: VehicleOption = None,
@@ -69,8 +72,9 @@ def fly(
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
+    from ipoa_mission.cli.checking import route_in_words
     from ipoa_mission.cli.job import PlannedJob, prepare
-    from ipoa_mission.cli.summary import describe
+    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
     from ipoa_mission.cli.writing import write_files
     from ipoa_mission.errors import BadInput
     from ipoa_mission.simulator.faults import Faults
@@ -81,20 +85,24 @@ def fly(
     if link is not None and not (faults.is_none and nak_at is None):
         raise BadInput("--link: expected without --loss, --duplicate, --delay, --reorder and --nak-at")
     expect_folder(out)
-    job = prepare(source, seed, autopilot, optimizer, read_parameter_options(param, param_file))
+    air = read_wind_option(wind)
+    job = prepare(source, seed, autopilot, optimizer, read_parameter_options(param, param_file), air)
     make_folder(out)
     written: list[Path] = []
     if isinstance(job, PlannedJob):
         written += write_files(job, out)
         if not as_json:
-            tell(*describe(job), f"written: {', '.join(map(str, written))}")
+            tell(*describe(job))
+            tell_table("start to goal, by how the waypoints are chosen", ROUTE_COLUMNS, route_rows(job))
+            tell(f"written: {', '.join(map(str, written))}")
     log = out / f"{job.name}.tlog"
     remarks: tuple[str, ...] = ()
     if link is None:
         from ipoa_mission.simulator.fly import fly as fly_here
 
         with left_behind(f"the flight was broken off; {log} has it so far"), _flight_bar(len(job.mission.items)) as bar:
-            record = fly_here(job.mission, job.parameters, seed, faults, log, flying=bar)
+            blown = (air.east, air.north)
+            record = fly_here(job.mission, job.parameters, seed, faults, log, flying=bar, wind=blown)
     else:
         with connect_to(link, system, key, backend, None, log, timeout) as vehicle:
             remarks = put(job.mission, vehicle, anyway)
@@ -118,6 +126,7 @@ def fly(
             f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record)
         )
         tell(
+            *route_in_words(job.estimate),
             f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s; "
             f"QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
         )

@@ -22,6 +22,7 @@ from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.timing.wind import CALM, Wind
 from ipoa_mission.vehicle import Autopilot, Parameters
 
 log = logging.getLogger(__name__)
@@ -55,6 +56,7 @@ def prepare(
     autopilot: Autopilot | None = None,
     optimizer: str | None = None,
     parameters: Mapping[str, float] | None = None,
+    wind: Wind = CALM,
 ) -> Job:
     """A job from a scenario (`.toml`) or a mission file.
 
@@ -65,16 +67,19 @@ def prepare(
         NotEnoughBattery: it would not come home with its reserve.
     """
     if source.suffix == ".toml":
-        return plan_mission(adapt_scenario(source, optimizer, autopilot=autopilot, parameters=parameters), seed)
+        return plan_mission(adapt_scenario(source, optimizer, autopilot=autopilot, parameters=parameters), seed, wind)
     mission = read_mission(source, autopilot)
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
     remarks = tuple(finding.message for finding in warnings)
-    return Job(source.stem, mission, parameters or {}, estimate(mission, parameters or {}), remarks)
+    return Job(source.stem, mission, parameters or {}, estimate(mission, parameters or {}, wind), remarks)
 
 
-def plan_mission(scenario: Scenario, seed: int) -> PlannedJob:
-    """Plan, assemble, check, estimate, and see that the battery lasts; what fails does not come out."""
+def plan_mission(scenario: Scenario, seed: int, wind: Wind = CALM) -> PlannedJob:
+    """Plan, assemble, check, estimate, and see that the battery lasts; what fails does not come out.
+
+    The wind counts for the estimate and for the energy along it; the route is chosen in calm air.
+    """
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     with left_behind("nothing was written"), progress_bar("planning") as show:
@@ -85,7 +90,7 @@ def plan_mission(scenario: Scenario, seed: int) -> PlannedJob:
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
     warnings = refuse_errors(check_mission(mission, scenario))
     known = scenario.vehicle.autopilot_parameters()
-    found = estimate(mission, known)
+    found = estimate(mission, known, wind)
     track = found.track
     energy = flight_energy(scenario, track.times, track.points, track.speeds)
     expect_to_come_home(scenario, energy)

@@ -4,13 +4,16 @@ import logging
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
 from ipoa_mission.cli.vehicles import Backend
 from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicle import Autopilot
+
+if TYPE_CHECKING:
+    from ipoa_mission.timing.wind import Wind
 
 log = logging.getLogger(__name__)
 
@@ -89,6 +92,14 @@ ParameterOption: TypeAlias = Annotated[
 ]
 ParameterFileOption: TypeAlias = Annotated[
     Path | None, typer.Option("--param-file", metavar="FILE", help="Parameters of the autopilot: .parm or .params.")
+]
+WindOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--wind",
+        metavar="M/S@DEG",
+        help="A steady wind: its speed, and where it blows from, like 6@270 (from the west).",
+    ),
 ]
 LinkOption: TypeAlias = Annotated[
     str,
@@ -200,6 +211,26 @@ def _known(name: str) -> str:
         meant = get_close_matches(name, known, 1)
         log.warning("--param %s changes nothing%s", name, f"; did you mean {meant[0]}?" if meant else "")
     return name
+
+
+def read_wind_option(given: str | None) -> "Wind":
+    """The wind as it was given: a speed [m/s], an @, and the direction that it comes from [deg].
+
+    Raises:
+        BadInput: what is not such a pair of numbers.
+    """
+    from ipoa_mission.timing.wind import CALM, Wind
+
+    if given is None:
+        return CALM
+    speed, at, direction = given.partition("@")
+    try:
+        wind = Wind(float(speed), float(direction))
+    except ValueError:
+        wind = Wind(math.nan)
+    if not (at and 0 <= wind.speed < math.inf and math.isfinite(wind.from_deg)):
+        raise BadInput(f"--wind {given}: expected a speed in m/s and where it blows from in degrees, like 6@270")
+    return wind
 
 
 def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:

@@ -14,9 +14,11 @@ from ipoa_mission.cli.options import (
     ReportOption,
     ScenarioArgument,
     SeedOption,
+    WindOption,
     read_parameter_options,
+    read_wind_option,
 )
-from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.cli.telling import tell, tell_json, tell_table
 
 
 def plan(
@@ -29,6 +31,7 @@ def plan(
     autopilot: AutopilotOption = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
+    wind: WindOption = None,
     report: ReportOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -38,12 +41,12 @@ def plan(
     """
     from ipoa_mission.cli.folders import expect_folder
     from ipoa_mission.cli.job import adapt_scenario, plan_mission
-    from ipoa_mission.cli.summary import describe, summarise
+    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows, summarise
     from ipoa_mission.cli.writing import write_files
 
     expect_folder(out)
-    parameters = read_parameter_options(param, param_file)
-    job = plan_mission(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters), seed)
+    parameters, air = read_parameter_options(param, param_file), read_wind_option(wind)
+    job = plan_mission(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters), seed, air)
     files = write_files(job, out)
     if report:
         from ipoa_mission.report.page import write_report
@@ -53,7 +56,9 @@ def plan(
     if as_json:
         tell_json(summarise(job) | {"written": [str(file) for file in files]})
     else:
-        tell(*describe(job), f"written: {', '.join(map(str, files))}")
+        tell(*describe(job))
+        tell_table("start to goal, by how the waypoints are chosen", ROUTE_COLUMNS, route_rows(job))
+        tell(f"written: {', '.join(map(str, files))}")
 
 
 def schema() -> None:

@@ -5,6 +5,7 @@ from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
 
+from ipoa_mission.cli.checking import route_as_json, route_in_words
 from ipoa_mission.cli.job import PlannedJob
 from ipoa_mission.mission.assemble import Option
 from ipoa_mission.mission.prove_route import prove_mission
@@ -19,15 +20,30 @@ def describe(job: PlannedJob) -> list[str]:
         f"{job.name}: {job.plan.cost.length:.1f} m, {len(job.mission.items)} items, for {job.mission.autopilot}",
         f"least clearance {least.distance:.2f} m, to {least.what}; {required:.2f} m required; proved, leg by leg",
         f"estimated {job.estimate.total_s:.1f} s; QGroundControl would say {job.estimate.qgroundcontrol_s:.0f} s",
+        *route_in_words(job.estimate),
     ]
-    told = (
-        f"{o.mode} {o.seconds:.1f} s ({len(o.route.points)}{'' if o.flies_clear else ', too close'})"
-        for o in job.options
-    )
-    lines.append(f"start to goal by waypoints: {', '.join(told)}; chosen: {job.scenario.route.mode}")
     if job.energy is not None:
         lines.append(f"energy {job.energy.energy_wh:.1f} Wh, {job.energy.mean_w:.0f} W on average")
     return [*lines, *(f"note: {remark}" for remark in job.remarks)]
+
+
+ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "times\nthe least", "leaves the\ncurve by, m", "keeps its limits"]
+
+
+def route_rows(job: PlannedJob) -> list[tuple[str, ...]]:
+    """What each way to choose waypoints would come to, quickest first; the chosen one is marked."""
+    return [
+        (
+            "*" if option.mode == job.scenario.route.mode else " ",
+            option.mode + (" (splines)" if option.route.spline and option.mode != "spline" else ""),
+            str(len(option.route.points)),
+            f"{option.seconds:.1f}",
+            f"{option.ratio:.2f}",
+            f"{option.deviation:.1f}",
+            "yes" if option.flies_clear else "no: flown, it comes too close",
+        )
+        for option in job.options
+    ]
 
 
 def summarise(job: PlannedJob) -> dict[str, Any]:
@@ -52,6 +68,7 @@ def summarise(job: PlannedJob) -> dict[str, Any]:
         "estimate": {
             "total_s": _rounded(estimate.total_s),
             "qgroundcontrol_s": _rounded(estimate.qgroundcontrol_s),
+            "route": route_as_json(estimate),
         },
         "energy_wh": None if energy is None else _rounded(energy.energy_wh),
         "remarks": list(job.remarks),
@@ -65,6 +82,7 @@ def _route(option: Option, mode: str) -> dict[str, Any]:
         "waypoints": len(option.route.points),
         "spline": option.route.spline,
         "seconds": option.seconds,
+        "ratio": option.ratio,
         "deviation": option.deviation,
         "flies_clear": option.flies_clear,
         "chosen": option.mode == mode,

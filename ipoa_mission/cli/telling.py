@@ -28,10 +28,13 @@ def tell_json(result: Any, indent: int | None = 2) -> None:
     print(json.dumps(result, indent=indent, ensure_ascii=False, allow_nan=False), flush=True)
 
 
-def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
+def tell_table(
+    title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], width: int = OFF_A_TERMINAL
+) -> None:
     """Print a table: words to the left, numbers to the right; a column in which nothing stands is left out.
 
-    A line break in the name of a column puts its unit below it. Off a terminal a table is as wide as it needs to be.
+    A line break in the name of a column puts its unit below it. Off a terminal a table is as wide as it needs to be,
+    up to `width` characters; beyond that its last column is folded.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
@@ -46,7 +49,7 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...
         table.add_column(columns[i], justify="right" if numbers else "left", vertical="bottom", no_wrap=not is_last)
     for row in rows:
         table.add_row(*(Text(row[i]) for i in kept))
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else OFF_A_TERMINAL)
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else width)
     with console.capture() as drawn:
         console.print(table)
     tell(title, "", *(line.rstrip() for line in drawn.get().splitlines()), "")

@@ -4,6 +4,7 @@ Each mode of `scenario.route` is one way to choose: `even` as the paper resample
 `spline` one smooth curve (ArduPilot), `fastest` whichever is quickest on this autopilot.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,6 +17,8 @@ from ipoa_mission.mission.resample import corridor, every
 from ipoa_mission.mission.route import NoRoute, Route, push_clear
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.timing.bound import least_time
+from ipoa_mission.timing.route import kinematics
 from ipoa_mission.vehicle import Autopilot
 
 HALVINGS = 6  # of the step or the tolerance, before a mode gives up
@@ -32,6 +35,8 @@ class Option:
     """How far the vehicle would leave the planned curve [m]."""
     flies_clear: bool
     """Whether the predicted path keeps every limit, corners cut and overshot."""
+    ratio: float
+    """How many times the least time that the planned curve takes under the same limits."""
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
@@ -52,6 +57,7 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Route:
 def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
     """What every mode that this autopilot can fly would come to, quickest first."""
     options = []
+    least = _least_time(plan, scenario)
     for mode in MODES:
         try:
             route = choose_route(plan, scenario, mode)
@@ -59,8 +65,15 @@ def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
             continue
         flown = fly(route, plan.curve, scenario)
         seconds, away = round(flown.seconds, 3), round(flown.deviation, 3)
-        options.append(Option(mode, route, seconds, away, flown.keeps_limits(scenario)))
+        options.append(Option(mode, route, seconds, away, flown.keeps_limits(scenario), round(seconds / least, 4)))
     return tuple(sorted(options, key=lambda option: option.seconds))
+
+
+def _least_time(plan: Plan, scenario: Scenario) -> float:
+    """What no vehicle with these limits can beat on the planned curve [s]."""
+    vehicle = scenario.vehicle
+    limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
+    return least_time(plan.curve.sample(max(2, math.ceil(plan.curve.length))), limits).seconds
 
 
 def _even(plan: Plan, scenario: Scenario) -> Route:

@@ -104,6 +104,11 @@ def command_name(number: int) -> str:
     return Command(number).name if number in set(Command) else f"command {number}"
 
 
+def short_name(number: int) -> str:
+    """The same in words, without the kind: "return to launch" for NAV_RETURN_TO_LAUNCH."""
+    return command_name(number).removeprefix("NAV_").removeprefix("DO_").replace("_", " ").lower()
+
+
 class Frame(IntEnum):
     """The MAV_FRAME numbers that mission files use."""
 

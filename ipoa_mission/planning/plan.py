@@ -10,7 +10,7 @@ from ipoa_mission.planning.proof import Proof
 from ipoa_mission.planning.spline import Spline
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plan:
     """A path that may be flown. `history[i]` was the best cost known after `evaluations[i]` evaluations."""
 
@@ -21,3 +21,7 @@ class Plan:
     seed: int
     evaluations: NDArray[np.int64]
     history: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        cost, count = float(self.history[-1]), int(self.evaluations[-1])
+        return f"<Plan: {self.curve.length:.1f} m, cost {cost:.4f}, by {self.optimizer}, {count} evaluations>"

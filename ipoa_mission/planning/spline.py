@@ -15,11 +15,14 @@ DEGREE = 3
 ARC_TABLE = 64  # entries a span of the table from parameter to arc length
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Spline:
     """A cubic B-spline; `control` is (n, 3) with n >= 4."""
 
     control: Points
+
+    def __repr__(self) -> str:
+        return f"<Spline: {len(self.control)} control points, {self.length:.1f} m>"
 
     @property
     def spans(self) -> int:

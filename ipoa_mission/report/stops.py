@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector, polyline_length
-from ipoa_mission.mission.items import Command, Item, Mission, command_name
+from ipoa_mission.mission.items import Command, Item, Mission, short_name
 from ipoa_mission.mission.prove_route import cruise
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.scenario import Scenario
@@ -98,4 +98,4 @@ def _words(item: Item) -> str:
             return "land"
         case Command.DO_CHANGE_SPEED:
             return f"speed {item.params[1]:g} m/s"
-    return command_name(item.command).removeprefix("NAV_").removeprefix("DO_").replace("_", " ").lower()
+    return short_name(item.command)

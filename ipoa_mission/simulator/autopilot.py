@@ -43,11 +43,12 @@ class Autopilot:
         boot_s: float = 0.0,
         nak_at: int | None = None,
         seed: int = 0,
+        wind: tuple[float, float] = (0.0, 0.0),
     ) -> None:
         """`seed` picks the errors of the sensors it flies by."""
         self.habits: Personality = PERSONALITIES[family]
         self.table = ParameterTable(family, parameters or {})
-        self.flight = Flight(family, home, self.table.values, seed=seed)
+        self.flight = Flight(family, home, self.table.values, wind, seed=seed)
         self.transfers = Transfers(self.habits, lambda: self.flight.home, self._say, self._listed, nak_at)
         limit = self.habits.limits[MissionType.MISSION]
         self._files = FileService(self.habits.has_mission_file, limit, self.transfers.listed, self.transfers.replace)

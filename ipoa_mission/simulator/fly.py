@@ -17,6 +17,8 @@ from ipoa_mission.simulator.server import PERFECT
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicle import Parameters
 
+CALM = (0.0, 0.0)
+
 
 def fly(
     mission: Mission,
@@ -26,15 +28,16 @@ def fly(
     log: Path | None = None,
     uploading: Progress = silent,
     flying: Callable[[int], None] = lambda done: None,
+    wind: tuple[float, float] = CALM,
 ) -> FlightRecord:
     """Upload a mission to the built-in autopilot that it was made for, fly it, and return what happened.
 
-    `log` gets every frame. The same arguments give the same bytes.
+    `log` gets every frame; `wind` blows towards east and north [m/s]. The same arguments give the same bytes.
 
     Raises:
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
     """
-    with board(mission, parameters, seed, faults, log) as vehicle:
+    with board(mission, parameters, seed, faults, log, wind) as vehicle:
         vehicle.upload(mission, uploading)
         vehicle.arm()
         vehicle.start()
@@ -47,9 +50,11 @@ def board(
     seed: int = 0,
     faults: Faults = PERFECT,
     log: Path | None = None,
+    wind: tuple[float, float] = CALM,
 ) -> Vehicle:
     """A connected simulated vehicle that stands at the mission's home."""
-    station = Station(Autopilot(mission.autopilot, mission.home, parameters, nak_at=faults.nak_at, seed=seed))
+    family, faulty = mission.autopilot, faults.nak_at
+    station = Station(Autopilot(family, mission.home, parameters, nak_at=faulty, seed=seed, wind=wind))
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)
     return meet(line)

@@ -21,13 +21,23 @@ SPACING = 0.25  # of the places at which the speed is found [m]
 
 @dataclass(frozen=True)
 class Kinematics:
-    """What the vehicle can do: speeds level, up and down [m/s], acceleration in any direction, jerk along the path."""
+    """What the vehicle can do: speeds level, up and down [m/s], acceleration and jerk along the path.
+
+    Across the path it may have another acceleration than along it (left out: the same); both together stay within the
+    ellipse of the two.
+    """
 
     speed: float
     climb: float
     descent: float
     accel: float
     jerk: float = np.inf
+    across: float | None = None
+
+    @property
+    def accel_across(self) -> float:
+        """The most across the path [m/s^2]."""
+        return self.accel if self.across is None else self.across
 
 
 @dataclass(frozen=True)
@@ -92,10 +102,10 @@ def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
 def _speed_limits(tangents: Points, curvature: Vector, kinematics: Kinematics) -> Vector:
     level, rise = np.hypot(tangents[:, 0], tangents[:, 1]), tangents[:, 2]
     vertical = np.where(rise > 0, kinematics.climb, kinematics.descent)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         by_level = kinematics.speed / level
         by_rise = vertical / np.abs(rise)
-        by_bend = np.sqrt(kinematics.accel / curvature)
+        by_bend = np.sqrt(kinematics.accel_across / curvature)
     return np.asarray(np.minimum(np.minimum(by_level, by_rise), by_bend))
 
 
@@ -104,8 +114,8 @@ def _after(square: float, bend: float, next_bend: float, step: float, kinematics
 
     Of the two ends of the step the gentler bend counts, so that the step is not too slow anywhere.
     """
-    across = min(bend, next_bend) * square
-    along = math.sqrt(max(kinematics.accel**2 - across**2, 0.0))
+    used = min(bend, next_bend) * square / kinematics.accel_across
+    along = kinematics.accel * math.sqrt(max(1.0 - used**2, 0.0))
     return square + 2 * along * step
 
 

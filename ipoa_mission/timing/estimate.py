@@ -11,6 +11,7 @@ from ipoa_mission.timing.itinerary import CONDITIONS, Itinerary, flying_already,
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.timing.route import RouteTime, route_time
 from ipoa_mission.timing.wind import CALM, Wind
 from ipoa_mission.vehicle import Autopilot, Parameters
 
@@ -39,23 +40,29 @@ class ItemTime:
     reason: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Estimate:
     """A mission's time. Zero is armed in the mission mode on the ground; `total_s` is landed, or the last item done.
 
     `items` are in the order flown, numbered as in the mission's file (home is 0); an item in a loop appears once for
     each time it is flown. An RTL is done when the vehicle has landed at home (on PX4: and has disarmed). `track` is
     the path as it will be flown, corners cut, in home's local frame; its speeds are over the ground, in three
-    dimensions. `remarks` say what of the mission the model does not know.
+    dimensions. `route` holds the time between the first place and the last waypoint against the least that the same
+    path takes under the same limits. `remarks` say what of the mission the model does not know.
     """
 
     total_s: float
     low_s: float
     high_s: float
     qgroundcontrol_s: float
+    route: RouteTime
     items: tuple[ItemTime, ...]
     track: Track
     remarks: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        between = f"between {self.low_s:.0f} and {self.high_s:.0f}"
+        return f"<Estimate: {self.total_s:.1f} s, {between}; {len(self.items)} items>"
 
 
 def estimate(
@@ -89,6 +96,7 @@ def estimate(
         low_s=items[-1].low_s if items else 0.0,
         high_s=items[-1].high_s if items else 0.0,
         qgroundcontrol_s=qgroundcontrol_time(mission),
+        route=route_time(route, prediction.done, prediction.track, mission.autopilot, parameters),
         items=items,
         track=_in_local_frame(prediction.track),
         remarks=tuple(dict.fromkeys(remarks)),

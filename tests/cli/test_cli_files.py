@@ -63,6 +63,24 @@ def test_a_parameter_that_no_model_uses_is_said_with_the_one_that_was_meant(run,
     assert run(f"estimate {mission} --param WPNAV_ACCEL=500 --param WP_ACC=5 --param MPC_TILTMAX_AIR=40").err == ""
 
 
+def test_wind_comes_from_where_it_is_said_to_and_costs_time(run, mission: str) -> None:
+    calm, blown = (
+        json.loads(run(f"estimate {mission} --autopilot ardupilot --json {option}").out)
+        for option in ("", "--wind 7@270")
+    )
+    assert calm["total_s"] != blown["total_s"]
+    assert calm["route"]["ratio"] > 1.0 < blown["route"]["ratio"]
+    for wrong in ("6", "6@", "@270", "-6@270", "six@270", "nan@0"):
+        ended = run(f"estimate {mission} --wind={wrong}")
+        assert (ended.code, ended.out) == (2, "")
+        assert f"--wind {wrong}: expected a speed in m/s and where it blows from" in ended.err
+
+
+def test_the_table_of_an_estimate_fits_a_hundred_columns(run, mission: str) -> None:
+    lines = run(f"estimate {mission} --autopilot ardupilot").out.splitlines()
+    assert max(map(len, lines)) <= 100
+
+
 def test_a_parameter_that_is_no_number_is_bad_input(run, mission: str) -> None:
     ended = run(f"estimate {mission} --param WPNAV_SPEED=fast")
     assert ended.code == 2

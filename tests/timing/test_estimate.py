@@ -1,5 +1,7 @@
 """The estimate as a whole: what it numbers, how it follows jumps, what it refuses."""
 
+import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -76,6 +78,24 @@ def test_parameters_count_by_the_autopilots_own_names_and_others_are_passed_over
     mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), land(EAST)), autopilot)
     slow = {Autopilot.ARDUPILOT: {"WPNAV_SPEED": 200.0}, Autopilot.PX4: {"MPC_XY_CRUISE": 2.0}}[autopilot]
     assert estimate(mission, {**slow, "SYSID_THISMAV": 7.0}).total_s > estimate(mission).total_s + 10.0
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_the_route_is_held_against_the_least_time_on_its_path(autopilot: Autopilot) -> None:
+    """86.4 m at 5 m/s, from rest to rest: 17.3 s and one acceleration, and a little of its jerk."""
+    items = (takeoff(HOME, 20.0), change_speed(5.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), return_to_launch())
+    found = estimate(Mission(HOME, items, autopilot))
+    accel = {Autopilot.ARDUPILOT: 2.5, Autopilot.PX4: 3.0}[autopilot]
+    assert found.route.seconds == pytest.approx(found.items[3].done_s - found.items[0].done_s)
+    assert 86.4 / 5.0 + 5.0 / accel < found.route.least < 86.4 / 5.0 + 5.0 / accel + 4.0
+    assert found.route.ratio == found.route.seconds / found.route.least > 1.0
+    assert math.isnan(estimate(Mission(HOME, (takeoff(HOME, 20.0),), autopilot)).route.seconds)
+
+
+def test_a_result_is_one_line_to_look_at() -> None:
+    assert re.fullmatch(
+        r"<Estimate: [\d.]+ s, between \d+ and \d+; 4 items>", repr(estimate(out_and_back(Autopilot.PX4)))
+    )
 
 
 def test_quite_another_number_is_quoted_for_qgroundcontrol() -> None:

@@ -1,0 +1,99 @@
+"""A mission's route, from its first place to its last waypoint: how long it flies, and how long it must at least.
+
+What comes before (take-off) and after (RTL, LAND) no choice of waypoints can better, so the two are held together here.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.mission.items import Command
+from ipoa_mission.timing.bound import Kinematics, least_time
+from ipoa_mission.timing.copter_parameters import copter_limits
+from ipoa_mission.timing.itinerary import Itinerary
+from ipoa_mission.timing.prediction import Track
+from ipoa_mission.timing.px4_parameters import px4_limits
+from ipoa_mission.vehicle import Autopilot, Parameters
+
+WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
+FIRST = WAYPOINTS | {Command.NAV_TAKEOFF}
+STEP, SMOOTHED = 1.0, 5  # the flown path is taken every metre, and averaged over so many [m]
+
+
+@dataclass(frozen=True)
+class RouteTime:
+    """The route takes `seconds`; no vehicle with the same limits flies the same path in less than `least` [s].
+
+    Both are NaN where a mission has no route: no two places that are waypoints or a take-off.
+    """
+
+    seconds: float
+    least: float
+
+    @property
+    def ratio(self) -> float:
+        """How many times the least time it takes."""
+        return self.seconds / self.least
+
+
+NO_ROUTE = RouteTime(math.nan, math.nan)
+
+
+def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
+    """The limits that parameters set; `speed` is what DO_CHANGE_SPEED asks for [m/s]."""
+    if autopilot is Autopilot.ARDUPILOT:
+        copter = copter_limits(parameters)
+        speeds = (speed or copter.speed, copter.climb, copter.descent)
+        return Kinematics(*speeds, copter.accel, copter.jerk, across=max(copter.accel, copter.corner_accel))
+    px4 = px4_limits(parameters)
+    return Kinematics(min(speed or px4.cruise, px4.most_speed), px4.climb, px4.descent, px4.accel, px4.jerk)
+
+
+def route_time(
+    route: Itinerary, done: Sequence[float] | Vector, track: Track, autopilot: Autopilot, parameters: Parameters
+) -> RouteTime:
+    """The time of the route of a flight whose visits are `done` (n,) [s] along `track`."""
+    ends = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS]
+    starts = [n for n, visit in enumerate(route.visits) if visit.item.command in FIRST]
+    if not ends or starts[0] == ends[-1]:
+        return NO_ROUTE
+    begin, end = float(done[starts[0]]), float(done[ends[-1]])
+    standard = kinematics(autopilot, parameters).speed
+    limits = kinematics(autopilot, parameters, _most_asked(route, ends[0], ends[-1], standard))
+    path = _smoothed(track.points[(track.times >= begin) & (track.times <= end)])
+    if len(path) < 2:
+        return NO_ROUTE
+    return RouteTime(end - begin, least_time(path, limits).seconds)
+
+
+def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:
+    """The highest level speed that is in force between two visits [m/s]; `standard` before the first DO_CHANGE_SPEED.
+
+    A leg that is under way when the speed changes has been begun at the speed before, so that one counts as well.
+    """
+    asked = [
+        (n, visit.item.params[1])
+        for n, visit in enumerate(route.visits[:last])
+        if visit.item.command == Command.DO_CHANGE_SPEED and visit.item.params[0] < 2 and visit.item.params[1] > 0
+    ]
+    begun = standard if not asked or asked[0][0] > first else 0.0
+    return max([begun, *(speed for _, speed in asked)])
+
+
+def _smoothed(path: Points) -> Points:
+    """The path at equal steps and averaged, so that it bends as the vehicle does and not as its samples do."""
+    path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
+    if len(path) < 2:
+        return path
+    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    stops = np.linspace(0.0, travelled[-1], max(2, math.ceil(travelled[-1] / STEP) + 1))
+    even = np.column_stack([np.interp(stops, travelled, axis) for axis in path.T])
+    if len(even) <= SMOOTHED:
+        return even[[0, -1]]
+    wide = np.pad(even, ((SMOOTHED // 2, SMOOTHED // 2), (0, 0)), mode="edge")
+    middle = np.column_stack([np.convolve(axis, np.full(SMOOTHED, 1 / SMOOTHED), "valid") for axis in wide.T])
+    middle[[0, -1]] = even[[0, -1]]
+    return middle
