@@ -16,7 +16,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import polyline_length
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.planner import plan_path
-from ipoa_mission.planning.proof import prove, prove_curve
+from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.scenario import Scenario
 from planning_benchmark.maps import FIELDS, MAPS, SIDES, benchmark_map, weighing
 from planning_benchmark.metaheuristics import mealpy_poa, search
@@ -63,20 +63,18 @@ def printed(work: Work) -> Iterator[Row]:
 
 
 def ompl(work: Work) -> Iterator[Row]:
-    """Each of OMPL's planners, each time anew."""
-    from planning_benchmark.ompl_peers import PLANNERS, best_path
+    """Each of OMPL's planners, and what it has after each time."""
+    from planning_benchmark.ompl_peers import PLANNERS, best_paths
 
     row = partial(_row, "ompl", versions=_versions("ompl"))
-    for map_, seconds, name in itertools.product(work.maps, SECONDS, PLANNERS):
-        scenario, started = benchmark_map(map_), time.process_time()
-        found = best_path(name, scenario, seconds)
-        spent = time.process_time() - started
-        if found is None:
-            yield row(map_, name, f"{seconds:g} s", 0, None, None, False, spent)
-        else:
-            cost, points = found
-            safe = prove(points, scenario).holds
-            yield row(map_, name, f"{seconds:g} s", 0, cost, polyline_length(points), safe, spent)
+    for map_, name in itertools.product(work.maps, PLANNERS):
+        scenario = benchmark_map(map_)
+        for seconds, found in zip(SECONDS, best_paths(name, scenario, SECONDS), strict=True):
+            if found is None:
+                yield row(map_, name, f"{seconds:g} s", 0, None, None, False, seconds)
+            else:
+                cost, points = found
+                yield row(map_, name, f"{seconds:g} s", 0, cost, polyline_length(points), True, seconds)
 
 
 def reference(work: Work) -> Iterator[Row]:
@@ -132,14 +130,14 @@ def _planned(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:
 
 
 def _referred(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:
-    from planning_benchmark.ompl_peers import best_path
+    from planning_benchmark.ompl_peers import best_paths
     from planning_benchmark.reference import reference
 
     row = partial(_row, part, versions=_versions("cma", "ompl"))
     for map_ in maps:
         scenario, started = _scenario(map_), time.process_time()
         given = [plan_path(scenario, seed=100 + k).curve.sample(200) for k in range(2)]
-        given += [found[1] for name in ("BIT*", "AORRTC") if (found := best_path(name, scenario, 2.0)) is not None]
+        given += [found[1] for found in best_paths("BIT*", scenario, (2.0,)) if found is not None]
         cost, trail = reference(scenario, 1, work.starts, given)
         inner, spent = len(trail.curve.control) - 2, time.process_time() - started
         yield row(map_, "reference", f"{inner} inner", 1, cost, trail.curve.length, True, spent)

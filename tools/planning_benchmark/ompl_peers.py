@@ -1,13 +1,13 @@
 """OMPL's planners on a scenario, given the seconds of CPU that they are given.
 
 What keeps a state from being valid is what keeps our planner: obstacles, inflated; ground, ceiling and bounds. A leg
-is checked in one compiled call, every tenth of a metre, so that Python costs OMPL little. They minimise length, for
-inflation is how a margin is asked of them: obstacles are inflated by the distance at which the threat ends, and once
-more by the distance that is required; the better counts. Climb limits are none of theirs.
+is checked in one compiled call, every tenth of a metre, so that Python costs OMPL little. They minimise length, and
+inflation is how a margin is asked of them: obstacles are inflated by the distance at which the threat ends, or, where
+nothing was found so, by the distance that is required. Climb limits are none of theirs.
 """
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from ompl import base, geometric, util
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning._kernels import survey
 from ipoa_mission.planning.cost import FINE, path_cost
-from ipoa_mission.planning.problem import pose
+from ipoa_mission.planning.problem import PathProblem, pose
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
 
@@ -28,24 +28,22 @@ PLANNERS = {
     "FMT*": geometric.FMT,
 }
 STEP = 0.1  # between the places at which a leg is looked at [m]
+MARGIN = 0.01  # more than required: they look at places, the proof at everything [m]
 ROUNDS, SHORTCUTS = 3, 500  # of smoothing, which is not taken off the time allowed
 FIRST_SAMPLES = 500  # of FMT*, doubled as long as there is time
 
 util.setLogLevel(util.LogLevel.LOG_NONE)
 
 
-def best_path(name: str, scenario: Scenario, seconds: float) -> tuple[float, Points] | None:
-    """The cheapest safe polyline (n, 3) of all inflations and of all stages of smoothing, with its cost."""
-    limits = pose(scenario).limits
-    inflations = {scenario.cost.d_safe + scenario.vehicle.radius + 0.01, limits.obstacle_distance + 0.01}
-    best = None
-    for inflation in inflations:
-        for points in _paths(name, scenario, seconds, inflation):
-            if prove(points, scenario).holds:
-                cost = polyline_cost(points, scenario)
-                if best is None or cost < best[0]:
-                    best = (cost, points)
-    return best
+def best_paths(name: str, scenario: Scenario, seconds: Sequence[float]) -> list[tuple[float, Points] | None]:
+    """The cheapest safe polyline (n, 3) with its cost, or None, when each of these times [s of CPU] was spent."""
+    problem = pose(scenario)
+    found: list[tuple[float, Points] | None] = []
+    for inflation in (problem.rules.d_safe + problem.rules.radius, problem.rules.clearance):
+        found = list(_after_each(name, _space(problem, inflation + MARGIN), scenario, seconds))
+        if found[-1] is not None:
+            break
+    return found
 
 
 def polyline_cost(points: Points, scenario: Scenario) -> float:
@@ -57,17 +55,24 @@ def polyline_cost(points: Points, scenario: Scenario) -> float:
     return path_cost(nodes, scenario).total
 
 
-def _paths(name: str, scenario: Scenario, seconds: float, inflation: float) -> Iterator[Points]:
-    """What the planner found: as it is, simplified, and smoothed to a spline."""
-    space = _space(scenario, inflation)
-    deadline = time.process_time() + seconds
-    if name == "FMT*":
-        samples = FIRST_SAMPLES
-        while (left := deadline - time.process_time()) > 0.1 * seconds:
-            yield from _solve(_fmt(space, samples), space, scenario, left)
-            samples *= 2
-    else:
-        yield from _solve(PLANNERS[name](space), space, scenario, seconds)
+def _after_each(
+    name: str, space: Any, scenario: Scenario, seconds: Sequence[float]
+) -> Iterator[tuple[float, Points] | None]:
+    """The best so far after each time; an anytime planner goes on where it was, FMT* begins anew with more samples."""
+    planner, samples, best = _ready(PLANNERS[name](space), space, scenario), FIRST_SAMPLES, None
+    for spent, until in zip((0.0, *seconds), seconds, strict=False):
+        deadline = time.process_time() + until - spent
+        while time.process_time() < deadline - 0.05 * until:
+            if name == "FMT*":
+                planner = _ready(_fmt(space, samples), space, scenario)
+                samples *= 2
+            planner.solve(base.PlannerTerminationCondition(lambda end=deadline: time.process_time() > end))
+            left = deadline - time.process_time()
+            for points in _smoothed(planner.getProblemDefinition(), space):
+                if prove(points, scenario).holds and (best is None or polyline_cost(points, scenario) < best[0]):
+                    best = (polyline_cost(points, scenario), points)
+            deadline = time.process_time() + left
+        yield best
 
 
 def _fmt(space: Any, samples: int) -> Any:
@@ -76,17 +81,20 @@ def _fmt(space: Any, samples: int) -> Any:
     return planner
 
 
-def _solve(planner: Any, space: Any, scenario: Scenario, seconds: float) -> Iterator[Points]:
+def _ready(planner: Any, space: Any, scenario: Scenario) -> Any:
     problem = base.ProblemDefinition(space)
     problem.setStartAndGoalStates(_state(space, scenario.start_point), _state(space, scenario.goal_point))
     problem.setOptimizationObjective(base.PathLengthOptimizationObjective(space))
     planner.setProblemDefinition(problem)
     planner.setup()
-    deadline = time.process_time() + seconds
-    planner.solve(base.PlannerTerminationCondition(lambda: time.process_time() > deadline))
+    return planner
+
+
+def _smoothed(problem: Any, space: Any) -> Iterator[Points]:
+    """What a planner found: as it is, shortcut, shortcut more, and smoothed to a spline."""
     if not problem.hasExactSolution():
         return
-    path = problem.getSolutionPath()
+    path = geometric.PathGeometric(problem.getSolutionPath())
     simplifier = geometric.PathSimplifier(space)
     yield _points(path)
     for _ in range(ROUNDS):
@@ -98,15 +106,13 @@ def _solve(planner: Any, space: Any, scenario: Scenario, seconds: float) -> Iter
     yield _points(path)
 
 
-def _space(scenario: Scenario, inflation: float) -> Any:
-    problem = pose(scenario)
+def _space(problem: PathProblem, inflation: float) -> Any:
     rules = problem.rules._replace(clearance=inflation)
-    lower, upper = scenario.airspace.bounds.lower, scenario.airspace.bounds.upper
     euclidean = base.RealVectorStateSpace(3)
     box = base.RealVectorBounds(3)
     for k in range(3):
-        box.setLow(k, lower[k])
-        box.setHigh(k, upper[k])
+        box.setLow(k, float(problem.chart.lower[k]))
+        box.setHigh(k, float(problem.chart.upper[k]))
     euclidean.setBounds(box)
     space = base.SpaceInformation(euclidean)
 

@@ -30,7 +30,7 @@ with warnings.catch_warnings():
 INNER = (6, 8, 12, 18)
 SHAKEN = 0.25  # standard deviation of the logarithm of a shaken price
 APART = 0.02  # of the length: starts that are nearer to each other than this are one
-KEPT = 5
+KEPT = 4
 
 
 def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -> tuple[float, Trail]:
@@ -55,7 +55,7 @@ def _guides(problem: PathProblem, count: int, rng: np.random.Generator) -> Itera
     yield places(problem.scenario)
     known: list[Points] = []
     lattices = [lay(problem, fineness) for fineness in (1.0, 1.5)]
-    for k in range(10 * count):
+    for k in range(3 * count):
         lattice = lattices[k % len(lattices)]
         if k >= len(lattices):
             noise = gaussian_filter(rng.standard_normal(lattice.price.shape), rng.uniform(1.5, 5))
