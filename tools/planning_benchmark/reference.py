@@ -2,8 +2,9 @@
 
 Starts are the straight line, the ways through lattices finer than the planner's, and the ways through lattices whose
 prices were shaken, which lead through other passages. Round each CMA-ES searches sine modes of several numbers of
-control points; what it finds is polished, doubled twice and polished again, and CMA-ES varies every control point of
-the best ones once more, on the exact cost and not on the polish's smooth one. Only proved paths count.
+control points; what it finds is polished; of the best few CMA-ES varies every control point once more, on the exact cost and not on the smooth one, and
+they are polished anew with twice and four times the control points and hardly anything rounded off. Only proved paths
+count.
 """
 
 import warnings
@@ -18,7 +19,7 @@ from ipoa_mission.optimize.search import Candidates, Costs
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import lay, ways
 from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.polish import polish, settle
+from ipoa_mission.planning.polish import HARDEST, polish, settle
 from ipoa_mission.planning.problem import Encoding, PathProblem, Trail, follow, pose, refine, surround
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.scenario import Scenario
@@ -31,6 +32,10 @@ INNER = (6, 8, 12, 18)
 SHAKEN = 0.25  # standard deviation of the logarithm of a shaken price
 APART = 0.02  # of the length: starts that are nearer to each other than this are one
 KEPT = 4
+#: Stages that go on where the planner's polish ends: hardly anything is rounded off.
+SHARPER = HARDEST._replace(edge=0.01, bend=1e-5, stiffness=3e4, evenness=0.01)
+SHARPEST = SHARPER._replace(edge=0.003, stiffness=1e5, evenness=0.002)
+SHARP = (HARDEST, SHARPER, SHARPEST, SHARPEST._replace(edge=0.001))
 
 
 def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -> tuple[float, Trail]:
@@ -76,17 +81,21 @@ def _search(problem: PathProblem, guide: Points, inner: int, rng: np.random.Gene
 
 
 def _finish(trail: Trail, problem: PathProblem, rng: np.random.Generator) -> tuple[float, Trail]:
-    """Twice doubled, settled, and every control point varied once more."""
-    best = (np.inf, trail)
-    for _ in range(3):
-        curve, _ = settle(trail, problem)
-        for each in (Trail(curve, trail.via_at), _vary(Trail(curve, trail.via_at), problem, rng)):
-            if prove_curve(each.curve, problem.scenario).holds:
-                best = min(best, (curve_cost(each.curve, problem.scenario).total, each), key=lambda found: found[0])
-        if len(trail.curve.control) > 70:
-            break
-        trail = polish(refine(trail), problem)
-    return best
+    """Settled, sharpened and twice doubled, every control point varied once; the best proved curve on the way."""
+    curve, _ = settle(trail, problem)
+    found = [Trail(curve, trail.via_at)]
+    found.append(_vary(found[0], problem, rng))
+    for start in found[:2]:
+        sharp = start
+        for _ in range(3):
+            sharp = polish(sharp, problem, SHARP, steps=60, finer=4)
+            found.append(sharp)
+            if len(sharp.curve.control) > 90:
+                break
+            sharp = refine(sharp)
+    proved = [each for each in found if prove_curve(each.curve, problem.scenario).holds]
+    costs = [curve_cost(each.curve, problem.scenario).total for each in proved]
+    return min(zip(costs, proved, strict=True), key=lambda each: each[0], default=(np.inf, trail))
 
 
 def _vary(trail: Trail, problem: PathProblem, rng: np.random.Generator) -> Trail:
