@@ -2,9 +2,9 @@
 
 Starts are the straight line, the ways through lattices finer than the planner's, and the ways through lattices whose
 prices were shaken, which lead through other passages. Round each CMA-ES searches sine modes of several numbers of
-control points; what it finds is polished; of the best few CMA-ES varies every control point once more, on the exact cost and not on the smooth one, and
-they are polished anew with twice and four times the control points and hardly anything rounded off. Only proved paths
-count.
+control points; what it finds is polished. Of the best few CMA-ES varies every control point once more, on the exact
+cost and not on the smooth one, and they are polished anew with twice and four times the control points and hardly
+anything rounded off. Only proved paths count.
 """
 
 import warnings
