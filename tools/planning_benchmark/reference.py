@@ -82,8 +82,7 @@ def _search(problem: PathProblem, guide: Points, inner: int, rng: np.random.Gene
 
 def _finish(trail: Trail, problem: PathProblem, rng: np.random.Generator) -> tuple[float, Trail]:
     """Settled, sharpened and twice doubled, every control point varied once; the best proved curve on the way."""
-    curve, _ = settle(trail, problem)
-    found = [Trail(curve, trail.via_at)]
+    found = [settle(trail, problem)[0]]
     found.append(_vary(found[0], problem, rng))
     for start in found[:2]:
         sharp = start
