@@ -55,7 +55,7 @@ def printed(work: Work) -> Iterator[Row]:
             curve, seconds, evaluations = search(name, scenario, seed)
             safe, cost = prove_curve(curve, scenario).holds, curve_cost(curve, scenario)
             yield row(map_, name, f"{evaluations} evaluations", seed, cost.total, cost.length, safe, seconds)
-    for map_ in maps[:: max(len(maps) // 4, 1)] if work.mealpy else []:
+    for map_ in maps[:: max(len(maps) // 2, 1)] if work.mealpy else []:
         scenario = benchmark_map(map_)
         curve, seconds, evaluations = mealpy_poa(scenario, work.mealpy)
         safe, cost = prove_curve(curve, scenario).holds, curve_cost(curve, scenario)

@@ -28,7 +28,7 @@ def tables(rows: Sequence[Row]) -> dict[str, str]:
 
 
 def methods(rows: Sequence[Row]) -> str:
-    """Cost over the reference, and CPU time, of every method on all maps."""
+    """Cost over the reference, and CPU time, of every method on all maps that it was run on."""
     best, lines = least(rows), []
     for method, setting in _methods(rows):
         runs = [row for row in rows if row.part in COMPARED and row.method == method and setting in ("", row.setting)]
@@ -39,8 +39,9 @@ def methods(rows: Sequence[Row]) -> str:
             shares = (f"{np.median(over):.4f}", f"{np.quantile(over, 0.9):.4f}", f"{over.max():.4f}")
         else:
             shares = ("-", "-", "-")
-        lines.append((f"{method} {setting}".strip(), *shares, safe, f"{seconds:.2f}"))
-    head = ("method", "cost over reference, median", "90 %", "worst", "safe", "CPU, median [s]")
+        count = len({row.map for row in runs})
+        lines.append((f"{method} {setting}".strip(), str(count), *shares, safe, f"{seconds:.2f}"))
+    head = ("method", "maps", "cost over reference, median", "90 %", "worst", "safe", "CPU, median [s]")
     return _table(head, lines) if lines else ""
 
 
