@@ -31,8 +31,14 @@ def methods(rows: Sequence[Row]) -> str:
     """Cost over the reference, and CPU time, of every method on all maps that it was run on."""
     best, lines = least(rows), []
     for method, setting in _methods(rows):
-        runs = [row for row in rows if row.part in COMPARED and row.method == method and setting in ("", row.setting)]
+        runs = [
+            row
+            for row in rows
+            if row.part in COMPARED and row.map in best and row.method == method and setting in ("", row.setting)
+        ]
         over = np.array([row.cost / best[row.map] for row in runs if row.safe and row.cost is not None])
+        if not runs:
+            continue
         seconds = np.median([row.cpu_s for row in runs])
         safe = f"{len(over)} of {len(runs)}"
         if len(over):
@@ -53,7 +59,7 @@ def each_map(rows: Sequence[Row]) -> str:
         if not ours:
             continue
         costs = [row.cost for row in ours if row.cost is not None]
-        line = [map_, f"{best[map_]:.2f}", f"{np.median(costs):.2f}" if costs else "-"]
+        line = [map_, f"{best[map_]:.2f}" if map_ in best else "-", f"{np.median(costs):.2f}" if costs else "-"]
         line.append(f"{max(costs):.2f}" if len(costs) == len(ours) else "none")
         for setting in ("1 s", "5 s"):
             theirs = [row for row in rows if (row.part, row.map, row.setting) == ("ompl", map_, setting) and row.safe]
@@ -108,11 +114,11 @@ def versions(rows: Sequence[Row]) -> str:
 
 
 def least(rows: Sequence[Row]) -> dict[str, float]:
-    """The cost of the best safe path that any method found on each map."""
-    best: dict[str, float] = {}
+    """The cost of the best safe path that any method found on each map for which a reference was sought."""
+    best = {row.map: np.inf for row in rows if row.part == "reference"}
     for row in rows:
-        if row.part in COMPARED and row.safe and row.cost is not None:
-            best[row.map] = min(best.get(row.map, np.inf), row.cost)
+        if row.map in best and row.part in COMPARED and row.safe and row.cost is not None:
+            best[row.map] = min(best[row.map], row.cost)
     return best
 
 
@@ -124,6 +130,8 @@ def pictures(rows: Sequence[Row]) -> dict[str, Figure]:
         "control points": lambda row: float(row.map.partition("/")[2]),
     }
     titles = {"obstacles": "masts", "map size": "side of a map with 100 masts [m]", "control points": "control points"}
+    if not {row.part for row in rows} >= set(numbers):
+        return {}
     with matplotlib.rc_context(dict(STYLE)):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots(2, 3, sharex="col")
