@@ -17,7 +17,7 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import FLOWN_TO, Command, Frame, Item, Mission, plain_frame
 from ipoa_mission.timing.copter_spline import Place, flies_on_to, spline_chords, spline_tangents
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters, Px4Return
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
@@ -41,7 +41,8 @@ class Phase(StrEnum):
 class Leg:
     """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
 
-    `alternative`: flown at times only, after a jump or to a rally point. `over_terrain`: it keeps its height over the
+    `alternative`: flown at times only: after a jump, to a rally point, or home at the height that PX4's manual says
+    where its recorded flights did otherwise. `over_terrain`: it keeps its height over the
     ground. `stray`: how far the way may be from the lines [m].
     """
 
@@ -168,13 +169,14 @@ class _Flight:
         for goal in (self.home, *self._rally_points()):
             self.at = start
             distance = float(np.hypot(*(goal - start)[:2]))
-            top = self.home[2] + _RETURN_HEIGHT[self.mission.autopilot](
-                self.parameters, float(start[2] - self.home[2]), distance
-            )
-            way = np.array([start, [start[0], start[1], top], [goal[0], goal[1], top]])
-            self.at = way[-1]
-            down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
-            yield from (replace(leg, alternative=goal is not self.home) for leg in (Leg(seq, Phase.RETURN, way), down))
+            heights = _RETURN_HEIGHTS[self.mission.autopilot](self.parameters, float(start[2] - self.home[2]), distance)
+            for n, height in enumerate(heights):
+                top = self.home[2] + height
+                way = np.array([start, [start[0], start[1], top], [goal[0], goal[1], top]])
+                self.at = way[-1]
+                down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
+                at_times = goal is not self.home or n > 0
+                yield from (replace(leg, alternative=at_times) for leg in (Leg(seq, Phase.RETURN, way), down))
 
     def _rally_points(self) -> list[Vector]:
         amsl, local = self.mission.home.altitude, self.frame.local
@@ -205,23 +207,23 @@ def _follows(item: Item) -> bool:
     return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
 
 
-def _ardupilot_return_height(parameters: Parameters, height: float, distance: float) -> float:
+def _ardupilot_return_heights(parameters: Parameters, height: float, distance: float) -> tuple[float, ...]:
     """ArduCopter's RTL: RTL_ALT [cm] at least, RTL_CLIMB_MIN [cm] more, less near home by RTL_CONE_SLOPE."""
     least = max(0.0, height + max(0.0, parameters.get("RTL_CLIMB_MIN", 0.0) / 100))
     top = max(parameters["RTL_ALT"] / 100, least)
     slope = parameters.get("RTL_CONE_SLOPE", 3.0)
-    return min(top, max(distance * slope, least)) if slope >= 0.5 else top
+    return (min(top, max(distance * slope, least)) if slope >= 0.5 else top,)
 
 
-def _px4_return_height(parameters: Parameters, height: float, distance: float) -> float:
-    """PX4's RTL: RTL_RETURN_ALT [m], less near home by RTL_CONE_ANG [deg], never below where it flies."""
-    top, angle = parameters["RTL_RETURN_ALT"], parameters.get("RTL_CONE_ANG", 45.0)
-    if angle > 0:
-        top = min(top, max(distance / math.tan(math.radians(angle)), 2 * parameters["NAV_ACC_RAD"]))
-    return max(top, height)
+def _px4_return_heights(parameters: Parameters, height: float, distance: float) -> tuple[float, ...]:
+    """PX4's RTL: the height that it was recorded at, and the one of its manual where that is another."""
+    law = Px4Return.of(parameters)
+    recorded, manual = law.height(height, distance), law.height_by_manual(height, distance)
+    return (recorded,) if recorded == manual else (recorded, manual)
 
 
-_RETURN_HEIGHT: dict[Autopilot, Callable[[Parameters, float, float], float]] = {
-    Autopilot.ARDUPILOT: _ardupilot_return_height,
-    Autopilot.PX4: _px4_return_height,
+#: How high above home the autopilot returns; of several heights the first is the usual one.
+_RETURN_HEIGHTS: dict[Autopilot, Callable[[Parameters, float, float], tuple[float, ...]]] = {
+    Autopilot.ARDUPILOT: _ardupilot_return_heights,
+    Autopilot.PX4: _px4_return_heights,
 }

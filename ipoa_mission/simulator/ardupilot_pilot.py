@@ -109,8 +109,8 @@ class ArduPilotPilot:
             case Command.NAV_DELAY:
                 self._stay()
                 self._until_s = self._now.time_s + max(item.params[0], 0.0)
-            case _ if self._now.landed:  # a real one stays on the ground until somebody gives throttle
-                self._begin_takeoff(self._now.program.place(index, self._body.place))
+            case _ if self._now.landed:  # it stays on the ground
+                self._manoeuvre = self._wait
             case _:
                 self._fly_to(index)
 
@@ -185,11 +185,7 @@ class ArduPilotPilot:
         self._fly((x, y), dt)
         if self._height.height >= top - 0.01 and self._height.climb < 0.1 * most:
             self._complete = (self._body.x, self._body.y, top + ROUNDING)
-            index = self._now.current
-            if self._now.program.items[index].command == Command.NAV_TAKEOFF:
-                self._done()
-            else:
-                self._fly_to(index)
+            self._done()
 
     def _begin_return(self) -> None:
         here = self._stopping_place()

@@ -277,8 +277,9 @@ class Autopilot:
         return CommandResult.ACCEPTED
 
     def _has_takeoff_first(self) -> bool:
-        """Whether the first command that moves the vehicle is a take-off; DO items may stand before it."""
-        flown = (item.command for item in self._flown if item.command < 95)
+        """Whether the first command to come that moves the vehicle is a take-off; DO items may stand before it."""
+        first = 0 if self.flight.mission_state is MissionState.COMPLETE else self.flight.current
+        flown = (item.command for item in self._flown[first:] if item.command < 95)
         return next(flown, None) == Command.NAV_TAKEOFF
 
     def set_mode(self, params: Sequence[float]) -> CommandResult:

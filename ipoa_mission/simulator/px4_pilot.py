@@ -13,11 +13,11 @@ from ipoa_mission.simulator.px4_guidance import PathFollower
 from ipoa_mission.simulator.px4_home import HomeHeight
 from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
-from ipoa_mission.vehicle import Parameters
+from ipoa_mission.vehicle import Parameters, Px4Return
 
 ON_GROUND_SINK = 0.7  # before taking off the target sinks at this rate [m/s]
-CONE_DISTANCE = 10.0  # RTL_MIN_DIST: nearer to home than that, the return climbs less
 NAVIGATOR_S = 0.05  # how often it is looked whether an item is done
+CONTACT_S = 2.3  # from touching the ground until the thrust is low enough to be taken for that (mean of 22 flights)
 HEADING_ERROR = math.radians(12.0)  # MIS_YAW_ERR
 #: Items that hide the report of the waypoint before them (as measured).
 HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
@@ -129,7 +129,7 @@ class PX4Pilot:
                 self._lead(self._goal)
                 self._entered_s = self._now.time_s
                 self._manoeuvre = self._delay
-            case _ if self._now.landed:  # told to begin in the air: it climbs first
+            case _ if self._now.landed:  # told to begin in the air: it takes off to that height first
                 self._begin_takeoff(self._place(index))
             case _:
                 self._fly_to(index, item)
@@ -238,21 +238,15 @@ class PX4Pilot:
         self._path.set_speed(self._p["MPC_XY_CRUISE"])
         self._radius = self._p["NAV_ACC_RAD"]
         self._heading = None
-        home = math.hypot(here[0], here[1])
-        height = self._p["RTL_RETURN_ALT"]  # all above home
-        if home <= self._radius:
-            height = 2.0 * home
-        else:
-            if home <= CONE_DISTANCE:
-                height = min(home, height)  # a cone of 45 degrees
-            height = max(height, 2.0 * self._radius)
-        self._return_height = max(height + self._home.shift, here[2])
+        home, low = math.hypot(here[0], here[1]), self._home.shift  # where it believes home to lie
+        self._return_height = low + Px4Return.of(self._p).height(here[2] - low, home)
         self._goal = here
         self._lead((here[0], here[1], self._return_height))
         self._manoeuvre = self._climb_to_return
 
     def _climb_to_return(self, dt: float) -> None:
-        self._fly(dt)
+        """No quicker than a take-off, as recorded."""
+        self._fly(dt, climb=(min(self._p["MPC_TKO_SPEED"], self._p["MPC_Z_V_AUTO_UP"]), self._p["MPC_ACC_UP_MAX"]))
         if self._arrived():
             self._lead((0.0, 0.0, self._return_height), None)
             self._manoeuvre = self._go_home
@@ -294,7 +288,7 @@ class PX4Pilot:
         """On the ground, until it is sure to have landed: contact, perhaps, landed; then it disarms."""
         self._body.step((0.0, 0.0), 0.0, dt)
         stood = self._now.time_s - (self._touched_s or 0.0)
-        sure = 2.0 * self._p.get("LNDMC_TRIG_TIME", 1.0)
+        sure = CONTACT_S + 2.0 * self._p.get("LNDMC_TRIG_TIME", 1.0)
         if stood >= sure and not self._now.landed:
             self._now.landed = True
             if self._now.mode is FlightMode.MISSION:

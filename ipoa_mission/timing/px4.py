@@ -293,13 +293,10 @@ class _Flight:
         return self.since
 
     def return_home(self) -> float:
-        """RTL: climb to RTL_DESCEND_ALT if below, fly home at MPC_XY_CRUISE, wait, come down, disarm.
-
-        That it climbs no higher, whatever RTL_RETURN_ALT says, is what all recorded flights of 1.17 show.
-        """
+        """RTL: climb as `Px4Return` says, fly home at MPC_XY_CRUISE, wait, come down, disarm."""
         x, y, z = self.here
         self.cruise = self.limits.cruise
-        height = max(z, min(self.limits.return_height, self.limits.descend_height))
+        height = self.limits.returning.height(z, math.hypot(x, y))
         if height > z + self.limits.height_radius:
             climb, self.pace[8] = self.pace[8], min(self.pace[8], self.limits.takeoff_speed)
             self.here = (x, y, height)

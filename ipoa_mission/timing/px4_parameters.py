@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.timing.body import GRAVITY
-from ipoa_mission.vehicle import PX4_DEFAULTS, Parameters
+from ipoa_mission.vehicle import PX4_DEFAULTS, Parameters, Px4Return
 
 #: Parameters of PX4 that count here and are not among the package's defaults, with its own defaults.
 FURTHER: Parameters = {
@@ -87,8 +87,7 @@ class Px4Limits:
     yaw_rate: float
     yaw_accel: float
     yaw_error: float
-    return_height: float
-    descend_height: float
+    returning: Px4Return
     land_delay: float
     disarm_delay: float
 
@@ -144,8 +143,7 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         yaw_rate=math.radians(p["MPC_YAWRAUTO_MAX"]),
         yaw_accel=math.radians(p["MPC_YAWRAUTO_ACC"]),
         yaw_error=math.radians(p["MIS_YAW_ERR"]),
-        return_height=p["RTL_RETURN_ALT"],
-        descend_height=p["RTL_DESCEND_ALT"],
+        returning=Px4Return.of(p),
         land_delay=max(p["RTL_LAND_DELAY"], 0.0),
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
     )

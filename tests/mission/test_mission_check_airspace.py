@@ -62,7 +62,8 @@ def corners(leg: Leg) -> list[list[float]]:
 
 def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
     scenario = world()
-    legs = flown_legs(flight(scenario, (60.0, 0.0, 20.0)), scenario.frame, parameters={"RTL_RETURN_ALT": 50.0})
+    high = {"RTL_RETURN_ALT": 50.0, "RTL_DESCEND_ALT": 50.0}
+    legs = flown_legs(flight(scenario, (60.0, 0.0, 20.0)), scenario.frame, parameters=high)
     assert [(leg.seq, leg.phase) for leg in legs] == [
         (1, Phase.TAKEOFF),
         (2, Phase.CRUISE),
@@ -76,26 +77,28 @@ def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("autopilot", "parameters", "east", "top"),
+    ("autopilot", "parameters", "east", "tops"),
     [
-        (ARDUPILOT, {}, 60.0, 20.0),  # RTL_ALT is 15 m: it stays where it is
-        (ARDUPILOT, {"RTL_ALT": 4000.0}, 60.0, 40.0),
-        (ARDUPILOT, {"RTL_ALT": 4000.0}, 10.0, 30.0),  # RTL_CONE_SLOPE is 3
-        (ARDUPILOT, {"RTL_ALT": 4000.0, "RTL_CONE_SLOPE": 0.0}, 10.0, 40.0),
-        (ARDUPILOT, {"RTL_CLIMB_MIN": 500.0}, 60.0, 25.0),
-        (PX4, {}, 100.0, 60.0),  # RTL_RETURN_ALT is 60 m
-        (PX4, {}, 45.0, 45.0),  # RTL_CONE_ANG is 45 degrees
-        (PX4, {"RTL_CONE_ANG": 0.0}, 45.0, 60.0),
-        (PX4, {"RTL_RETURN_ALT": 10.0}, 45.0, 20.0),
+        (ARDUPILOT, {}, 60.0, [20.0]),  # RTL_ALT is 15 m: it stays where it is
+        (ARDUPILOT, {"RTL_ALT": 4000.0}, 60.0, [40.0]),
+        (ARDUPILOT, {"RTL_ALT": 4000.0}, 10.0, [30.0]),  # RTL_CONE_SLOPE is 3
+        (ARDUPILOT, {"RTL_ALT": 4000.0, "RTL_CONE_SLOPE": 0.0}, 10.0, [40.0]),
+        (ARDUPILOT, {"RTL_CLIMB_MIN": 500.0}, 60.0, [25.0]),
+        (PX4, {}, 45.0, [30.0, 60.0]),  # RTL_DESCEND_ALT, as recorded; RTL_RETURN_ALT, as its manual says
+        (PX4, {"RTL_DESCEND_ALT": 60.0}, 45.0, [60.0]),
+        (PX4, {}, 9.0, [20.0]),  # RTL_CONE_ANG is 45 degrees, RTL_MIN_DIST 10 m
+        (PX4, {"RTL_CONE_ANG": 0.0, "RTL_DESCEND_ALT": 80.0}, 9.0, [60.0]),
+        (PX4, {"RTL_RETURN_ALT": 10.0}, 45.0, [20.0]),
     ],
 )
 def test_the_way_home_is_as_high_as_the_autopilots_parameters_say(
-    autopilot: Autopilot, parameters: dict[str, float], east: float, top: float
+    autopilot: Autopilot, parameters: dict[str, float], east: float, tops: list[float]
 ) -> None:
     scenario = world()
     mission = flight(scenario, (east, 0.0, 20.0), autopilot=autopilot)
-    (way,) = [leg for leg in flown_legs(mission, scenario.frame, parameters=parameters) if leg.phase is Phase.RETURN]
-    assert way.points[:, 2].max() == pytest.approx(top, abs=0.01)
+    ways = [leg for leg in flown_legs(mission, scenario.frame, parameters=parameters) if leg.phase is Phase.RETURN]
+    assert [way.points[:, 2].max() for way in ways] == pytest.approx(tops, abs=0.01)
+    assert [way.alternative for way in ways] == [False, True][: len(ways)]
 
 
 def test_ardupilot_climbs_where_it_stands_and_px4_goes_to_the_take_offs_position() -> None:
@@ -142,8 +145,8 @@ def test_a_leg_above_terrain_follows_the_ground() -> None:
 def test_rally_points_are_places_to_return_to() -> None:
     scenario = world()
     mission = replace(flight(scenario, (60.0, 0.0, 20.0)), rally=(replace(place(scenario, 60.0, 30.0), altitude=10.0),))
-    ways = [corners(leg)[-1][:2] for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.RETURN]
-    assert ways == [[0, 0], [60, 30]]
+    ways = [corners(leg)[-1] for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.RETURN]
+    assert ways == [[0, 0, 30], [0, 0, 60], [60, 30, 30], [60, 30, 60]]
 
 
 def test_a_clear_flight_is_found_without_fault() -> None:
@@ -163,8 +166,8 @@ def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> No
     scenario = world()
     px4, ardupilot = (flight(scenario, (100.0, 40.0, 20.0), autopilot=autopilot) for autopilot in (PX4, ARDUPILOT))
     (hint,) = [f.hint for f in check_mission(px4, scenario) if f.hint]
-    assert hint.startswith("RTL_RETURN_ALT = 35 makes it clear, ")
-    higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 35.0"})
+    assert hint.startswith("RTL_RETURN_ALT and RTL_DESCEND_ALT = 35 make it clear, ")
+    higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 35.0, RTL_DESCEND_ALT = 35.0"})
     assert not any("the way home" in words for words in said(px4, higher))
     other = world(**{"px4": "ardupilot", "RTL_RETURN_ALT = 25.0": "RTL_ALT = 1500"})
     (hint,) = [f.hint for f in check_mission(ardupilot, other) if f.hint]
@@ -172,7 +175,12 @@ def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> No
 
 
 def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
-    scenario = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5", "up = [-5.0, 70.0]": "up = [-5.0, 31.0]"})
+    scenario = world(
+        **{
+            "RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5, RTL_DESCEND_ALT = 31.5",
+            "up = [-5.0, 70.0]": "up = [-5.0, 31.0]",
+        }
+    )
     near, out = said(flight(scenario, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0)), scenario)
     assert near.startswith("warning: item 4 (NAV_RETURN_TO_LAUNCH): the way home: 1.50 m from hall at east ")
     assert near.endswith(", at least 2.50 m required")

@@ -89,3 +89,15 @@ def test_a_jump_repeats_its_legs_as_often_as_it_says(autopilot: Autopilot) -> No
     flight.start()
     fly(flight)
     assert [r.index for r in flight.reached].count(1) == 3
+
+
+@both
+def test_told_to_begin_at_a_waypoint_arducopter_stays_on_the_ground_and_px4_takes_off(autopilot: Autopilot) -> None:
+    flight = Flight(autopilot, HOME, {})
+    flight.load(MISSION)
+    flight.set_current(2)
+    flight.arm()
+    flight.start()
+    flight.advance(40.0)
+    assert flight.landed == (autopilot is Autopilot.ARDUPILOT)
+    assert [r.index for r in flight.reached][:1] == ([] if flight.landed else [2])

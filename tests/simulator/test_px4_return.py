@@ -1,0 +1,49 @@
+"""How high PX4 returns: the recorded flights, and all rooms that have something to say about it, agree."""
+
+import numpy as np
+import pytest
+from recorded_flights import Recorded, read_flights
+
+from ipoa_mission.mission.items import Command, Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.legs import Phase, flown_legs
+from ipoa_mission.simulator.flight import Flight
+from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicle import Autopilot, Px4Return
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+RETURNING = [f for f in read_flights(Autopilot.PX4) if f.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH]
+HOME_JUMPS = 2.0  # [m] how far off PX4 may believe home's height to be when it decides
+HOME = Geodetic(47.4, 8.5, 400.0)
+
+
+@pytest.mark.parametrize("flight", RETURNING, ids=lambda flight: flight.name)
+def test_a_recorded_flight_came_home_as_high_as_the_law_says(flight: Recorded) -> None:
+    trace = flight.trace[flight.trace[:, 0] > flight.runs[0][flight.last]]
+    frame = LocalFrame(flight.mission.home)
+    distance = np.hypot(*frame.to_local(trace[:, 1], trace[:, 2], flight.mission.home.altitude).T[:2])
+    coming = trace[np.flatnonzero(distance < 0.5 * distance[0])[0]]
+    law = Px4Return.of(flight.parameters).height(trace[0, 3], distance[0])
+    assert coming[3] == pytest.approx(law, abs=HOME_JUMPS)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "top"), [({}, 30.0), ({"RTL_RETURN_ALT": 24.0}, 24.0), ({"RTL_DESCEND_ALT": 15.0}, 20.0)]
+)
+def test_checks_estimate_and_built_in_autopilot_return_equally_high(parameters: dict[str, float], top: float) -> None:
+    frame = LocalFrame(HOME)
+    items = (takeoff(HOME, 20.0), waypoint(frame.geodetic(np.array([60.0, 0.0, 0.0])), 20.0), return_to_launch())
+    mission = Mission(HOME, items, Autopilot.PX4, 5.0)
+    checked = [leg.points[:, 2].max() for leg in flown_legs(mission, frame, None, parameters)]
+    usual = next(leg for leg in flown_legs(mission, frame, None, parameters) if leg.phase is Phase.RETURN)
+    assert usual.points[:, 2].max() == pytest.approx(top, abs=0.01)
+    assert max(checked) == pytest.approx(parameters.get("RTL_RETURN_ALT", 60.0), abs=0.01)  # and the manual's height
+    assert estimate(mission, parameters).track.points[:, 2].max() == pytest.approx(top, abs=1.0)
+    flight = Flight(Autopilot.PX4, HOME, parameters)
+    flight.load(items)
+    flight.arm()
+    flight.start()
+    highest = 0.0
+    while flight.armed:
+        flight.advance(flight.time_s + 0.5)
+        highest = max(highest, flight.local[2])
+    assert highest == pytest.approx(top, abs=HOME_JUMPS)
