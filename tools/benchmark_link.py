@@ -3,6 +3,7 @@
     python tools/benchmark_link.py                        what the rows of docs/link/uploads.csv still lack
     python tools/benchmark_link.py --table                the tables of docs/link.md, from those rows
     python tools/benchmark_link.py --fast-path            ArduPilot's mission file against items, on a virtual clock
+    python tools/benchmark_link.py --clean                ours and MAVSDK by turns, 200 items over a perfect link
     python tools/benchmark_link.py --runs 5 --loss 0 30 --rows new.csv
 
 Each upload has an autopilot, a UDP socket and a radio of its own, in real time. Several run at once, for they mostly
@@ -30,7 +31,7 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
@@ -165,7 +166,7 @@ class Worker:
         assert pipe[1] is not None
         timer = threading.Timer(LIMIT_S + 60, self._process.kill)
         timer.start()
-        pipe[0].write(f"{port} {sent.autopilot}\n")
+        pipe[0].write(f"{port} {sent.autopilot} {len(sent.items)}\n")
         pipe[0].flush()
         words = []
         for line in pipe[1]:
@@ -417,6 +418,22 @@ def table(rows: list[Run], autopilot: Autopilot) -> str:
     return "\n".join(lines)
 
 
+def clean(autopilot: Autopilot, runs: int, items: int = 200) -> str:
+    """A row of the table of clean links: items a second to the Ack, the best and the median of so many by turns."""
+    clients = [one for one in CLIENTS[:3] if one != "by-file" or autopilot is Autopilot.ARDUPILOT]
+    took: dict[str, list[float]] = {client: [] for client in clients}
+    with ExitStack() as stack:
+        workers = {client: stack.enter_context(closing(Worker(client))) for client in clients}
+        for seed in range(runs):
+            for client, worker in workers.items():
+                with vehicle(autopilot, Faults(), seed) as (_, channel):
+                    said, seconds, _ = worker.upload(channel.port, mission(autopilot, items))
+                assert said
+                took[client].append(seconds)
+    rates = [f"{items / min(took[one]):.0f} ({items / statistics.median(took[one]):.0f})" for one in clients]
+    return f"| {autopilot} | {' | '.join(rates if len(rates) == 3 else (rates[0], '', rates[1]))} |"
+
+
 def fast_path(delay_ms: float, loss: float, runs: int) -> str:
     """A row of the table of ArduPilot's fast path: 100 items, verified, on a virtual clock; all must be exact."""
     sent = to_wire(mission(Autopilot.ARDUPILOT, 100))
@@ -450,7 +467,13 @@ def main() -> None:
     parser.add_argument("--rows", type=Path, default=ROWS)
     parser.add_argument("--table", action="store_true")
     parser.add_argument("--fast-path", action="store_true")
+    parser.add_argument("--clean", action="store_true")
     arguments = parser.parse_args()
+    if arguments.clean:
+        print("| autopilot | ours | by-file | mavsdk |\n|---|---|---|---|")
+        for autopilot in arguments.autopilots:
+            print(clean(autopilot, arguments.runs), flush=True)
+        return
     if arguments.fast_path:
         print("| delay, ms | loss, % | item by item, s | as one file, s | times as quick |\n|---|---|---|---|---|")
         for delay_ms, loss in itertools.product((50, 200), arguments.loss):
@@ -475,8 +498,8 @@ if __name__ == "__main__":
     if sys.argv[1:2] == ["--as"]:
         act = {"ours": ours, "by-file": by_file, "mavsdk": mavsdk}[sys.argv[2]]
         for asked in sys.stdin:
-            port, family = asked.split()
-            result = act(port, mission(Autopilot(family), ITEMS))
+            port, family, count = asked.split()
+            result = act(port, mission(Autopilot(family), int(count)))
             sys.stderr.write("\nRESULT " + json.dumps(result) + "\n")
             sys.stderr.flush()
     else:

@@ -72,14 +72,14 @@ def planned(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[P
 
 @pytest.fixture
 def autopilot() -> Callable[..., object]:
-    """The built-in autopilot behind a UDP port of this machine, 500 times as fast as real; `with` gives its link."""
+    """The built-in autopilot behind a UDP port of this machine, 60 times as fast as real; `with` gives its link."""
 
     @contextmanager
     def serve(home: Geodetic = ZURICH, family: Family = Family.PX4, passphrase: str | None = None) -> Iterator[str]:
         channel = open_channel("udpin:127.0.0.1:0")
         assert isinstance(channel, UdpChannel)
         signer = Signer(key_of(passphrase)) if passphrase else None
-        server = Server(channel, Station(Autopilot(family, home), 1, signer, channel.datagrams), speedup=500.0)
+        server = Server(channel, Station(Autopilot(family, home), 1, signer, channel.datagrams), speedup=60.0)
         enough = threading.Event()
         thread = threading.Thread(target=server.run, args=(enough.is_set,))
         thread.start()

@@ -77,7 +77,7 @@ def test_without_an_estimate_of_velocity_positions_tell_it(flown: Flown, tmp_pat
     path = tmp_path / "old.bin"
     write_dataflash(flown, path)
     path.write_bytes(path.read_bytes().replace(b"XKF1", b"XKFX"))
-    flight = read_flight(path, mission_for(Autopilot.ARDUPILOT))
+    flight = read_flight(str(path), mission_for(Autopilot.ARDUPILOT))
     cruising = [sample.speed for sample in flight.path if 10 < sample.time_s < 27]
     assert np.median(cruising) == pytest.approx(5.0, abs=0.1)
 
