@@ -25,6 +25,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
 LEAST_TAKEOFF_HEIGHT = 2.5
+OVER_HOME = 0.5  # a route that begins this near is begun by the take-off [m]
 
 
 def build_mission(route: Route, scenario: Scenario) -> Mission:
@@ -52,13 +53,14 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         raise BadInput(
             f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         )
-    over_home = bool(np.hypot(*route.points[0, :2]) < 0.5)
+    over_home = starts_over_home(route)
     fly_to = spline_waypoint if route.spline else waypoint
     items: list[Item] = [
         takeoff(first[0] if over_home else home, first[1]),
         change_speed(scenario.vehicle.cruise_speed),
         *([] if over_home else [waypoint(*first)]),
-        *(fly_to(place, height) for place, height in others),
+        *(fly_to(place, height) for place, height in others[:-1]),
+        waypoint(*others[-1]),  # of a spline too: on a curve ArduCopter does not brake in time for its stop
         return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]),
     ]
     return Mission(
@@ -69,6 +71,11 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
         rally=_rally(scenario),
     )
+
+
+def starts_over_home(route: Route) -> bool:
+    """Whether the take-off ends at its first waypoint."""
+    return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:

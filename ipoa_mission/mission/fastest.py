@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.geometry import Points, leg_lengths
-from ipoa_mission.mission.build import draft_mission
+from ipoa_mission.mission.build import draft_mission, starts_over_home
 from ipoa_mission.mission.items import FLOWN_TO
 from ipoa_mission.mission.prove_route import prove_route
 from ipoa_mission.mission.resample import corridor, deviation, every
@@ -68,14 +68,10 @@ def fly(route: Route, curve: Spline, scenario: Scenario) -> Flown:
     mission = draft_mission(route, scenario)
     flown = estimate(mission, scenario.vehicle.autopilot_parameters(), fast=True)
     done = [item.done_s for item in flown.items if item.command in FLOWN_TO]
-    begin, end = done[0], done[len(route.points) - 1 if _starts_over_home(route) else len(route.points)]
+    begin, end = done[0], done[len(route.points) - 1 if starts_over_home(route) else len(route.points)]
     inside = (flown.track.times >= begin) & (flown.track.times <= end)
     path = thinned(flown.track.points[inside], STRAY)
     return Flown(end - begin, path, deviation(path, curve))
-
-
-def _starts_over_home(route: Route) -> bool:
-    return bool(np.hypot(*route.points[0, :2]) < 0.5)
 
 
 def thinned(path: Points, stray: float) -> Points:

@@ -1,7 +1,7 @@
 """What a route keeps of the scenario's limits as it will be flown: in straight legs, or along its spline's curves."""
 
-from ipoa_mission.mission.build import build_mission
-from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.mission.build import draft_mission, starts_over_home
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.legs import Leg, Phase, flown_legs, join
 from ipoa_mission.mission.route import Route
 from ipoa_mission.planning.proof import Proof, prove
@@ -12,8 +12,10 @@ def prove_route(route: Route, scenario: Scenario) -> Proof:
     """The proof from the first waypoint to the last."""
     if not route.spline:
         return prove(route.points, scenario)
-    mission = build_mission(route, scenario)
-    points, stray = join([leg for leg in cruise(mission, scenario) if _is_spline(leg, mission)])
+    mission = draft_mission(route, scenario)
+    before = 0 if starts_over_home(route) else 1  # the leg from the take-off to the first waypoint
+    legs = cruise(mission, scenario)[before : before + len(route.points) - 1]
+    points, stray = join(legs)
     return prove(points, scenario, stray)
 
 
@@ -27,7 +29,3 @@ def cruise(mission: Mission, scenario: Scenario) -> list[Leg]:
     """The legs between waypoints that are flown in any case."""
     legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
     return [leg for leg in legs if leg.phase is Phase.CRUISE and not leg.alternative]
-
-
-def _is_spline(leg: Leg, mission: Mission) -> bool:
-    return mission.items[leg.seq - 1].command == Command.NAV_SPLINE_WAYPOINT

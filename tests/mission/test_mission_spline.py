@@ -8,11 +8,14 @@ import pytest
 import shapely
 from scipy.interpolate import CubicSpline
 
+from ipoa_mission.mission.build import build_mission
 from ipoa_mission.mission.check import check_mission
 from ipoa_mission.mission.items import Command, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.legs import Phase, flown_legs, join
+from ipoa_mission.mission.route import Route
 from ipoa_mission.mission.waypoints_file import read_waypoints
 from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
@@ -77,3 +80,18 @@ def test_the_chords_stand_for_the_curve_as_closely_as_they_say() -> None:
             fine = CubicSpline(u, leg.points)(np.linspace(0, 1, 2000))  # the cubic itself, through points of it
             apart = shapely.distance(shapely.LineString(leg.points[:, :2]), shapely.points(fine[:, :2]))
             assert 0.2 * leg.stray < apart.max() < leg.stray
+
+
+def test_a_spline_route_is_left_straight_so_that_its_end_is_not_overrun() -> None:
+    _, scenario = zigzag((-40.0, -80.0), is_spline=True)
+    points = np.array([(0.0, 0.0, 20.0), *((30.0 * k, 12.0 * (-1) ** k, 20.0) for k in range(1, 5))])
+    mission = build_mission(Route(points, spline=True), scenario)
+    assert [item.command for item in mission.items[2:]] == [82, 82, 82, 16, 20]
+    flight = fly(mission)
+    local = scenario.frame.to_local(
+        *(np.array([getattr(s, k) for s in flight.path]) for k in ("latitude_deg", "longitude_deg")), np.zeros(1)
+    )
+    times = np.array([sample.time_s for sample in flight.path])
+    around = np.abs(times - flight.item_reached_s[5]) < 2.0
+    ahead = (points[-1] - points[-2])[:2] / np.linalg.norm(points[-1] - points[-2])
+    assert ((local[around, :2] - points[-1, :2]) @ ahead).max() < 1.0
