@@ -84,7 +84,7 @@ def thinned(path: Points, stray: float) -> Points:
 def _candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     tolerance = scenario.route.tolerance
     if scenario.vehicle.autopilot is Autopilot.ARDUPILOT:
-        for spacing in SPLINE_SPACINGS:
+        for spacing in sorted({*SPLINE_SPACINGS, scenario.route.spacing}, reverse=True):
             if spacing < curve.length / 2:
                 yield Route(every(curve, spacing, scenario.via_points), spline=True)
     for share in SHARES:

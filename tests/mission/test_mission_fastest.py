@@ -80,6 +80,29 @@ def test_what_each_mode_would_cost_is_told_quickest_first(autopilot: Autopilot) 
     assert even.seconds > 1.5 * options[0].seconds  # dense straight waypoints make the vehicle crawl
 
 
+@pytest.mark.parametrize(("autopilot", "seed"), [*((Autopilot.ARDUPILOT, n) for n in range(3)), (Autopilot.PX4, 3)])
+def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Autopilot, seed: int) -> None:
+    """Corners cut and overshot: the distance is measured here, from every place of the predicted path."""
+    rng = np.random.default_rng(seed)
+    curve, free = curve_of_the_ways(autopilot)
+    at = np.sort(rng.uniform(0.1, 0.9, 5))
+    along = curve.points(at, order=1)[:, :2]
+    aside = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+    centers = curve.points(at)[:, :2] + aside * rng.choice([-1, 1], 5)[:, None] * rng.uniform(6.5, 9.0, 5)[:, None]
+    away = np.linalg.norm(centers[:, None] - curve.sample(500)[None, :, :2], axis=2).min(axis=1)
+    centers = centers[away > 6.0]  # the curve itself must be clear
+    towers = tuple(
+        {"kind": "cylinder", "name": f"tower {n}", "east": e, "north": north, "radius": 2.0, "height": 90.0}
+        for n, (e, north) in enumerate(centers)
+    )
+    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
+    flown = fly(choose_route(as_plan(curve, scenario), scenario, "fastest"), curve, scenario)
+    required = scenario.vehicle.radius + scenario.safety_distance
+    legs = np.linspace(flown.path[:-1], flown.path[1:], 8).reshape(-1, 3)[:, None, :2]
+    assert np.linalg.norm(legs - centers[None], axis=2).min() - 2.0 > required - 0.05
+    assert flown.deviation <= WITHIN
+
+
 def test_the_flown_path_keeps_clear_of_a_tower_inside_a_bend() -> None:
     curve, free = curve_of_the_ways(Autopilot.ARDUPILOT)
     bend = curve.points(np.array([0.5]))[0]
