@@ -142,7 +142,7 @@ def _on_the_campus(rows: Sequence[Row]) -> list[str]:
     }
     return [
         f"**On the campus** IPOA's paths are {mean('ipoa', 'distance')} m and POA's {mean('poa', 'distance')} m (in "
-        f"print 286.7 and 313.2, on another campus). Only {flown['ipoa']} and {flown['poa']} of twenty can be flown; "
+        f"print 286.7 and 313.2, on another campus). Of twenty each {flown['ipoa']} and {flown['poa']} can be flown; "
         f"they take {mean('ipoa', 'time')} s and {mean('poa', 'time')} s (in print 20.2 and 22.3). `{OURS}` comes to "
         f"{mean(OURS, 'distance')} m and {mean(OURS, 'time')} s; {flown[OURS]} of its twenty can be flown."
     ]
