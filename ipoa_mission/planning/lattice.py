@@ -16,16 +16,19 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, minimum_filter
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.planning.chart import STEEP
 from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.problem import PathProblem, Trail, follow
 
-NODES = 60_000  # about how many nodes a lattice has
+NODES = 100_000  # about how many nodes a lattice has
+WIDEST = 200  # nodes along the longer side, at most
+LEVELS = 60  # at most, where climbs are not limited
 FINER = (1.0, 2.0, 3.0)  # how much finer the next lattice is if one knows no way
 FLATTEST = 0.15  # the lattice knows no flatter climbs: it would need too many levels
 MOST = 8  # ways that are returned
 DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbours
-BETWEEN = 0.15  # how much less slack than a node its neighbours on both sides have, in steps, if it is in a gap
+BETWEEN = 0.05  # how much less slack than a node its neighbours on both sides have, in steps, if it is in a gap
 ROUNDS = 6  # each looks three times as closely for the best place in a cell
 NEAREST, GLANCES = 64, 8  # nodes that may be an end's, and points at which the leg to each is looked at
 
@@ -68,7 +71,8 @@ def guesses(problem: PathProblem, coarsest: int) -> list[Trail]:
         lattice = lay(problem, fineness)
         if found := ways(lattice, problem, MOST):
             break
-    turns = max((_turns(way, 2 * lattice.spacing[0]) for way in found), default=0)
+    tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
+    turns = max((_turns(way, tolerance) for way in found), default=0)
     inner = int(max(inner, min(4 + 2 * turns, 40)))
     return [follow(guide, inner, scenario) for guide in (straight, *found)]
 
@@ -78,11 +82,16 @@ def lay(problem: PathProblem, fineness: float = 1.0) -> Lattice:
     lower, upper = _region(problem)
     size = upper - lower
     steepest = (max(problem.rules.climb, FLATTEST), max(problem.rules.descent, FLATTEST))
-    flattest = min(*steepest, 1.0)
-    pitch = max((size.prod() / flattest / NODES) ** (1 / 3), size[:2].max() / 120) / fineness
+    flattest, area = min(*steepest, 1.0), size[0] * size[1]
+    pitch = (area * size[2] / flattest / NODES) ** (1 / 3)
+    if upright := min(steepest) >= STEEP:  # cells may then be higher than they are wide
+        pitch = min(pitch, (area * LEVELS / NODES) ** 0.5)
+    pitch = max(pitch, size[:2].max() / WIDEST) / fineness
     count = np.ones(3, int)
     count[:2] += np.ceil(size[:2] / pitch).astype(int)
     rise = min(flattest * float((size[:2] / (count[:2] - 1)).min()), max(size[2] / 6, 0.5))
+    if upright:
+        rise = max(rise, size[2] / (LEVELS * fineness))
     count[2] += int(np.ceil(size[2] / rise))
     spacing = size / (count - 1)
     grid = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
@@ -168,7 +177,7 @@ def _leg_ways(lattice: Lattice, problem: PathProblem, start: Vector, goal: Vecto
         way = np.array([*_trace(before, node)[::-1], *_trace(after, node)[1:]])
         points = np.vstack([start, lattice.places[way], goal])
         course = _even(points)
-        if all(np.linalg.norm(course - other, axis=1).max() > 3 * lattice.spacing[0] for other in even):
+        if all(np.linalg.norm(course - other, axis=1).max() > 4 * lattice.spacing[0] for other in even):
             found.append(points)
             even.append(course)
         if len(found) == most:

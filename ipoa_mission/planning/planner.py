@@ -29,6 +29,7 @@ Proved: TypeAlias = tuple[Spline, Proof]
 
 STRAIGHT = 3  # searches that begin at the straight line
 WIDE, NARROW, LOCAL = 0.25, 0.08, 0.12  # widths of a search: round the straight line, a better guess, a piece
+FEW = 20  # control points with which a curve may not be able to follow a way
 KEPT = 3  # curves that are searched again
 PIECE = 10  # control points that are then varied at a time
 WANTED, TRIED = 2, 6  # curves that are settled and hold, and how many are tried for that
@@ -77,7 +78,7 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
             if sum(proof.holds for _, proof in proved) == WANTED:
                 break
         if safe := [trail for trail, proof in proved if proof.holds]:
-            proved.append(settle(refine(min(safe, key=problem.cost)), problem))
+            proved.append(settle(refine(min(safe, key=problem.cost)), problem, enough=1e-8))
             break
         if (why := blockage(problem)) is not None:
             raise why
@@ -88,8 +89,13 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     """The best few curves, of those that a guess, or a search round one, was polished to."""
     problem = searcher.problem
     straight, *ways = guesses(problem, coarsest)
+    found = [polish(straight, problem)]
+    for i, way in enumerate(ways):
+        found.append(polish(way, problem))
+        if len(way.curve.control) < FEW and problem.cost(found[-1]) > problem.rules.collision:
+            ways[i] = refine(way)
+            found[-1] = polish(ways[i], problem)
     starts = [(straight, WIDE)] * STRAIGHT + [(way, NARROW) for way in ways]
-    found = [polish(way, problem) for way in (straight, *ways)]
     for i, (guess, width) in enumerate(starts):
         progress(0.5 * i / len(starts), f"passage {i + 1} of {len(starts)}")
         found.append(polish(searcher.search(guess, width), problem))
@@ -99,12 +105,12 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
 def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> list[Trail]:
     """These curves with twice the control points and what became of them piece by piece, the best first."""
     found = [refine(trail) for trail in trails]
-    inner = len(found[0].curve.control) - 2
-    rounds = max(inner - 9, 6)
+    inner = max(len(trail.curve.control) for trail in found) - 2
+    rounds = max((inner - PIECE) // 2, 6)
     for i in range(rounds):
         progress(0.5 + 0.4 * i / rounds, f"piece {i + 1} of {rounds}")
         base = found[int(searcher.rng.integers(min(2, len(found))))]
-        first = int(searcher.rng.integers(max(inner - PIECE, 0) + 1))
+        first = int(searcher.rng.integers(max(len(base.curve.control) - 2 - PIECE, 0) + 1))
         piece = slice(first, first + PIECE)
         found.append(polish(searcher.search(base, LOCAL, piece), searcher.problem, part=piece))
         found.sort(key=searcher.problem.cost)

@@ -55,7 +55,7 @@ def polish(
     return Trail(Spline(control), trail.via_at)
 
 
-def settle(trail: Trail, problem: PathProblem) -> tuple[Trail, Proof]:
+def settle(trail: Trail, problem: PathProblem, enough: float = 1e-7) -> tuple[Trail, Proof]:
     """The curve polished until its proof holds, or as near to that as it comes.
 
     Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
@@ -64,7 +64,7 @@ def settle(trail: Trail, problem: PathProblem) -> tuple[Trail, Proof]:
     more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(ATTEMPTS):
         stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
-        trail = polish(trail, problem, stages, steps=60, finer=2, enough=1e-8)
+        trail = polish(trail, problem, stages, steps=60, finer=2, enough=enough)
         proof = prove_curve(trail.curve, problem.scenario)
         if not HOPELESS < proof.worst.slack < 0:
             break
