@@ -7,6 +7,7 @@ import pytest
 
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
@@ -78,6 +79,10 @@ def test_the_vehicle_goes_on_with_the_item_it_is_told(autopilot: Autopilot) -> N
         vehicle.upload(mission(autopilot))
         vehicle.set_current(3)
         vehicle.arm()
+        if autopilot is Autopilot.ARDUPILOT:  # on the ground it wants a take-off, and none is to come
+            with pytest.raises(CommandRefused, match="Auto: Missing Takeoff Cmd"):
+                vehicle.start()
+            return
         vehicle.start()
         record = vehicle.watch()
         assert min(record.item_reached_s) <= 3
