@@ -6,7 +6,7 @@ import pytest
 
 from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer
-from ipoa_mission.link.logbook import LOST_S, Logbook, watch
+from ipoa_mission.link.logbook import LOST_S, Logbook, brings_down, watch
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
     AutopilotVersion,
@@ -217,3 +217,7 @@ def test_a_lost_vehicle_is_an_error() -> None:
     exchange = Exchange(watch(Logbook(2, 0, lands=True), lambda done: None), 0.0, SPECIFIED)
     with pytest.raises(NoAnswer, match="not heard any more"):
         exchange.tick(LOST_S)
+
+
+def test_a_mission_comes_down_with_a_landing_or_a_return() -> None:
+    assert [command for command in (16, 20, 21, 22, 178) if brings_down(command)] == [20, 21]
