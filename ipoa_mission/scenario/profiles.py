@@ -8,9 +8,9 @@ from typing import Any
 #: Measured in docs/profiles.md: what saves time and energy most is not to stop, so that waypoints are few.
 PROFILES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
-        "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}, "route": {"tolerance": 2.0}},
+        "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}},
         "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},
-        "endurance": {"cost": {"omega": (0.5, 0.45, 0.05)}, "route": {"tolerance": 3.0}},
+        "endurance": {"cost": {"omega": (0.5, 0.45, 0.05)}, "route": {"tolerance": 8.0}},
     }
 )
 
