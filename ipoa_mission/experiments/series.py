@@ -88,7 +88,7 @@ CEC_D20 = Series("cec2022-d20", 30, _cec(20, [(name, {}) for name in ALGORITHMS]
 CEC_D10 = Series("cec2022-d10", 30, _cec(10, [(name, {}) for name in ALGORITHMS]))
 CEC_BEYOND = Series("cec2022-d20-beyond", 30, _cec(20, [(name, {}) for name in BEYOND], BUDGET))
 CEC_EQUAL = Series("cec2022-d20-equal", 15, _cec(20, list(EQUAL.items()), BUDGET))
-CEC_ABLATION = Series("cec2022-d20-ablation", 17, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
+CEC_ABLATION = Series("cec2022-d20-ablation", 20, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
 
 #: The map of Table 5, once for each experiment.
 WEIGHTED = tuple(f"map-8-1/{experiment}" for experiment in WEIGHTS)
