@@ -15,6 +15,7 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Callable
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +77,7 @@ def spoil_json(data: bytes, rng: np.random.Generator) -> bytes:
                 case 0:
                     del parent[key]
                 case 1 if isinstance(parent, list):
-                    parent.insert(int(rng.integers(len(parent) + 1)), parent[key])
+                    parent.insert(int(rng.integers(len(parent) + 1)), deepcopy(parent[key]))
                 case _:
                     parent[key] = _value(rng)
     return json.dumps(document).encode()
