@@ -95,7 +95,7 @@ def spoil_fields(data: bytes, rng: np.random.Generator) -> bytes:
 
 def _value(rng: np.random.Generator) -> Any:
     values = NASTY if rng.random() < 0.3 else PLAUSIBLE
-    return values[rng.integers(len(values))]
+    return deepcopy(values[rng.integers(len(values))])
 
 
 def _places(node: Any) -> Any:
