@@ -314,10 +314,9 @@ def test_a_mission_that_was_flown_is_found_without_fault(name: str, autopilot: A
     assert check_mission(read_mission(FILES / f"{name}.waypoints", autopilot)) == ()
 
 
-FLIGHTS = Path(__file__).parents[3] / "shared" / "flights"
+FLIGHTS = Path(__file__).parents[1] / "flights"
 
 
-@pytest.mark.skipif(not FLIGHTS.is_dir(), reason="the recorded flights are not here")
 def test_every_recorded_mission_is_found_without_fault() -> None:
     found = {
         path.parent.name: check_mission(read_mission(path, Autopilot(path.parent.name.rsplit("-", 1)[1])))
