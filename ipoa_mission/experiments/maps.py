@@ -90,14 +90,14 @@ def paper_map(name: str) -> str:
         "peaks = [",
     ]
     for _ in range(6):
-        east, north = _aside(rng, 25.0)
+        east, north = aside(rng, 25.0)
         height, a, b = rng.uniform(30, 110), *rng.uniform(8, 15, 2)
         lines.append(
             f"  {{ height = {height:.1f}, east = {east:.1f}, north = {north:.1f}, a = {a:.1f}, b = {b:.1f} }},"
         )
     lines.append("]")
     for k in range(obstacles):
-        east, north = _aside(rng, 15.0) if k % 4 > 1 else _in_the_way(rng)
+        east, north = aside(rng, 15.0) if k % 4 > 1 else in_the_way(rng)
         place = [f"east = {east:.1f}", f"north = {north:.1f}"]
         if k % 2:
             shape = [f"radius = {rng.uniform(3, 6):.1f}", f"height = {rng.uniform(40, 120):.1f}"]
@@ -108,7 +108,7 @@ def paper_map(name: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
+def aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
     """A place on the map at least `least` metres from start and goal."""
     while True:
         east, north = rng.uniform(8, 92, 2)
@@ -116,7 +116,7 @@ def _aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
             return float(east), float(north)
 
 
-def _in_the_way(rng: np.random.Generator) -> tuple[float, float]:
+def in_the_way(rng: np.random.Generator) -> tuple[float, float]:
     """A place within ten metres of the straight way: half of the obstacles stand there, lest a map be an empty one."""
     along, aside = rng.uniform(25, 75), rng.uniform(-7, 7)
     return float(along + aside), float(along - aside)

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.experiments.maps import aside, in_the_way
 from ipoa_mission.scenario import Scenario
 
 Table = dict[str, Any]
@@ -56,12 +57,12 @@ def paper_like(kind: str, count: int, rng: np.random.Generator) -> Table:
     """The paper's size, landform and number of obstacles; it does not publish its own maps."""
     peaks = []
     for _ in range(6):
-        east, north = _apart(rng, 25.0)
+        east, north = aside(rng, 25.0)
         a, b = rng.uniform(8, 15, 2)
         peaks.append({"height": rng.uniform(30, 110), "east": east, "north": north, "a": a, "b": b})
     obstacles = []
     for k in range(count):
-        east, north = _apart(rng, 15.0) if k % 2 else _in_the_way(rng)
+        east, north = aside(rng, 15.0) if k % 2 else in_the_way(rng)
         shape = (
             {"up": rng.uniform(15, 50), "radius": rng.uniform(4, 9)}
             if kind == "spheres"
@@ -145,16 +146,3 @@ def _town(obstacles: list[Table], east: float, north: float, margin: float, ceil
         "vehicle": {"radius": 0.6},
         "obstacles": obstacles,
     }
-
-
-def _apart(rng: np.random.Generator, least: float) -> tuple[float, float]:
-    """A place at least `least` metres from start and goal."""
-    while True:
-        east, north = rng.uniform(8, 92, 2)
-        if min(np.hypot(east - 5, north - 5), np.hypot(east - 95, north - 95)) >= least:
-            return float(east), float(north)
-
-
-def _in_the_way(rng: np.random.Generator) -> tuple[float, float]:
-    along, aside = rng.uniform(25, 75), rng.uniform(-7, 7)
-    return float(along + aside), float(along - aside)
