@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from ipoa_mission.planning.chart import CYLINDER, FENCE, LEAST, SPHERE, STEEP
+from ipoa_mission.planning.chart import CYLINDER, FENCE, LEAST, LEVER, SPHERE, STEEP
 
 FAST = {"reassoc", "contract", "arcp", "nsz"}  # lets sums be vectorised
 
@@ -215,19 +215,39 @@ def _add(gradient, band, window, i, base, pull, flat, slope, curvature):
                     band[a - b, base + b] += here * flat[b]
 
 
+@njit(inline="always")
+def _wall(slack, soft, even):
+    """What it costs to be so near to a wall, and how that changes with the slack: value, slope and curvature.
+
+    -log(slack / reach), brought smoothly to nothing at `reach`; where it is as stiff as a broken limit should be, and
+    beyond, the parabola that touches it there.
+    """
+    t = slack / soft.reach
+    if t >= 1.0:
+        return 0.0, 0.0, 0.0
+    near = max(t, math.sqrt(soft.wall / soft.stiffness) / soft.reach)
+    beyond, slope, curvature = t - near, 2.0 - near - 1.0 / near, 1.0 / near**2 - 1.0
+    value = (2.0 - 0.5 * near) * near - 1.5 - math.log(near) + beyond * (slope + 0.5 * curvature * beyond)
+    weight = soft.wall * even
+    return weight * value, weight * (slope + curvature * beyond) / soft.reach, weight * curvature / soft.reach**2
+
+
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def path_model(nodes, first, window, count, chart, rules, soft):
+def path_model(nodes, first, window, count, chart, rules, soft, even, signs):
     """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
 
     `nodes` (n, 3) depend on `count` control points: node i - 1, i and i + 1 on those from `first[i]` with the
-    coefficients `window[i]` (3, 5). Returns the value, (3 count,) and the lower band of the Hessian, (15, 3 count):
-    `band[i - j, j]` is its element i, j. The model is Gauss-Newton's: what bends downwards is left out, absolute values
-    are re-weighted squares.
+    coefficients `window[i]` (3, 5). `even` is the length of a leg [m] when all are alike. `signs` (n, 2), between -1
+    and 1, is what is thought of the sign of the turn and of the change of climb at each node; the surer, the less an
+    angle resists to being changed (the dual variables of Chan, Golub and Mulet 1999).
+
+    Returns the value, its gradient (3 count,), the lower band of the Hessian (15, 3 count), `band[i - j, j]` being its
+    element i, j, and the angles (n, 2) [rad]. The model is Gauss-Newton's: what bends downwards is left out.
     """
     n = len(nodes)
     raster, listed_from, listed, around = chart.cells, chart.first, chart.listed, chart.around
     kind, shape, edges, heights, low_zones = chart.kind, chart.shape, chart.edges, chart.heights, chart.low_zones
-    value, gradient, band = 0.0, np.zeros(3 * count), np.zeros((15, 3 * count))
+    value, gradient, band, angles = 0.0, np.zeros(3 * count), np.zeros((15, 3 * count)), np.zeros((n, 2))
     step, level, leg, danger = np.zeros((n, 3)), np.zeros(n), np.zeros(n), np.zeros(n)
     pull, flat = np.zeros((3, 3)), np.zeros(15)
     for i in range(n - 1):
@@ -235,8 +255,6 @@ def path_model(nodes, first, window, count, chart, rules, soft):
             step[i, axis] = nodes[i + 1, axis] - nodes[i, axis]
         level[i] = math.sqrt(step[i, 0] ** 2 + step[i, 1] ** 2) + 1e-9
         leg[i] = math.sqrt(level[i] ** 2 + step[i, 2] ** 2)
-    even = leg.sum() / (n - 1)
-    stiffness = soft.stiffness * even
 
     # Obstacles, ground and bounds at each node
     for i in range(n):
@@ -244,24 +262,26 @@ def path_model(nodes, first, window, count, chart, rules, soft):
         pull[0], pull[2] = 0.0, 0.0
         share = 0.5 * ((leg[i - 1] if i > 0 else 0.0) + leg[i])
         cell = _cell(raster, x, y)
-        if z < chart.top[cell] + soft.above:
+        if z < chart.top[cell] + soft.above + soft.reach:
             ground, pull[1, 0], pull[1, 1] = _ground(chart.ground, heights, x, y)
             pull[1, 2] = -1.0
-            broken = _least_height(low_zones, rules.height + soft.above, x, y) - (z - ground)
-            if broken > 0.0:
-                value += 0.5 * stiffness * broken**2
-                _add(gradient, band, window, i, base, pull, flat, stiffness * broken, stiffness)
-            broken = z - ground - (rules.ceiling - soft.above)
-            if broken > 0.0:
-                value += 0.5 * stiffness * broken**2
-                _add(gradient, band, window, i, base, pull, flat, -stiffness * broken, stiffness)
+            for sign in (1.0, -1.0):
+                if sign > 0.0:
+                    slack = rules.ceiling - soft.above - (z - ground)
+                else:
+                    slack = z - ground - _least_height(low_zones, rules.height + soft.above, x, y)
+                wall, slope, curvature = _wall(slack, soft, even)
+                if curvature > 0.0:
+                    value += wall
+                    _add(gradient, band, window, i, base, pull, flat, sign * slope, curvature)
         for axis in range(3):
-            broken = max(chart.lower[axis] - nodes[i, axis], nodes[i, axis] - chart.upper[axis]) + soft.aside
-            if broken > 0.0:
+            slack = min(nodes[i, axis] - chart.lower[axis], chart.upper[axis] - nodes[i, axis]) - soft.aside
+            wall, slope, curvature = _wall(slack, soft, even)
+            if curvature > 0.0:
                 pull[1] = 0.0
-                pull[1, axis] = 1.0 if 2.0 * nodes[i, axis] > chart.lower[axis] + chart.upper[axis] else -1.0
-                value += 0.5 * stiffness * broken**2
-                _add(gradient, band, window, i, base, pull, flat, stiffness * broken, stiffness)
+                pull[1, axis] = -1.0 if 2.0 * nodes[i, axis] > chart.lower[axis] + chart.upper[axis] else 1.0
+                value += wall
+                _add(gradient, band, window, i, base, pull, flat, slope, curvature)
         for k in range(listed_from[cell], listed_from[cell + 1]):
             body = listed[k]
             if not around[body, 3] < z < around[body, 4]:
@@ -269,27 +289,21 @@ def path_model(nodes, first, window, count, chart, rules, soft):
             if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:
                 continue
             distance, pull[1, 0], pull[1, 1], pull[1, 2] = _distance(kind, shape, edges, body, x, y, z)
-            slope, curvature = 0.0, 0.0
-            broken = (0.0 if kind[body] == FENCE else rules.clearance) + soft.aside - distance
-            if broken > 0.0:
-                value += 0.5 * stiffness * broken**2
-                slope, curvature = -stiffness * broken, stiffness
             hull = distance - rules.radius
-            if hull < rules.d_safe + soft.edge and kind[body] != FENCE:
+            threatened = kind[body] != FENCE and hull < rules.d_safe
+            slack = distance if kind[body] == FENCE else distance - rules.clearance
+            if kind[body] != FENCE and not threatened:  # the end of the threat is a wall from outside
+                slack = min(slack, hull - rules.d_safe)
+            wall, slope, curvature = _wall(slack - soft.aside, soft, even)
+            value += wall
+            if threatened:
                 near = max(hull, LEAST)
-                threat = rules.threat / near
-                change, bend = (-threat / near, 2.0 * threat / near**2) if hull > LEAST else (0.0, 0.0)
-                if hull > rules.d_safe:  # fades out
-                    t = (hull - rules.d_safe) / soft.edge
-                    fade, fading, flex = 1.0 - t * t * (3.0 - 2.0 * t), -6.0 * t * (1.0 - t) / soft.edge, 12.0 * t - 6.0
-                    bend = bend * fade + 2.0 * change * fading + threat * flex / soft.edge**2
-                    change = change * fade + threat * fading
-                    threat *= fade
-                weight = 1.0 if rules.per_node else share
+                threat, weight = rules.threat / near, 1.0 if rules.per_node else share
                 danger[i] += 0.0 if rules.per_node else threat
                 value += weight * threat
-                slope += weight * change
-                curvature += weight * max(bend, 0.0)
+                if hull > LEAST:
+                    slope -= weight * threat / near
+                    curvature += weight * 2.0 * threat / near**2
             if slope != 0.0 or curvature > 0.0:
                 _add(gradient, band, window, i, base, pull, flat, slope, curvature)
 
@@ -324,25 +338,16 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                 pull[1, axis] = -pull[2, axis]
             _add(gradient, band, window, i, base, pull, flat, 0.0, price / leg[i])
         for sign, limit in ((1.0, rules.climb - soft.flatter), (-1.0, rules.descent - soft.flatter)):
-            broken = sign * step[i, 2] - limit * level[i]
-            if broken > 0.0:
+            slack = limit * level[i] - sign * step[i, 2]
+            wall, slope, curvature = _wall(LEVER / even * slack, soft, even)
+            if curvature > 0.0:
                 for axis in range(2):
-                    pull[2, axis] = -limit * step[i, axis] / level[i]
-                pull[2, 2] = sign
+                    pull[2, axis] = LEVER / even * limit * step[i, axis] / level[i]
+                pull[2, 2] = -LEVER / even * sign
                 for axis in range(3):
                     pull[1, axis] = -pull[2, axis]
-                value += 0.5 * soft.stiffness / even * broken**2
-                _add(
-                    gradient,
-                    band,
-                    window,
-                    i,
-                    base,
-                    pull,
-                    flat,
-                    soft.stiffness / even * broken,
-                    soft.stiffness / even,
-                )
+                value += wall
+                _add(gradient, band, window, i, base, pull, flat, slope, curvature)
 
     # Turning and climbing at each inner node
     for i in range(1, n - 1):
@@ -366,10 +371,12 @@ def path_model(nodes, first, window, count, chart, rules, soft):
                     pull[row, 2] = 0.0
             for axis in range(3):  # the leg before ends here, the leg after begins here: both directions count
                 pull[1, axis] = -pull[0, axis] - pull[2, axis]
+            angles[i, upwards] = angle
             smooth = math.sqrt(angle * angle + soft.bend**2)
             value += rate * (smooth - soft.bend)
-            _add(gradient, band, window, i, base, pull, flat, rate * angle / smooth, rate / smooth)
-    return value, gradient, band
+            curvature = rate * (1.0 - signs[i, upwards] * angle / smooth) / smooth
+            _add(gradient, band, window, i, base, pull, flat, rate * angle / smooth, curvature)
+    return value, gradient, band, angles
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")

@@ -18,6 +18,7 @@ from ipoa_mission.world.terrain import Flat, Grid, Terrain
 
 SPHERE, CYLINDER, PRISM, FENCE = range(4)  # a fence is the flight area's outline, seen from inside
 LEAST = 0.05  # threats nearer than this count as being here [m]
+LEVER = 10.0  # a slope's slack counts as the height that it makes over so far [m]
 STEEP = 1e9  # stands for the slope, or the ceiling, that is not limited
 ENDLESS = 1e9  # base and top of a fence [m]
 RESAMPLED = 400  # nodes along the longer side of an analytic surface
@@ -77,7 +78,8 @@ class Soft(NamedTuple):
     """How a polish rounds off what is not smooth; it begins soft and ends hard."""
 
     bend: float  # angles much smaller than this count squared [rad]
-    edge: float  # the threat fades out over this beyond d_safe [m]
+    reach: float  # limits, and the sudden end of threats, are walls that are felt from this distance on [m]
+    wall: float  # cost per metre of path along such a wall, about as near as `reach`
     stiffness: float  # cost per metre of path and squared metre of a broken limit
     evenness: float  # how much nodes are drawn to be evenly spaced
     aside: float  # kept in addition to the required clearance [m]

@@ -1,8 +1,8 @@
 """Polish: from a rough path to the nearest local optimum, by damped Gauss-Newton steps on a smoothed problem.
 
-Absolute angles, the sudden end of the threat at d_safe and the limits are rounded off, at first generously, then less
-and less; a limit is a stiff spring. What is left of a broken limit is mended by `aside` and `above`, a little more
-clearance than is required.
+Absolute angles are rounded off, at first generously, then less and less. The limits, and the sudden end of the threat
+at d_safe, are walls that a path feels from a distance, at first from far (a logarithmic barrier, Fiacco and McCormick
+1968). What a path cuts between two nodes is mended by `aside`, `above` and `flatter`: a little more than is required.
 """
 
 from collections.abc import Sequence
@@ -13,23 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpbsv
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import Soft
 from ipoa_mission.planning.problem import ALL, Matrix, PathProblem, Trail, freedom
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
+ROUGHLY = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
 ATTEMPTS = 4
 BAND = 14  # coordinates farther apart than this share no term: a term depends on five control points
 HOPELESS = -1.0  # what a little more clearance does not mend [m]
 FELT = 8  # how many control points away a change is felt, via points included
-SOFTER = Soft(bend=0.02, edge=0.5, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
-SOFT = SOFTER._replace(bend=5e-3, edge=0.3, stiffness=30.0, aside=0.01, above=0.01)
-HARD = SOFT._replace(bend=1e-3, edge=0.1, stiffness=100.0, above=0.02, flatter=1e-3)
-HARDER = HARD._replace(bend=1e-4, edge=0.05, stiffness=1000.0)
-HARDEST = HARDER._replace(bend=1e-5, edge=0.02, stiffness=10_000.0, aside=0.005)
-SHARPEST = HARDEST._replace(bend=1e-6, edge=0.004, aside=0.003)
+SURE = 0.9  # how sure of an angle's sign a polish may be
+SOFTER = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
+SOFT = SOFTER._replace(bend=5e-3, reach=0.3, wall=0.1, stiffness=30.0, aside=0.01, above=0.01)
+HARD = SOFT._replace(bend=1e-3, reach=0.2, wall=0.03, stiffness=100.0, above=0.02, flatter=1e-3)
+HARDER = HARD._replace(bend=1e-4, reach=0.1, wall=0.01, stiffness=1e3, evenness=0.02)
+HARDEST = HARDER._replace(bend=1e-5, reach=0.05, wall=0.002, stiffness=1e4, evenness=0.01, aside=0.005)
+SHARPEST = HARDEST._replace(bend=1e-6, reach=0.03, wall=3e-4, stiffness=1e5, evenness=0.002, aside=0.003)
 ROUGH = (SOFTER, SOFT, HARD)
 FINE = (HARD, HARDER, HARDEST, SHARPEST)
 
@@ -43,15 +45,18 @@ def polish(
     finer: int = 1,
     enough: float = 5e-6,
 ) -> Trail:
-    """The curve after at most `steps` Gauss-Newton steps at each stage, or until one gains less than `enough`.
+    """The curve after at most `steps` Gauss-Newton steps at each stage, or until one gains less than `enough`, a share.
 
+    All stages but the last are content with `ROUGHLY`.
     Its ends and via points stay; `part` says which of the inner control points may move. It is looked at as closely
     as in the search, or `finer` times so.
     """
     nodes = finer * max(problem.nodes, NODES_PER_SPAN * trail.curve.spans)
     control, bench = trail.curve.control, _prepare(trail, problem, part, nodes)
+    signs = np.zeros((len(bench.first), 2))
     for soft in stages:
-        control = _descend(control, problem, bench, soft, steps, enough)
+        good = enough if soft is stages[-1] else max(enough, ROUGHLY)
+        control, signs = _descend(control, signs, problem, bench, soft, steps, good)
     return Trail(Spline(control), trail.via_at)
 
 
@@ -88,14 +93,16 @@ _REMEDY = {
 class _Bench:
     """The nodes that depend on the control points `some`, how they do, and how those may move.
 
-    Without via points the coordinates `free` of them move each by itself; with via points they move by `spread`
-    (3 some, f), and the Hessian of that has elements up to `reach` beside its diagonal.
+    The nodes are about `even` [m] apart. Without via points the coordinates `free` of the control points move each by
+    itself; with via points they move by `spread` (3 some, f), and the Hessian of that has elements up to `reach` beside
+    its diagonal.
     """
 
     some: slice
     look: Matrix  # (nodes, n)
     first: NDArray[np.int64]
     window: NDArray[np.float64]
+    even: float
     free: slice
     spread: Matrix | None
     reach: int
@@ -133,22 +140,25 @@ def _prepare(trail: Trail, problem: PathProblem, part: slice, nodes: int) -> _Be
         near = np.abs(np.subtract.outer(np.arange(len(spread)), np.arange(len(spread)))) <= BAND
         pairs = np.argwhere(np.abs(spread.T) @ near @ np.abs(spread) > 0)
         reach = int((pairs[:, 0] - pairs[:, 1]).max(initial=0))
-    some = slice(low, high)
-    return _Bench(some, even_basis(n, nodes)[seen], first[seen] - low, window[seen], free, spread, reach)
+    look = even_basis(n, nodes)[seen]
+    even = float(leg_lengths(look @ trail.curve.control).mean())
+    return _Bench(slice(low, high), look, first[seen] - low, window[seen], even, free, spread, reach)
 
 
-def _descend(control: Points, problem: PathProblem, bench: _Bench, soft: Soft, steps: int, enough: float) -> Points:
+def _descend(
+    control: Points, signs: Matrix, problem: PathProblem, bench: _Bench, soft: Soft, steps: int, enough: float
+) -> tuple[Points, Matrix]:
     """Levenberg and Marquardt: the less damped the better the model has been right."""
     from ipoa_mission.planning._kernels import path_model
 
-    count = bench.some.stop - bench.some.start
+    count, airspace = bench.some.stop - bench.some.start, (problem.chart, problem.rules)
 
-    def model(control: Points) -> tuple[float, Vector, Matrix]:
-        nodes = bench.look @ control
-        value, gradient, band = path_model(nodes, bench.first, bench.window, count, problem.chart, problem.rules, soft)
-        return value, *bench.reduced(gradient, band)
+    def model(control: Points) -> tuple[float, Vector, Matrix, Matrix]:
+        nodes, first, window, even = bench.look @ control, bench.first, bench.window, bench.even
+        value, gradient, band, angles = path_model(nodes, first, window, count, *airspace, soft, even, signs)
+        return value, *bench.reduced(gradient, band), angles
 
-    value, gradient, band = model(control)
+    value, gradient, band, angles = model(control)
     damping = 1e-3
     for _ in range(steps):
         for _ in range(6):
@@ -156,18 +166,21 @@ def _descend(control: Points, problem: PathProblem, bench: _Bench, soft: Soft, s
             damped[0] += damping * band[0] + 1e-6 * band[0].mean()
             _, step, failed = dpbsv(damped, gradient, lower=1)
             trial = bench.moved(control, -step)
-            trial_value, trial_gradient, trial_band = model(trial)
+            trial_value, trial_gradient, trial_band, trial_angles = model(trial)
             if not failed and trial_value < value:
                 break
             damping = max(8 * damping, 1e-4)
         else:
-            return control
+            break
         gain = value - trial_value
-        control, value, gradient, band = trial, trial_value, trial_gradient, trial_band
+        smooth = np.sqrt(angles**2 + soft.bend**2)
+        signs = (angles + (1 - signs * angles / smooth) * (trial_angles - angles)) / smooth
+        signs = np.clip(signs, -SURE, SURE)
+        control, value, gradient, band, angles = trial, trial_value, trial_gradient, trial_band, trial_angles
         damping = max(damping / 5, 1e-7)
         if gain < enough * abs(value):
-            return control
-    return control
+            break
+    return control, signs
 
 
 @lru_cache(maxsize=64)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
-from ipoa_mission.planning.chart import LEAST, Rules, Soft
+from ipoa_mission.planning.chart import LEAST, LEVER, Rules, Soft
 from ipoa_mission.planning.cost import node_weights
 from ipoa_mission.planning.limits import Limits
 from ipoa_mission.world.airspace import Airspace
@@ -33,7 +33,11 @@ def _search_cost(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits
         broken[which] += np.maximum(rules.clearance - distance, 0.0)
         hull = distance - rules.radius
         threat[which] += np.where(hull < rules.d_safe, 1 / np.maximum(hull, LEAST), 0.0)
-    depth = _too_steep(nodes, rules.climb, rules.descent).sum() + outside.sum() * legs.mean() + share @ broken
+    depth = (
+        np.maximum(-np.min(_slopes(nodes, rules.climb, rules.descent), axis=0), 0.0).sum()
+        + outside.sum() * legs.mean()
+        + share @ broken
+    )
     cost = rules.length * legs.sum()
     if depth > 0:
         return float(cost + rules.collision + rules.depth * depth)
@@ -49,27 +53,36 @@ def path_model(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits, 
     smooth = np.sqrt(angles**2 + soft.bend**2) - soft.bend
     value = rules.length * legs.sum() + rules.turning * smooth[0].sum() + rules.climbing * smooth[1].sum()
     value += 0.5 * soft.evenness / even * ((legs - even) ** 2).sum()
-    steep = _too_steep(nodes, rules.climb - soft.flatter, rules.descent - soft.flatter)
-    value += 0.5 * soft.stiffness / even * (steep**2).sum()
-
+    steep = _slopes(nodes, rules.climb - soft.flatter, rules.descent - soft.flatter) * LEVER / even
     height = nodes[:, 2] - airspace.ground(nodes)
     lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
     higher = replace(limits, height_above_ground=limits.height_above_ground + soft.above)  # but not in low zones
-    broken = [
-        higher.required_height(nodes) - height,
-        height - rules.ceiling + soft.above,
-        *(np.maximum(lower - nodes, nodes - upper) + soft.aside).T,
+    slack = [
+        *steep,
+        height - higher.required_height(nodes),
+        rules.ceiling - soft.above - height,
+        *(np.minimum(nodes - lower, upper - nodes) - soft.aside).T,
     ]
     if airspace.bounds.footprint is not None:
-        broken.append(airspace.bounds.footprint.distance(nodes[:, :2]) + soft.aside)
+        slack.append(-airspace.bounds.footprint.distance(nodes[:, :2]) - soft.aside)
     for obstacle in airspace.obstacles:
         distance = obstacle.distance(nodes)
-        broken.append(rules.clearance + soft.aside - distance)
         hull = distance - rules.radius
-        t = np.clip((hull - rules.d_safe) / soft.edge, 0.0, 1.0)
-        threat = rules.threat / np.maximum(hull, LEAST) * (1 - t * t * (3 - 2 * t))
+        threatened = hull < rules.d_safe
+        free = np.where(threatened, np.inf, hull - rules.d_safe)
+        slack.append(np.minimum(distance - rules.clearance, free) - soft.aside)
+        threat = np.where(threatened, rules.threat / np.maximum(hull, LEAST), 0.0)
         value += threat.sum() if rules.per_node else threat @ share
-    return float(value + 0.5 * soft.stiffness * even * sum((np.maximum(b, 0.0) ** 2).sum() for b in broken))
+    return float(value + soft.wall * even * sum(_wall(s, soft).sum() for s in slack))
+
+
+def _wall(slack: Vector, soft: Soft) -> Vector:
+    """-log(t) less its Taylor series about 1 as far as the square; nearer than it is stiff, the series about that."""
+    t, stiff = slack / soft.reach, np.sqrt(soft.wall / soft.stiffness) / soft.reach
+    near = np.maximum(t, stiff)
+    barrier = -np.log(near) + (near - 1) - (near - 1) ** 2 / 2
+    slope, curvature = -1 / near + 1 - (near - 1), 1 / near**2 - 1
+    return np.asarray(np.where(t < 1, barrier + slope * (t - near) + curvature * (t - near) ** 2 / 2, 0.0))
 
 
 def survey(points: Points, airspace: Airspace, rules: Rules, limits: Limits, reach: float) -> tuple[Vector, Vector]:
@@ -103,11 +116,11 @@ def spread(price: NDArray[np.float64], steps: NDArray[np.int64], lengths: Vector
             return cost.ravel()
 
 
-def _too_steep(nodes: Points, climb: float, descent: float) -> Vector:
-    """By how much each leg climbs or descends more than the greatest slopes allow, (n-1,) [m]."""
+def _slopes(nodes: Points, climb: float, descent: float) -> Points:
+    """By how much each leg climbs and descends less than the greatest slopes allow, (2, n-1) [m]."""
     step = np.diff(nodes, axis=0)
     level = np.hypot(step[:, 0], step[:, 1])
-    return np.asarray(np.maximum(np.maximum(step[:, 2] - climb * level, -step[:, 2] - descent * level), 0.0))
+    return np.array([climb * level - step[:, 2], descent * level + step[:, 2]])
 
 
 def _signed_turns(nodes: Points) -> Vector:

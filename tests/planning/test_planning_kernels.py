@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ipoa_mission.geometry import climb_angles, turning_angles
 from ipoa_mission.planning import twins
 from ipoa_mission.planning.chart import Soft, chart_of
 from ipoa_mission.planning.polish import _windows
@@ -18,7 +19,7 @@ from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Polygon
 
 Town = Callable[[int], Scenario]
-SOFT = Soft(bend=0.02, edge=0.4, stiffness=3.0, evenness=0.05, aside=0.1, above=0.2, flatter=0.01)
+SOFT = Soft(bend=0.02, reach=0.4, wall=0.1, stiffness=10.0, evenness=0.05, aside=0.1, above=0.2, flatter=0.01)
 LIMITLESS = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
 
 
@@ -60,13 +61,19 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
     assert (feasible > 20) != limited  # with limits next to nothing keeps them: the penalty is what is tested
 
 
-def model(problem: PathProblem, control: np.ndarray, soft: Soft = SOFT) -> tuple[float, np.ndarray, np.ndarray]:
+def model(
+    problem: PathProblem, control: np.ndarray, soft: Soft = SOFT, even: float | None = None
+) -> tuple[float, np.ndarray, np.ndarray]:
     from ipoa_mission.planning._kernels import path_model
 
     n = len(control)
     first, window = _windows(n, 60)
     nodes = even_basis(n, 60) @ control
-    found, gradient, band = path_model(nodes, first, window, n, problem.chart, problem.rules, soft)
+    even = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).mean()) if even is None else even
+    signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))
+    found, gradient, band, angles = path_model(nodes, first, window, n, problem.chart, problem.rules, soft, even, signs)
+    turns = np.column_stack([turning_angles(nodes), np.abs(np.diff(climb_angles(nodes)))])
+    np.testing.assert_allclose(np.abs(angles[1:-1]), turns, atol=1e-7)
     lower = sum(np.diag(row[: len(row) - k], -k) for k, row in enumerate(band))
     return found, gradient, lower + np.tril(lower, -1).T
 

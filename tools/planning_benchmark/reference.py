@@ -19,7 +19,7 @@ from ipoa_mission.optimize.search import Candidates, Costs
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import lay, ways
 from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.polish import HARDEST, polish, settle
+from ipoa_mission.planning.polish import HARDEST, SHARPEST, polish, settle
 from ipoa_mission.planning.problem import Encoding, PathProblem, Trail, follow, pose, refine, surround
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.scenario import Scenario
@@ -33,9 +33,8 @@ SHAKEN = 0.25  # standard deviation of the logarithm of a shaken price
 APART = 0.02  # of the length: starts that are nearer to each other than this are one
 KEPT = 4
 #: Stages that go on where the planner's polish ends: hardly anything is rounded off.
-SHARPER = HARDEST._replace(edge=0.01, bend=1e-5, stiffness=3e4, evenness=0.01)
-SHARPEST = SHARPER._replace(edge=0.003, stiffness=1e5, evenness=0.002)
-SHARP = (HARDEST, SHARPER, SHARPEST, SHARPEST._replace(edge=0.001))
+CLOSER = SHARPEST._replace(reach=0.01, wall=3e-5, stiffness=1e6)
+SHARP = (HARDEST, SHARPEST, CLOSER, CLOSER._replace(reach=0.003, wall=3e-6))
 
 
 def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -> tuple[float, Trail]:
