@@ -43,7 +43,7 @@ class PositionControl:
     ) -> tuple[tuple[float, float], float]:
         """Horizontal acceleration and vertical thrust to ask for; `seen` is the estimated place and motion.
 
-        A place of NaN is not held. `climbs`: the highest rates up and down.
+        `climbs`: the highest rates up and down.
         """
         at, flown = seen
         self._learn_to_hover(body, dt)
@@ -102,7 +102,7 @@ class PositionControl:
         vx, vy = cx + motion[0], cy + motion[1]
         if math.hypot(vx, vy) > self._most:
             vx, vy = _constrain(cx, cy, motion[0], motion[1], self._most)
-        cz = 0.0 if math.isnan(place[2]) else (place[2] - at[2]) * self._p[1]
+        cz = (place[2] - at[2]) * self._p[1]
         return vx, vy, min(max(cz + motion[2], -climbs[1]), climbs[0])
 
 

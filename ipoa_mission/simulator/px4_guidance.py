@@ -6,6 +6,8 @@ from ipoa_mission.simulator.px4_smoothing import Axis, aim_together
 from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.vehicle import Parameters
 
+AT_GOAL = 1e-5  # nearer than this nothing is aimed at [m]
+STANDING = 1e-6  # a target slower than this has stopped [m/s]
 TURNING = 0.98  # cosine between flying and aiming below which the vehicle is turning
 LOOKAHEAD = 5.0  # least distance ahead on the leg that is aimed at in a turn [m]
 SETPOINT_S = 0.06  # from a waypoint's being reached to the target's turning, as recorded at all waypoints
@@ -102,7 +104,8 @@ class PathFollower:
         x, y, _ = self.axes
         ex, ey = x.place - at[0], y.place - at[1]
         pace = 1.0
-        if ex * x.speed + ey * y.speed >= 0.0 and self._error > 0.0:
+        standing = math.hypot(x.speed, y.speed) < STANDING
+        if (standing or ex * x.speed + ey * y.speed >= 0.0) and self._error > 0.0:
             pace = 1.0 - min(math.hypot(ex, ey) / self._error, 1.0)
         for axis in self.axes:
             axis.advance(dt * pace)
@@ -164,7 +167,7 @@ class PathFollower:
             self._held = flat
         if sink is not None:
             size = math.hypot(dx, dy)
-            return (dx * flat / size, dy * flat / size, -sink) if size > 0.0 else (0.0, 0.0, -sink)
+            return (dx * flat / size, dy * flat / size, -sink) if size > AT_GOAL else (0.0, 0.0, -sink)
         return _within(dx, dy, dz, flat, self._height_speed(goal, beyond))
 
     def _flat_speed(self, away: float, dx: float, dy: float, goal: Triple, beyond: Triple) -> float:
@@ -211,7 +214,7 @@ class PathFollower:
 def _within(dx: float, dy: float, dz: float, flat: float, climb: float) -> Triple:
     """Along a direction, as fast as both the horizontal and the vertical limit allow."""
     size = math.sqrt(dx * dx + dy * dy + dz * dz)
-    if size <= 0.0:
+    if size <= AT_GOAL:
         return 0.0, 0.0, 0.0
     speed = math.hypot(flat, climb)
     vx, vy, vz = dx * speed / size, dy * speed / size, dz * speed / size

@@ -17,7 +17,7 @@ from ipoa_mission.vehicle import Parameters, Px4Return
 
 ON_GROUND_SINK = 0.7  # before taking off the target sinks at this rate [m/s]
 NAVIGATOR_S = 0.05  # how often it is looked whether an item is done
-CONTACT_S = 2.3  # from touching the ground until the thrust is low enough to be taken for that (mean of 22 flights)
+CONTACT_S = 1.9  # from touching the ground until the thrust is low enough to be taken for that (mean of 20 flights)
 HEADING_ERROR = math.radians(12.0)  # MIS_YAW_ERR
 #: Items that hide the report of the waypoint before them (as measured).
 HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
@@ -282,7 +282,8 @@ class PX4Pilot:
         slow, fast = self._p["MPC_LAND_SPEED"], self._p["MPC_Z_V_AUTO_DN"]
         low, high = self._p["MPC_LAND_ALT2"], max(self._p["MPC_LAND_ALT1"], self._p["MPC_LAND_ALT2"] + 1e-3)
         share = min(max((self._body.z - low) / (high - low), 0.0), 1.0)
-        self._fly(dt, sink=slow + share * (fast - slow))
+        crawls = self._body.z <= self._p.get("MPC_LAND_ALT3", 1.0)  # its simulator has a range finder
+        self._fly(dt, sink=self._p.get("MPC_LAND_CRWL", 0.3) if crawls else slow + share * (fast - slow))
 
     def _stand(self, dt: float) -> None:
         """On the ground, until it is sure to have landed: contact, perhaps, landed; then it disarms."""
@@ -314,22 +315,20 @@ class PX4Pilot:
         self._manoeuvre = self._hover
 
     def _fly(self, dt: float, climb: tuple[float, float] | None = None, sink: float | None = None) -> None:
-        body, path = self._body, self._path
-        path.advance(self._body.place, dt, climb, sink)
+        body, path, at = self._body, self._path, self._body.place
         up = self._p.get("MPC_Z_VEL_MAX_UP", 3.0)
         down = self._p.get("MPC_Z_VEL_MAX_DN", 1.5)
         if self._ramp < 1.0:
             none = -GRAVITY / self._p.get("MPC_Z_VEL_P_ACC", 4.0)
             up = none + self._ramp * (up - none)
         place, push = path.place, path.push
-        if sink is not None:
-            place = (place[0], place[1], math.nan)
         if self._ramp < 1.0:
             push = (push[0], push[1], 0.0)
-        seen = (body.place, self._motion.of(body.motion, dt))
+        seen = (at, self._motion.of(body.motion, dt))
         lean, thrust = self._control.lean_and_thrust(body, seen, place, path.motion, push, (up, down), dt)
         self._turn(dt)
         body.step(lean, thrust, dt)
+        path.advance(at, dt, climb, sink)
 
     def _turn(self, dt: float) -> None:
         heading = self._heading

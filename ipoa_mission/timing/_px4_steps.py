@@ -12,8 +12,12 @@ jit: Callable[[Any], Any] = globals().get("jit", lambda function: function)
 
 GRAVITY = 9.80665
 ON_LINE, BEYOND, BEFORE, BESIDE = 0, 1, 2, 3  # where the vehicle is, seen from its leg
+AT_TARGET = 1e-5  # nearer than this PX4 steers nowhere [m]
+STANDING = 1e-6  # a trajectory slower than this stands still, and always waits for the vehicle [m/s]
 HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # up to these speeds the hover thrust is learned well: HTE_VXY_THR, HTE_VZ_THR
-SEEDS = 2147483648.0  # the random numbers are a linear congruence modulo 2^31, exact in floating point
+#: Two multiplicative congruences (L'Ecuyer, 1988), whose products are exact in floating point.
+FACTOR, MODULUS = 40014.0, 2147483563.0
+FACTOR_2, MODULUS_2 = 40692.0, 2147483399.0
 
 
 @jit
@@ -124,25 +128,36 @@ def vertical_speed(
 
 
 @jit
-def normal(seed: float) -> tuple[float, float, float]:
-    """The next seed, and two normally distributed numbers (Box and Muller)."""
-    seed = (seed * 1103515245.0 + 12345.0) % SEEDS
-    size = math.sqrt(-2.0 * math.log((seed + 1.0) / (SEEDS + 1.0)))
-    seed = (seed * 1103515245.0 + 12345.0) % SEEDS
-    angle = 2.0 * math.pi * seed / SEEDS
-    return seed, size * math.cos(angle), size * math.sin(angle)
+def sinking(
+    height: float, low: float, high: float, slow: float, fast: float, crawl_below: float, crawl_speed: float
+) -> float:
+    """How fast a landing sinks: `fast` above `high`, from there ever slower to `slow` at `low`; at last it crawls."""
+    if height <= crawl_below:
+        return crawl_speed
+    share = (height - low) / max(high - low, 1e-6)
+    return slow + min(max(share, 0.0), 1.0) * (fast - slow)
+
+
+@jit
+def normal(first: float, second: float) -> tuple[float, float, float, float]:
+    """The next two seeds, and two normally distributed numbers (Box and Muller)."""
+    first, second = first * FACTOR % MODULUS, second * FACTOR_2 % MODULUS_2
+    size, angle = math.sqrt(-2.0 * math.log(first / MODULUS)), 2.0 * math.pi * second / MODULUS_2
+    return first, second, size * math.cos(angle), size * math.sin(angle)
 
 
 @jit
 def fly_to(
     way: Sequence[float], pace: Sequence[float], state: MutableSequence[float], samples: MutableSequence[float]
 ) -> bool:
-    """Fly until the target counts as reached, and is noticed to be; False if there is no room for more samples.
+    """Fly until the target counts as reached, and is noticed to be; False if that is not within `way[13]` seconds.
 
-    `state` is left as it is at that moment (26: when it was reached), and seven numbers a sample are added: time,
-    place, velocity.
+    `state` is left as it is at that moment (26: when it was reached). Every so many steps (pace[2]; 0: never) seven
+    numbers are added to the samples: time, place, velocity. A landing (way[12] < 0) sinks over the target, and has
+    reached it on the ground.
     """
-    radius, height_radius, cruise, climbing_off = way[9], way[10], way[11], way[12] == 1.0
+    radius, height_radius, cruise = way[9], way[10], way[11]
+    climbing_off, landing, patience = way[12] > 0.0, way[12] < 0.0, way[13]
     dt, latency, every = pace[0], pace[1], int(pace[2])
     accel, jerk, gain, most_error, most_speed = pace[3], pace[4], pace[5], pace[6], pace[7]
     up, down, accel_up, accel_down = pace[8], pace[9], pace[10], pace[11]
@@ -153,13 +168,14 @@ def fly_to(
         pace[27], pace[28], pace[29], pace[30], pace[31], pace[32], pace[33],
     )  # fmt: skip
     drift, drift_up, kept, most_up, most_down = pace[34], pace[35], pace[36], pace[37], pace[38]
+    land_low, land_speed, crawl_below, crawl_speed = pace[39], pace[40], pace[41], pace[42]
     t, x, y, z, vx, vy, vz = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
     ix, iy, lx, ly, bx, by, az = state[7], state[8], state[9], state[10], state[11], state[12], state[13]
     tx, ty, tz, ux, uy, uz = state[14], state[15], state[16], state[17], state[18], state[19]
     cx, cy, cz, held, used, rising = state[20], state[21], state[22], state[23], int(state[24]), state[25] > 0.0
     seed, fx, fy, home, wait = state[27], state[28], state[29], state[30], state[31]
     sx, sy, sz, told, due, iz = state[32], state[33], state[34], state[35], state[36], state[37]
-    hover, off = state[38], state[39]
+    hover, off, seed_2 = state[38], state[39], state[40]
     ax, ay, az_, gx, gy, gz, nx, ny, nz = (
         way[0], way[1], way[2], way[3], way[4], way[5], way[6], way[7], way[8],
     )  # fmt: skip
@@ -214,9 +230,13 @@ def fly_to(
             top, top_accel, jerk, height_radius,
         )  # fmt: skip
         # The velocity wanted points at the aim; both its level and its vertical part keep their limits.
-        size = math.sqrt(qx * qx + qy * qy + qz * qz)
+        size = far if landing else math.sqrt(qx * qx + qy * qy + qz * qz)
         wx = wy = wz = 0.0
-        if size > 1e-9:
+        if landing:
+            if size > AT_TARGET:
+                wx, wy = qx * fast / size, qy * fast / size
+            wz = -sinking(z, land_low, slow_below, land_speed, down, crawl_below, crawl_speed)
+        elif size > AT_TARGET:
             size = math.sqrt(fast * fast + rise * rise) / size
             wx, wy, wz = qx * size, qy * size, qz * size
             level = math.sqrt(wx * wx + wy * wy)
@@ -247,7 +267,8 @@ def fly_to(
         if jz != 0.0 and z1 + z2 + z3 < longest:
             z1, z2, z3 = stretched(uz, cz, wz, top_accel, jz, longest)
         ox, oy = tx - x, ty - y
-        behind = ox * ox + oy * oy if ox * ux + oy * uy >= 0.0 else 0.0
+        lags = speed < STANDING or ox * ux + oy * uy >= 0.0
+        behind = ox * ox + oy * oy if lags else 0.0
         h = dt * (1.0 - min(math.sqrt(behind) / most_error, 1.0))
         tx, ux, cx = moved(tx, ux, cx, jx, x1, x2, x3, h)
         ty, uy, cy = moved(ty, uy, cy, jy, y1, y2, y3, h)
@@ -282,9 +303,9 @@ def fly_to(
         x, y, z = x + (vx + sx) * dt, y + (vy + sy) * dt, z + (vz + sz) * dt
         t += dt
         step += 1
-        if step % every == 0:
-            if used + 7 > len(samples):
-                return False
+        if step * dt > patience:
+            return False
+        if every > 0 and step % every == 0:
             samples[used], samples[used + 1], samples[used + 2], samples[used + 3] = t, x, y, z
             samples[used + 4], samples[used + 5], samples[used + 6] = vx, vy, vz
             used += 7
@@ -293,9 +314,9 @@ def fly_to(
         wait -= dt
         if wait <= 0.0 and noise > 0.0:
             wait += noise_step
-            seed, n1, n2 = normal(seed)
+            seed, seed_2, n1, n2 = normal(seed, seed_2)
             sx, sy = kept * sx + drift * n1, kept * sy + drift * n2
-            seed, n1, n2 = normal(seed)
+            seed, seed_2, n1, n2 = normal(seed, seed_2)
             sz = kept * sz + drift_up * n1
             if t < until and abs(noise * n2 - home) > beyond:
                 home = noise * n2
@@ -304,7 +325,9 @@ def fly_to(
             told, due, corrected = home, -1.0, True
         # Reached, and noticed to be a little later.
         if seen < 0.0:
-            if climbing_off:
+            if landing:
+                reached = z <= 0.0
+            elif climbing_off:
                 reached = z - home > way[5] - height_radius
             else:
                 near = (x - way[3]) ** 2 + (y - way[4]) ** 2 <= radius * radius
@@ -319,5 +342,5 @@ def fly_to(
     state[20], state[21], state[22], state[23], state[24], state[25] = cx, cy, cz, held, used, 1.0 if rising else -1.0
     state[26], state[27], state[28], state[29], state[30], state[31] = seen, seed, fx, fy, home, wait
     state[32], state[33], state[34], state[35], state[36], state[37] = sx, sy, sz, told, due, iz
-    state[38], state[39] = hover, off
+    state[38], state[39], state[40] = hover, off, seed_2
     return True

@@ -17,7 +17,7 @@ class Senses:
 
     A satellite height comes every `every` s with a standard deviation of `height_noise` m. The speed that is estimated
     does not quite agree with how the estimated place moves: by `drift` m/s level, along each axis, and `drift_up`
-    upwards (standard deviations), for about `drift_lasts` s.
+    upwards (standard deviations), for about `drift_lasts` s. One that `sees_ground`, by a range finder, crawls to it.
     """
 
     every: float
@@ -25,6 +25,7 @@ class Senses:
     drift: float
     drift_up: float
     drift_lasts: float
+    sees_ground: bool
 
 
 @dataclass(frozen=True)
@@ -54,4 +55,9 @@ class Body:
 #: ArduPilot's built-in quadrotor: at 30 degrees of lean its drag allows 10.0 m/s level.
 ARDUPILOT_SIMULATOR = Body(linear_drag=0.30, quadratic_drag=0.0306, lag=0.02)
 #: PX4's SIH quadrotor (1 kg, drag 1 N s/m): at 45 degrees of lean its drag allows 9.8 m/s level.
-PX4_SIMULATOR = Body(1.0, 0.0, lag=0.06, senses=Senses(0.125, 0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5))
+PX4_SIMULATOR = Body(
+    linear_drag=1.0,
+    quadratic_drag=0.0,
+    lag=0.06,
+    senses=Senses(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True),
+)

@@ -8,6 +8,7 @@ again and again with it, which gives times and spread.
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
@@ -21,7 +22,6 @@ from ipoa_mission.timing.body import GRAVITY, PX4_SIMULATOR, Body, Senses
 from ipoa_mission.timing.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4_parameters import Px4Limits, px4_limits
-from ipoa_mission.timing.px4_vertical import touch_down
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.timing.wind import CALM, Wind
 from ipoa_mission.vehicle import Parameters
@@ -31,8 +31,8 @@ SAMPLE_STEPS = 3  # a sample of the track every so many steps
 NOTICED = (
     0.075  # from reaching a waypoint to steering for the next: half the navigator's cycle, and a setpoint's way [s]
 )
-LANDING_DETECTION = 4.0  # from touching down, at less than the speed asked for, to being sure of it [s]
-RETURN_PAUSES = 4.0  # RTL brakes over home and again at its descend height [s]
+LANDING_DETECTION = 2.6  # from touching down to being sure of it [s]
+RETURN_PAUSES = 1.8  # what RTL takes longer from there until it disarms [s]
 RUNS = 90  # with noise
 SOME_RUNS, WELL_KNOWN = 6, 0.003  # fewer will do once the mean is known to this share of it; asked every so many
 DOUBT, DOUBT_SHARE = 1.0, 0.015  # what the model itself may be off by on either side: seconds, and share of the time
@@ -40,8 +40,9 @@ LIKELY = 0.96  # the share of the runs between which the interval lies, before t
 #: "Commander: adjust home position altitude after gnss altitude correction" (pull request 25003, from 1.17 on): by how
 #: much the measured height has to differ [m], and for how long from take-off [s].
 CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0
-#: Where the stepping code keeps what is noisy: the seed, home's height, the next measurement, the drifts.
-NOISE_STATE = (27, 30, 31, 32, 33, 34)
+STATE = 41  # numbers that the stepping code keeps
+#: Those of them that are noise: the seeds, home's height, the next measurement, the drifts.
+SEEDS, NOISE_STATE = (27, 40), (27, 30, 31, 32, 33, 34, 40)
 
 HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
@@ -61,9 +62,8 @@ def fly_px4(
         MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
     """
     limits = px4_limits(parameters)
-    smooth = _Flight(
-        route, limits, wind, body, _px4_steps if fast is None else stepping("_px4_steps", fast, 0.0), seed=0
-    )
+    plan = _Plan(route, limits, wind, body)
+    smooth = _Flight(plan, _px4_steps if fast is None else stepping("_px4_steps", fast, 0.0), seed=0)
     smooth.run()
     samples = np.array(smooth.samples, dtype=np.float64).reshape(-1, 7)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
@@ -74,7 +74,7 @@ def fly_px4(
         for seed in range(1, RUNS + 1):
             if (seed - 1) % SOME_RUNS == 0 and _known(times):
                 break
-            run = _Flight(route, limits, wind, body, steps, seed)
+            run = _Flight(plan, steps, seed)
             try:
                 run.run()
             except MissionError as lost:  # circling a waypoint that is too small to be hit
@@ -100,37 +100,52 @@ def _known(times: Sequence[Sequence[float]]) -> bool:
     return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= WELL_KNOWN * ends.mean())
 
 
-class _Flight:
-    """One flight under way: the time, the place last bound for, the cruise speed in force, where the nose points."""
+@dataclass(frozen=True)
+class _Leg:
+    """A visit that is flown to: whence, whither, whither then; seconds that the nose turns, and that it holds there."""
 
-    def __init__(
-        self, route: Itinerary, limits: Px4Limits, wind: Wind, body: Body, steps: ModuleType, seed: int
-    ) -> None:
-        self.route, self.limits, self.wind = route, limits, wind
-        self.top = body.top_speed(limits.lean)
-        plain = steps is _px4_steps
+    before: Place
+    target: Place
+    after: Place
+    radius: float
+    turns: float
+    holds: float
+    stops: bool
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What is the same in all flights; `legs` are noted, visit by visit, as the first flight comes to them."""
+
+    route: Itinerary
+    limits: Px4Limits
+    wind: Wind
+    body: Body
+    legs: dict[int, _Leg] = field(default_factory=dict)
+
+
+class _Flight:
+    """One flight under way: the time, the place last bound for, the cruise speed in force, where the nose points.
+
+    With seed 0 it is flown without noise and watched: samples of its path and the reasons of its legs are kept.
+    """
+
+    def __init__(self, plan: _Plan, steps: ModuleType, seed: int) -> None:
+        self.plan, self.route, self.limits = plan, plan.route, plan.limits
+        self.watched = seed == 0
         self.step_to = steps.fly_to
-        self.pack: Callable[[Any], Any] = list if plain else _packed
-        self.room: Callable[[int], Any] = _zeros if plain else np.zeros
-        self.cruise, self.heading = limits.cruise, math.nan
+        self.pack: Callable[[Any], Any] = list if steps is _px4_steps else _packed
+        self.cruise, self.heading = self.limits.cruise, math.nan
         self.here, self.airborne, self.since = (0.0, 0.0, 0.0), False, 0.0  # since: when the last thing was done
         self.done: list[float] = []
         self.reasons: list[str] = []
         self.remarks: list[str] = []
         self.samples: list[float] = []
-        self.pace = [
-            *(STEP, NOTICED, float(SAMPLE_STEPS)),
-            *(limits.accel, limits.jerk, limits.corner_gain, limits.most_error, limits.most_speed),
-            *(limits.climb, limits.descent, limits.accel_up, limits.accel_down),
-            *(limits.takeoff_speed, limits.takeoff_speed / limits.takeoff_ramp, limits.land_high),
-            *(limits.p_xy, limits.p_v, limits.i_v, limits.d_v, GRAVITY * math.tan(limits.lean)),
-            *(limits.p_z, limits.p_vz, 1 - math.exp(-STEP / limits.lean_lag), 1 - math.exp(-STEP / body.lag)),
-            *(body.linear_drag, wind.east, wind.north, limits.i_vz, limits.hover_learning, NOTICED),
-            *_noise(body.senses if seed else None, limits.spool_up),
-            *(limits.most_climb, limits.most_descent),
-        ]
-        self.state = self.pack([0.0] * 40)
-        self.state[27] = float(7919 * seed + 13)
+        self.no_samples = self.pack([0.0])
+        self.pace = self.pack(_pace(plan, noisy=not self.watched))
+        self.state = self.pack([0.0] * STATE)
+        for n, value in zip(SEEDS, np.random.SeedSequence(seed).generate_state(2), strict=True):
+            self.state[n] = float(1 + value % 2_000_000_000)
         self.rest(0.0)
 
     @property
@@ -153,12 +168,12 @@ class _Flight:
         """Do visit n; when it was done, and why it was slow."""
         visit = self.route.visits[n]
         command, params = visit.item.command, visit.item.params
+        if command in FLOWN_TO:
+            return self.fly_to(n)
         if command == Command.NAV_TAKEOFF:
             return self.take_off(self.target(n)), ""
         if command == Command.NAV_LOITER_UNLIM:
             raise BadInput(f"items[{visit.seq - 1}]: loiters without end, so the flight has no time")
-        if command in FLOWN_TO:
-            return self.fly_to(n)
         if command == Command.NAV_DELAY:
             return self.hold(max(params[0], 0.0)), "hold"
         if command == Command.DO_CHANGE_SPEED and params[0] < 2:
@@ -195,30 +210,55 @@ class _Flight:
 
     # --- legs -------------------------------------------------------------------------------------------------
 
-    def fly_to(self, n: int) -> tuple[float, str]:
-        """Fly to visit n, turn the nose where it says, hold as long as it says."""
-        item, target, begun = self.route.visits[n].item, self.target(n), self.now
-        onward = self.onward(n)
-        after = self.target(onward) if onward is not None else target
-        radius = item.params[1] if item.params[1] > 0 and item.command == Command.NAV_WAYPOINT else self.limits.radius
+    def leg(self, n: int) -> _Leg:
+        """The leg to visit n from the place last bound for."""
+        item, target = self.route.visits[n].item, self.target(n)
         if item.command == Command.NAV_SPLINE_WAYPOINT:
             self.remarks.append(f"item {self.route.visits[n].seq}: PX4 knows no splines, flown straight")
+        onward = self.onward(n)
+        own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0
         before, self.here = self.here, target
-        flown = self.fly(before, target, after, radius)
-        reached = self.since
-        needs = self.turning_time(item.params[3], before, target) - (reached - begun)
+        return _Leg(
+            before=before,
+            target=target,
+            after=self.target(onward) if onward is not None else target,
+            radius=item.params[1] if own else self.limits.radius,
+            turns=self.turning_time(item.params[3], before, target),
+            holds=self.holds(n),
+            stops=onward is None,
+        )
+
+    def fly_to(self, n: int) -> tuple[float, str]:
+        """Fly to visit n, turn the nose where it says, hold as long as it says."""
+        legs, begun, used = self.plan.legs, self.now, len(self.samples)
+        leg = legs[n] if n in legs else legs.setdefault(n, self.leg(n))
+        self.here = leg.target
+        self.fly(leg.before, leg.target, leg.after, leg.radius)
+        reached, why = self.since, self.why_slow(leg, used) if self.watched else ""
+        needs = leg.turns - (reached - begun)
         if needs > 0:
             reached = self.hold(needs)
-        corner = corner_deg(before, target, after)
-        level = math.dist(before[:2], target[:2])
+        if leg.holds > 0:
+            return self.hold(leg.holds), "hold"
+        return reached, why
+
+    def why_slow(self, leg: _Leg, used: int) -> str:
+        """The reasons of a leg just flown, whose samples begin at `used`."""
+        level = math.dist(leg.before[:2], leg.target[:2])
+        rows = np.array(self.samples[used:]).reshape(-1, 7)
+        flown = float(np.hypot(rows[:, 4], rows[:, 5]).max()) if len(rows) else 0.0
         stop = _px4_steps.speed_to(level / 2, 0.0, self.limits.accel, self.limits.jerk)
         asked = min(self.cruise, self.limits.most_speed)
-        top = self.top + self.wind.along(target[0] - before[0], target[1] - before[1])
-        planned = min(stop, asked) if level > 1.0 else None
-        why = slow_because(planned, self.allowed(before, target, asked), asked, top, flown, corner, onward is None)
-        if self.holds(n) > 0:
-            return self.hold(self.holds(n)), "hold"
-        return reached, why
+        east, north = (leg.target[axis] - leg.before[axis] for axis in (0, 1))
+        return slow_because(
+            planned=min(stop, asked) if level > 1.0 else None,
+            allowed=self.allowed(leg.before, leg.target, asked),
+            asked=asked,
+            top=self.plan.body.top_speed(self.limits.lean) + self.plan.wind.along(east, north),
+            flown=flown,
+            corner=corner_deg(leg.before, leg.target, leg.after),
+            stops=leg.stops,
+        )
 
     def allowed(self, before: Place, target: Place, asked: float) -> float:
         """What the climb or descent rate leaves of the level speed asked for [m/s]."""
@@ -226,38 +266,36 @@ class _Flight:
         rate = self.limits.climb if rise > 0 else self.limits.descent
         return min(asked, rate * level / abs(rise)) if rise else asked
 
-    def fly(self, before: Place, target: Place, after: Place, radius: float, climbing_off: bool = False) -> float:
-        """Step until the target is reached; the highest level speed on the way [m/s]."""
+    def fly(self, before: Place, target: Place, after: Place, radius: float, climbing_off: bool = False) -> None:
+        """Step until the target is reached."""
         distance = math.dist(self.state[1:4], target) + abs(self.state[3] - target[2]) * 3
         cruise = min(self.cruise, self.limits.most_speed)
         most = (120 + 6 * distance * max(1.0, 1 / cruise)) * max(1.0, 1 / radius)  # a small circle is hard to hit
-        room = 7 * int(most / (STEP * SAMPLE_STEPS))
-        way = (*before, *target, *after, radius, self.limits.height_radius, cruise, float(climbing_off))
-        rows = self.step(way, NOTICED, room, target)
+        self.step((*before, *target, *after, radius, self.limits.height_radius, cruise, float(climbing_off), most))
         self.since = float(self.state[26])
-        return float(np.hypot(rows[:, 4], rows[:, 5]).max()) if len(rows) else 0.0
 
     def hold(self, seconds: float) -> float:
         """Stay at the place last bound for; when that is over [s]."""
         if seconds <= 0:
             return self.now
-        way = (*self.here, *self.here, *self.here, 1e9, 1e9, self.cruise, 0.0)
         over = max(self.since + seconds, self.now)
-        self.step(way, over - self.now, 7 * int((seconds + 5) / (STEP * SAMPLE_STEPS)) + 70, self.here)
+        there = (*self.here, *self.here, *self.here)
+        self.step((*there, 1e9, 1e9, self.cruise, 0.0, seconds + 6), latency=over - self.now)
         self.since = over
         return over
 
-    def step(self, way: Sequence[float], latency: float, room: int, target: Place) -> Any:
-        samples = self.room(room)
+    def step(self, way: tuple[float, ...], latency: float = NOTICED) -> None:
+        """Fly a way as the stepping code has it: three places, radii, cruise, climbing off or landing, patience."""
+        samples = self.no_samples
+        if self.watched:
+            samples = self.pack([0.0] * 7 * (int(way[13] / (STEP * SAMPLE_STEPS)) + 1))
         self.pace[1], self.state[24] = latency, 0.0
-        if not self.step_to(self.pack(way), self.pack(self.pace), self.state, samples):
+        if not self.step_to(tuple(map(float, way)), self.pace, self.state, samples):
             raise MissionError(
-                f"the vehicle does not reach {round(target[0])} m east and {round(target[1])} m north of home",
+                f"the vehicle does not reach {round(way[3])} m east and {round(way[4])} m north of home",
                 hint="the wind may be stronger than it can fly against, or the acceptance radius too small to be hit",
             )
-        rows = np.asarray(samples[: int(self.state[24])]).reshape(-1, 7)
-        self.samples += rows.ravel().tolist()
-        return rows
+        self.samples += [float(x) for x in samples[: int(self.state[24])]]
 
     def turning_time(self, yaw_deg: float, before: Place, target: Place) -> float:
         """How long the nose needs to point within the error allowed, where the item names a heading at all [s]."""
@@ -303,25 +341,27 @@ class _Flight:
             self.fly((x, y, z), self.here, self.here, self.limits.radius)
             self.pace[8] = climb
         self.straight_to((0.0, 0.0, self.here[2]))
-        self.hold(self.limits.land_delay + RETURN_PAUSES)
+        self.hold(self.limits.land_delay)
         self.come_down()
-        self.rest(self.limits.disarm_delay)
+        self.rest(RETURN_PAUSES + self.limits.disarm_delay)
         return self.now
 
     def come_down(self) -> None:
-        """Descend from where the vehicle is to the ground, and until the landing is noticed."""
-        flown = touch_down(self.limits, self.here[2])
-        for t, height, rate in flown:
-            self.samples += (self.now + t, self.here[0], self.here[1], height, 0.0, 0.0, rate)
-        self.here = (self.here[0], self.here[1], 0.0)
-        self.rest(flown[-1][0] + LANDING_DETECTION)
+        """Sink over the place last bound for to the ground, and wait until the landing is noticed."""
+        over = (self.here[0], self.here[1], 0.0)
+        slowest = min(self.limits.land_speed, self.limits.descent, self.limits.crawl_speed)
+        most = 30.0 + 4.0 * max(float(self.state[3]), 0.0) / slowest
+        cruise = min(self.cruise, self.limits.most_speed)
+        self.step((*over, *over, *over, self.limits.radius, 0.0, cruise, -1.0, most), latency=0.0)
+        self.here = over
+        self.rest(LANDING_DETECTION)
         self.airborne = False
 
     def rest(self, seconds: float) -> None:
         """Let time pass at `here` with no motion left in anything; the noise goes on from where it is."""
         x, y, z = self.here
         kept = ((0, self.now + seconds), *((n, float(self.state[n])) for n in NOISE_STATE))
-        self.state = self.pack([0.0] * 40)
+        self.state = self.pack([0.0] * STATE)
         for n, value in kept:
             self.state[n] = value
         self.state[1], self.state[2], self.state[3], self.state[25] = x, y, z + float(self.state[30]), 1.0
@@ -329,6 +369,23 @@ class _Flight:
         self.state[38], self.state[39] = 1.0, self.now
         self.since = self.now
         self.samples += (self.now, x, y, z, 0.0, 0.0, 0.0)
+
+
+def _pace(plan: _Plan, noisy: bool) -> tuple[float, ...]:
+    """What the stepping code goes by: its step and samples, limits and gains, the body, the wind, noise, landing."""
+    limits, body, wind = plan.limits, plan.body, plan.wind
+    return (
+        *(STEP, NOTICED, 0.0 if noisy else float(SAMPLE_STEPS)),
+        *(limits.accel, limits.jerk, limits.corner_gain, limits.most_error, limits.most_speed),
+        *(limits.climb, limits.descent, limits.accel_up, limits.accel_down),
+        *(limits.takeoff_speed, limits.takeoff_speed / limits.takeoff_ramp, limits.land_high),
+        *(limits.p_xy, limits.p_v, limits.i_v, limits.d_v, GRAVITY * math.tan(limits.lean)),
+        *(limits.p_z, limits.p_vz, 1 - math.exp(-STEP / limits.lean_lag), 1 - math.exp(-STEP / body.lag)),
+        *(body.linear_drag, wind.east, wind.north, limits.i_vz, limits.hover_learning, NOTICED),
+        *_noise(body.senses if noisy else None, limits.spool_up),
+        *(limits.most_climb, limits.most_descent),
+        *(limits.land_low, limits.land_speed, *_crawl(body.senses, limits)),
+    )
 
 
 def _noise(senses: Senses | None, taken_off: float) -> tuple[float, ...]:
@@ -341,9 +398,11 @@ def _noise(senses: Senses | None, taken_off: float) -> tuple[float, ...]:
     return (senses.every, *correction, fresh * senses.drift, fresh * senses.drift_up, kept)
 
 
+def _crawl(senses: Senses | None, limits: Px4Limits) -> tuple[float, float]:
+    """Below which height a landing crawls, and how fast: only where the ground is seen."""
+    seen = senses is not None and senses.sees_ground
+    return (limits.crawl_below if seen else 0.0), limits.crawl_speed
+
+
 def _packed(numbers: Any) -> Any:
     return np.array(numbers, dtype=np.float64)
-
-
-def _zeros(count: int) -> list[float]:
-    return [0.0] * count

@@ -23,6 +23,8 @@ FURTHER: Parameters = {
     "MC_ROLL_P": 6.5,
     "MIS_YAW_ERR": 12.0,
     "COM_DISARM_LAND": 2.0,
+    "MPC_LAND_ALT3": 1.0,
+    "MPC_LAND_CRWL": 0.3,
 }
 POSITIVE = (
     "MPC_XY_CRUISE",
@@ -38,6 +40,7 @@ POSITIVE = (
     "MPC_ACC_DOWN_MAX",
     "MPC_TKO_SPEED",
     "MPC_LAND_SPEED",
+    "MPC_LAND_CRWL",
     "MPC_XY_VEL_P_ACC",
     "MPC_YAWRAUTO_MAX",
     "MPC_YAWRAUTO_ACC",
@@ -84,6 +87,8 @@ class Px4Limits:
     land_speed: float
     land_high: float
     land_low: float
+    crawl_below: float
+    crawl_speed: float
     yaw_rate: float
     yaw_accel: float
     yaw_error: float
@@ -140,6 +145,8 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         land_speed=min(p["MPC_LAND_SPEED"], p["MPC_Z_VEL_MAX_DN"]),
         land_high=max(p["MPC_LAND_ALT1"], p["MPC_LAND_ALT2"]),
         land_low=p["MPC_LAND_ALT2"],
+        crawl_below=p["MPC_LAND_ALT3"],
+        crawl_speed=p["MPC_LAND_CRWL"],
         yaw_rate=math.radians(p["MPC_YAWRAUTO_MAX"]),
         yaw_accel=math.radians(p["MPC_YAWRAUTO_ACC"]),
         yaw_error=math.radians(p["MIS_YAW_ERR"]),
