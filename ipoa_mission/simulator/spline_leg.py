@@ -78,7 +78,7 @@ class SplineLeg:
         bend = math.sqrt(nx * nx + ny * ny + nz * nz)
         speed = most_along(direction, *self.speeds)
         if bend > 1e-6:  # v^2 bend / pace^2 is the acceleration across the track
-            across = most_along((nx / bend, ny / bend, nz / bend), *self._accelerations)
+            across = BRAKING * most_along((nx / bend, ny / bend, nz / bend), *self._accelerations)
             speed = min(speed, pace * math.sqrt(across / bend))
         gain = BRAKING * most_along(direction, *self._accelerations)
         return direction, speed, gain, pace
