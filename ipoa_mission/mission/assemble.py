@@ -10,11 +10,12 @@ from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.build import build_mission
-from ipoa_mission.mission.fastest import fastest_route, fly
+from ipoa_mission.mission.fastest import fastest_route
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.prove_route import prove_route
 from ipoa_mission.mission.resample import corridor, every
 from ipoa_mission.mission.route import NoRoute, Route, push_clear
+from ipoa_mission.mission.trial import fly
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.bound import least_time
@@ -119,5 +120,5 @@ MODES: dict[str, Callable[[Plan, Scenario], Route]] = {
     "even": _even,
     "corridor": _corridor,
     "spline": _spline,
-    "fastest": lambda plan, scenario: fastest_route(plan.curve, scenario, fallback=_corridor(plan, scenario)),
+    "fastest": lambda plan, scenario: fastest_route(plan.curve, scenario, lambda: _corridor(plan, scenario)),
 }

@@ -25,6 +25,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
 LEAST_TAKEOFF_HEIGHT = 2.5
+VISITED = 0.5  # a waypoint so near stands for a via point [m]
 OVER_HOME = 0.5  # a route that begins this near is begun by the take-off [m]
 
 
@@ -54,13 +55,12 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
             f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         )
     over_home = starts_over_home(route)
-    fly_to = spline_waypoint if route.spline else waypoint
     items: list[Item] = [
         takeoff(first[0] if over_home else home, first[1]),
         change_speed(scenario.vehicle.cruise_speed),
         *([] if over_home else [waypoint(*first)]),
-        *(fly_to(place, height) for place, height in others[:-1]),
-        waypoint(*others[-1]),  # of a spline too: on a curve ArduCopter does not brake in time for its stop
+        *(_pass(route, n, *place, scenario) for n, place in enumerate(others[:-1], 1)),
+        (spline_waypoint if route.spline and route.brakes_on_curve else waypoint)(*others[-1]),
         return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]),
     ]
     return Mission(
@@ -76,6 +76,14 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
 def starts_over_home(route: Route) -> bool:
     """Whether the take-off ends at its first waypoint."""
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
+
+
+def _pass(route: Route, n: int, place: Geodetic, height: float, scenario: Scenario) -> Item:
+    """The item that passes waypoint n of the route; those at via points are flown to as near as others are."""
+    if route.spline:
+        return spline_waypoint(place, height)
+    via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
+    return waypoint(place, height, radius=0.0 if via.any() else route.radius)
 
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:

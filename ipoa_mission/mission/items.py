@@ -228,12 +228,15 @@ def takeoff(place: Geodetic, height: float) -> Item:
     )
 
 
-def waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item:
-    """Fly straight to `place` at `height` above home, and hold there."""
+def waypoint(place: Geodetic, height: float, hold_s: float = 0.0, radius: float = 0.0) -> Item:
+    """Fly straight to `place` at `height` above home, and hold there.
+
+    PX4 turns to the next waypoint within `radius` [m] of this one; 0: NAV_ACC_RAD. ArduCopter does not read it.
+    """
     return Item(
         Command.NAV_WAYPOINT,
         Frame.GLOBAL_RELATIVE_ALT,
-        (hold_s, 0.0, 0.0, math.nan),
+        (hold_s, radius, 0.0, math.nan),
         place.latitude_deg,
         place.longitude_deg,
         height,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.spline import Spline
 
 SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
@@ -25,7 +25,7 @@ def every(curve: Spline, spacing: float, via: Points = NOWHERE) -> Points:
 
     The nearest to each via point (m, 3) stand on it.
     """
-    return _through(curve.sample(max(2 + len(via), math.ceil(curve.length / spacing) + 1)), via)[0]
+    return through(curve.sample(max(2 + len(via), math.ceil(curve.length / spacing) + 1)), via)[0]
 
 
 def corridor(
@@ -38,24 +38,23 @@ def corridor(
     with the least sum of squared deviations is taken.
     """
     count = np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, SAMPLES // len(asides))
-    samples, stops = _through(curve.sample(int(count)), via)
-    spots = samples[:, None, :] + np.asarray(asides)[:, None] * _lefts(samples)[:, None, :]  # (n, sides, 3)
+    samples, stops = through(curve.sample(int(count)), via)
+    spots = samples[:, None, :] + np.asarray(asides)[:, None] * lefts(samples)[:, None, :]  # (n, sides, 3)
     spots[[0, *stops, -1]] = samples[[0, *stops, -1], None, :]
     n, sides = spots.shape[:2]
     legs, strain = np.full((n, sides), n + 1), np.full((n, sides), np.inf)
     before = np.zeros((n, sides, 2), int)
     legs[0], strain[0] = 0, 0.0
     for i in range(n - 1):
-        for side in range(sides if i else 1):
-            deviation = _reachable(spots[i, side], samples[i:], spots[i:], tolerance)
-            reached = np.zeros((n, sides), bool)
-            reached[i + 1 : i + 1 + len(deviation)] = deviation <= tolerance
-            reached[min((stop for stop in stops if stop > i), default=n) + 1 :] = False
-            worn = np.full((n, sides), np.inf)
-            worn[i + 1 : i + 1 + len(deviation)] = strain[i, side] + deviation**2
-            fewer = (legs[i, side] + 1 < legs) | ((legs[i, side] + 1 == legs) & (worn < strain))
-            better = reached & fewer
-            legs[better], strain[better], before[better] = legs[i, side] + 1, worn[better], (i, side)
+        starts = spots[i] if i else spots[0, :1]
+        found = _reachable(starts, samples[i:], spots[i:], tolerance)
+        last = min(i + found.shape[1], next((stop for stop in stops if stop > i), n))
+        ends = slice(i + 1, last + 1)
+        for side, deviation in enumerate(found[:, : last - i]):
+            more, worn = legs[i, side] + 1, strain[i, side] + deviation**2
+            fewer = (more < legs[ends]) | ((more == legs[ends]) & (worn < strain[ends]))
+            better = (deviation <= tolerance) & fewer
+            legs[ends][better], strain[ends][better], before[ends][better] = more, worn[better], (i, side)
     chosen = [(n - 1, 0)]
     while chosen[-1][0] > 0:
         chosen.append(tuple(before[chosen[-1]]))
@@ -75,7 +74,7 @@ def deviation(path: Points, curve: Spline) -> float:
     return math.sqrt(max(away**2 - spacing**2 / 4, 0.0))
 
 
-def _through(samples: Points, via: Points) -> tuple[Points, list[int]]:
+def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
     """The samples of a curve with the nearest to each via point, in their order, put on it; and which these are."""
     stops: list[int] = []
     for place, left in zip(via, range(len(via), 0, -1), strict=True):
@@ -99,7 +98,7 @@ def _fine(curve: Spline) -> Points:
     return curve.sample(int(np.clip(curve.length / STEP, 200, 2000)))
 
 
-def _lefts(samples: Points) -> Points:
+def lefts(samples: Points) -> Points:
     """Level unit vectors to the left of the way at each sample, (n, 3); zero where the way is vertical."""
     ahead = np.gradient(samples[:, :2], axis=0)
     length = np.linalg.norm(ahead, axis=1, keepdims=True)
@@ -107,26 +106,28 @@ def _lefts(samples: Points) -> Points:
     return np.column_stack([-level[:, 1], level[:, 0], np.zeros(len(level))])
 
 
-def _reachable(start: Vector, samples: Points, spots: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
-    """How far the samples in between leave the straight leg from `start` to each later spot, (m, sides) [m].
+def _reachable(starts: Points, samples: Points, spots: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+    """How far the samples in between leave the straight legs from `starts` to each later spot, (starts, m, sides) [m].
 
     The search widens until no leg of the last widening fits: a curve that comes back later is not looked for.
     """
     width = 16
     while True:
-        found = _deviations(start, samples[: width + 1], spots[1 : width + 1])
-        if width + 1 >= len(samples) or (found[width // 2 :] > tolerance).all():
+        found = _deviations(starts, samples[: width + 1], spots[1 : width + 1])
+        if width + 1 >= len(samples) or (found[:, width // 2 :] > tolerance).all():
             return found
         width *= 2
 
 
-def _deviations(start: Vector, samples: Points, spots: NDArray[np.float64]) -> NDArray[np.float64]:
-    """For each spot (m, sides, 3) the greatest distance of the samples up to its own from the leg to it, (m, sides)."""
-    spokes = spots - start
-    squares = np.maximum(np.einsum("jsk,jsk->js", spokes, spokes), 1e-12)
-    offsets = samples[1:] - start
-    along = np.clip(np.einsum("jsk,ik->jsi", spokes, offsets) / squares[:, :, None], 0, 1)
-    gaps = offsets - along[..., None] * spokes[:, :, None, :]
-    distance = np.sqrt(np.einsum("jsik,jsik->jsi", gaps, gaps))
-    own = np.arange(len(offsets))[None, :] <= np.arange(len(spots))[:, None]
-    return np.asarray(np.where(own[:, None, :], distance, 0.0).max(axis=2))
+def _deviations(starts: Points, samples: Points, spots: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The greatest distance of the samples up to each spot (m, sides, 3) from the leg to it, (starts, m, sides)."""
+    m, sides = spots.shape[:2]
+    spokes, offsets = spots[None] - starts[:, None, None], samples[1:] - starts[:, None]
+    spokes = spokes.reshape(len(starts), m * sides, 3)
+    squares = np.maximum((spokes**2).sum(axis=2), 1e-12)[:, None]
+    ahead = offsets @ spokes.transpose(0, 2, 1)  # (starts, samples, spots): what the squared distance is made of
+    along = np.minimum(np.maximum(ahead / squares, 0.0), 1.0)
+    apart = (offsets**2).sum(axis=2)[..., None] + along * (along * squares - 2 * ahead)
+    own = np.tri(m, dtype=bool).T[:, :, None]
+    apart = np.where(own, apart.reshape(len(starts), m, m, sides), 0.0).max(axis=1)
+    return np.asarray(np.sqrt(np.maximum(apart, 0.0)))

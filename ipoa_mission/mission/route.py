@@ -25,10 +25,16 @@ class NoRoute(MissionError):
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """Waypoints (k, 3) from start to goal, flown in straight legs, or with `spline` in one smooth curve (ArduPilot)."""
+    """Waypoints (k, 3) from start to goal, flown in straight legs, or with `spline` in one smooth curve (ArduPilot).
+
+    A curve ends in a straight leg, or with `brakes_on_curve` in a curve as well: that one must be long enough to brake
+    in (`braking_length`). `radius` is how near to a waypoint PX4 turns to the next [m]; 0: as its parameters say.
+    """
 
     points: Points
     spline: bool = False
+    brakes_on_curve: bool = False
+    radius: float = 0.0
 
 
 def push_clear(waypoints: Points, scenario: Scenario) -> Points:
@@ -40,15 +46,18 @@ def push_clear(waypoints: Points, scenario: Scenario) -> Points:
     """
     moved = waypoints.copy()
     for _ in range(PUSHES):
-        clear = True
-        for leg in range(len(moved) - 1):
-            for check in prove(moved[leg : leg + 2], scenario).checks:
-                if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds"):
-                    clear = False
-                    _push(moved, leg, check, scenario.airspace)
-        if clear:
+        if not _broken(moved, scenario):
             break
+        for leg in range(len(moved) - 1):
+            for check in _broken(moved[leg : leg + 2], scenario):
+                _push(moved, leg, check, scenario.airspace)
     return moved
+
+
+def _broken(legs: Points, scenario: Scenario) -> list[Check]:
+    """The limits that straight legs break and that moving them aside may mend."""
+    checks = prove(legs, scenario).checks
+    return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 
 
 def _push(waypoints: Points, leg: int, check: Check, airspace: Airspace) -> None:

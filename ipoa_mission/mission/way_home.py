@@ -29,7 +29,8 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     """The mission with a waypoint high over its last place, if its way home is not clear and that makes it so.
 
     The waypoint has the lowest of every five metres above home at which the way home keeps the required clearance; the
-    climb to it must do so, within the bounds. If there is none the mission stays as it is.
+    climb to it must do so, within the bounds. If there is none the mission stays as it is. A spline waypoint before it
+    is held for a second: into a climb ArduCopter would curve upwards.
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
@@ -37,10 +38,11 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     if _is_clear(_ways_home(mission, scenario, known), scenario):
         return mission
     last = mission.items[-2]
+    stopped = replace(last, params=(1.0, *last.params[1:])) if last.command == Command.NAV_SPLINE_WAYPOINT else last
     above = Geodetic(last.latitude_deg, last.longitude_deg, mission.home.altitude)
     for height in _heights(mission.altitude_above_home(last)):
         climb = waypoint(above, height)
-        raised = replace(mission, items=(*mission.items[:-1], climb, mission.items[-1]))
+        raised = replace(mission, items=(*mission.items[:-2], stopped, climb, mission.items[-1]))
         way_up, *ways = (
             leg
             for leg in flown_legs(raised, scenario.frame, scenario.airspace.ground, known)

@@ -1,12 +1,13 @@
 """How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.timing.ardupilot import fly_arducopter
+from ipoa_mission.timing.body import ARDUPILOT_SIMULATOR, PX4_SIMULATOR
 from ipoa_mission.timing.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
@@ -18,6 +19,7 @@ from ipoa_mission.vehicle import Autopilot, Parameters
 NO_PARAMETERS: Parameters = MappingProxyType({})
 EARTH_RADIUS = 6_371_000.0  # [m]
 MODELS = MappingProxyType({Autopilot.ARDUPILOT: fly_arducopter, Autopilot.PX4: fly_px4})
+BODIES = MappingProxyType({Autopilot.ARDUPILOT: ARDUPILOT_SIMULATOR, Autopilot.PX4: PX4_SIMULATOR})
 
 
 @dataclass(frozen=True)
@@ -78,8 +80,7 @@ def estimate(
         BadInput: the mission has no end, or a parameter has no sense.
         MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
     """
-    route = itinerary(mission)
-    prediction = MODELS[mission.autopilot](route, parameters, wind, fast)
+    route, prediction = predict(mission, parameters, wind, fast)
     items = _item_times(route, prediction)
     remarks = prediction.remarks
     if route.over_terrain:
@@ -98,9 +99,24 @@ def estimate(
         qgroundcontrol_s=qgroundcontrol_time(mission),
         route=route_time(route, prediction.done, prediction.track, mission.autopilot, parameters),
         items=items,
-        track=_in_local_frame(prediction.track),
+        track=in_local_frame(prediction.track),
         remarks=tuple(dict.fromkeys(remarks)),
     )
+
+
+def predict(
+    mission: Mission,
+    parameters: Parameters = NO_PARAMETERS,
+    wind: Wind = CALM,
+    fast: bool | None = None,
+    sure: bool = False,
+) -> tuple[Itinerary, Prediction]:
+    """What the vehicle meets in flight, and what the model says of it.
+
+    `sure`: the vehicle knows where it is, so that PX4 is flown once and not many times; else as in `estimate`.
+    """
+    route, body = itinerary(mission), BODIES[mission.autopilot]
+    return route, MODELS[mission.autopilot](route, parameters, wind, fast, replace(body, senses=None) if sure else body)
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
@@ -138,7 +154,7 @@ def _flown(track: Track, begin: float, end: float) -> tuple[float, float]:
     return length, float(np.interp(times, track.times, track.speeds).max())
 
 
-def _in_local_frame(track: Track) -> Track:
+def in_local_frame(track: Track) -> Track:
     """The same path with `up` over home's tangent plane, as obstacles and terrain have it."""
     sunk = track.points.copy()
     sunk[:, 2] -= (sunk[:, 0] ** 2 + sunk[:, 1] ** 2) / (2 * EARTH_RADIUS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.mission.assemble import choose_route, weigh_routes
-from ipoa_mission.mission.fastest import fly
+from ipoa_mission.mission.trial import fly
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Command
 from ipoa_mission.planning.cost import curve_cost
