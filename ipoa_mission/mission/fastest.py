@@ -21,7 +21,7 @@ from ipoa_mission.scenario import Scenario
 
 TRIALS = 80  # of leaving a waypoint out or moving it
 STEPS = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
-WORTH_IT = 0.02  # a change must save so much [s]
+WORTH_IT = 0.1  # a change must save so much [s]
 OVERRUN = 0.5  # how far beyond the goal the vehicle may need to brake [m]
 
 

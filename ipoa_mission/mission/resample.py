@@ -16,6 +16,7 @@ from ipoa_mission.planning.spline import Spline
 
 SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
 STEP = 0.5  # at which a path is held against a curve [m]
+NEAR = 16  # a leg may be looked for over so many samples at first
 ON_THE_CURVE = (0.0,)
 NOWHERE = np.zeros((0, 3))
 
@@ -109,25 +110,30 @@ def lefts(samples: Points) -> Points:
 def _reachable(starts: Points, samples: Points, spots: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
     """How far the samples in between leave the straight legs from `starts` to each later spot, (starts, m, sides) [m].
 
-    The search widens until no leg of the last widening fits: a curve that comes back later is not looked for.
+    The search widens, half as far again each time, until no leg of the last two widenings fits: a curve that comes
+    back later is not looked for.
     """
-    width = 16
+    found: list[NDArray[np.float64]] = []
+    first, end = 1, 1 + NEAR
     while True:
-        found = _deviations(starts, samples[: width + 1], spots[1 : width + 1])
-        if width + 1 >= len(samples) or (found[:, width // 2 :] > tolerance).all():
-            return found
-        width *= 2
+        found.append(_deviations(starts, samples[1:end], spots[first:end]))
+        if end >= len(samples) or (len(found) > 1 and all((away > tolerance).all() for away in found[-2:])):
+            return np.concatenate(found, axis=1)
+        first, end = end, end + end // 2
 
 
 def _deviations(starts: Points, samples: Points, spots: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The greatest distance of the samples up to each spot (m, sides, 3) from the leg to it, (starts, m, sides)."""
+    """The greatest distance of samples (n, 3) from the legs to spots (m, sides, 3), (starts, m, sides) [m].
+
+    The spots belong to the last m samples; for each only the samples up to its own count.
+    """
     m, sides = spots.shape[:2]
-    spokes, offsets = spots[None] - starts[:, None, None], samples[1:] - starts[:, None]
+    spokes, offsets = spots[None] - starts[:, None, None], samples - starts[:, None]
     spokes = spokes.reshape(len(starts), m * sides, 3)
     squares = np.maximum((spokes**2).sum(axis=2), 1e-12)[:, None]
     ahead = offsets @ spokes.transpose(0, 2, 1)  # (starts, samples, spots): what the squared distance is made of
     along = np.minimum(np.maximum(ahead / squares, 0.0), 1.0)
     apart = (offsets**2).sum(axis=2)[..., None] + along * (along * squares - 2 * ahead)
-    own = np.tri(m, dtype=bool).T[:, :, None]
-    apart = np.where(own, apart.reshape(len(starts), m, m, sides), 0.0).max(axis=1)
+    own = np.tri(m, len(samples), len(samples) - m, dtype=bool).T[:, :, None]
+    apart = np.where(own, apart.reshape(len(starts), len(samples), m, sides), 0.0).max(axis=1)
     return np.asarray(np.sqrt(np.maximum(apart, 0.0)))

@@ -47,12 +47,17 @@ class Spline:
 
     def parameters(self, n: int) -> Vector:
         """Parameters of `n` points from start to goal that are equally far apart along the curve, (n,)."""
+        u, travelled = self._arcs
+        even = np.interp(np.linspace(0.0, travelled[-1], n), travelled, u)
+        return np.concatenate([[0.0], even[1:-1], [1.0]])
+
+    @cached_property
+    def _arcs(self) -> tuple[Vector, Vector]:
+        """A table of parameters and of the lengths of the curve up to them [m]."""
         u = np.linspace(0.0, 1.0, self.spans * ARC_TABLE + 1)
         speed, middle = (np.linalg.norm(self.points(v, order=1), axis=1) for v in (u, (u[1:] + u[:-1]) / 2))
         arcs = (speed[:-1] + 4 * middle + speed[1:]) / 6 * np.diff(u)  # Simpson
-        travelled = np.concatenate([[0.0], np.cumsum(arcs)])
-        even = np.interp(np.linspace(0.0, travelled[-1], n), travelled, u)
-        return np.concatenate([[0.0], even[1:-1], [1.0]])
+        return u, np.concatenate([[0.0], np.cumsum(arcs)])
 
     def chords(self, tolerance: float) -> Vector:
         """Parameters (k,) between which the curve leaves its straight chords by no more than `tolerance` [m].
