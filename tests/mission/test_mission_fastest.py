@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ipoa_mission.mission.assemble import choose_route, weigh_routes
-from ipoa_mission.mission.trial import fly
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Command
+from ipoa_mission.mission.trial import fly
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path
