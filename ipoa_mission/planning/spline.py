@@ -31,7 +31,8 @@ class Spline:
 
     def points(self, u: Vector, order: int = 0) -> Points:
         """Points on the curve at parameters u (k,) in [0, 1], or derivatives by u of the given order, (k, 3)."""
-        return np.asarray(basis(len(self.control), u, order) @ self.control)
+        first, values = local_basis(len(self.control), u, order)
+        return np.asarray(np.einsum("kj,kja->ka", values, self.control[first[:, None] + np.arange(DEGREE + 1)]))
 
     @cached_property
     def length(self) -> float:
@@ -91,16 +92,25 @@ def even_basis(n: int, count: int, order: int = 0) -> NDArray[np.float64]:
 
 def basis(n: int, u: Vector, order: int = 0) -> NDArray[np.float64]:
     """Values at u (k,) of the n basis functions, eq. (12), or of their derivatives of the given order, (k, n)."""
+    first, some = local_basis(n, u, order)
+    values = np.zeros((len(u), n))
+    np.put_along_axis(values, first[:, None] + np.arange(DEGREE + 1), some, axis=1)
+    return values
+
+
+def local_basis(n: int, u: Vector, order: int = 0) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """The four of the n basis functions that are not zero at u (k,): number of the first (k,), their values (k, 4)."""
     knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
     span = np.clip(np.searchsorted(knots, u, side="right") - 1, DEGREE, n - 1)
-    values = np.zeros((len(u), len(knots) - 1))
-    values[np.arange(len(u)), span] = 1.0  # N_i,0
+    values = np.ones((len(u), 1))  # N_i,0
     for k in range(1, DEGREE + 1):
-        width = knots[k:] - knots[:-k]
-        share = np.divide(1.0, width, out=np.zeros_like(width), where=width > 0)
-        left, right = values[:, :-1] * share[:-1], values[:, 1:] * share[1:]
+        starts, ends = (knots[span[:, None] + np.arange(1 - k, 1) + shift] for shift in (0, k))
+        share = values / (ends - starts)
+        left, right = np.pad(share, ((0, 0), (1, 0))), np.pad(share, ((0, 0), (0, 1)))
         if k <= DEGREE - order:
-            values = (u[:, None] - knots[: -k - 1]) * left + (knots[k + 1 :] - u[:, None]) * right
+            from_start = np.pad(u[:, None] - starts, ((0, 0), (1, 0)))
+            to_end = np.pad(ends - u[:, None], ((0, 0), (0, 1)))
+            values = from_start * left + to_end * right
         else:  # the last steps of the recursion, differentiated
             values = k * (left - right)
-    return values
+    return span - DEGREE, values
