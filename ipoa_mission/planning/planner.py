@@ -104,14 +104,16 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
 
 def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> list[Trail]:
     """These curves with twice the control points and what became of them piece by piece, the best first."""
-    found = [refine(trail) for trail in trails]
-    inner = max(len(trail.curve.control) for trail in found) - 2
+    problem, rng = searcher.problem, searcher.rng
+    found = [(problem.cost(trail), trail) for trail in map(refine, trails)]
+    inner = max(len(trail.curve.control) for _, trail in found) - 2
     rounds = max((inner - PIECE) // 2, 6)
     for i in range(rounds):
         progress(0.5 + 0.4 * i / rounds, f"piece {i + 1} of {rounds}")
-        base = found[int(searcher.rng.integers(min(2, len(found))))]
-        first = int(searcher.rng.integers(max(len(base.curve.control) - 2 - PIECE, 0) + 1))
+        base = found[int(rng.integers(min(2, len(found))))][1]
+        first = int(rng.integers(max(len(base.curve.control) - 2 - PIECE, 0) + 1))
         piece = slice(first, first + PIECE)
-        found.append(polish(searcher.search(base, LOCAL, piece), searcher.problem, part=piece))
-        found.sort(key=searcher.problem.cost)
-    return found
+        better = polish(searcher.search(base, LOCAL, piece), problem, part=piece)
+        found.append((problem.cost(better), better))
+        found.sort(key=lambda pair: pair[0])
+    return [trail for _, trail in found]

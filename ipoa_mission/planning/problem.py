@@ -60,15 +60,18 @@ class PathProblem:
     nodes: int
 
     def costs(self, encoding: Encoding) -> Callable[[Candidates], Costs]:
-        """The cost function of a search: candidates (m, D) to costs (m,)."""
+        """The cost function of a search: candidates (m, D) to costs (m,) of that part of the path which they change."""
         from ipoa_mission.planning._kernels import path_costs  # compiled, or loaded, when the first path is planned
 
-        n = len(encoding.origin)
-        look = np.ascontiguousarray(even_basis(n, self.nodes).T)
-        start, span = _by_axis(encoding.origin[None])[0], _by_axis(encoding.matrix)
+        look = even_basis(len(encoding.origin), self.nodes)
+        changed = np.nonzero(look @ np.abs(encoding.matrix).max(axis=(0, 2)))[0]
+        look = look[max(changed[0] - 2, 0) : changed[-1] + 3]  # legs and angles at the rim change too
+        some = np.nonzero(look.any(axis=0))[0]
+        look = np.ascontiguousarray(look[:, some].T)
+        start, span = _by_axis(encoding.origin[None, some])[0], _by_axis(encoding.matrix[:, some])
 
         def cost(x: Candidates) -> Costs:
-            control = (x @ span + start).reshape(-1, n)
+            control = (x @ span + start).reshape(-1, len(some))
             return np.asarray(path_costs((control @ look).reshape(len(x), 3, -1), self.chart, self.rules))
 
         return cost
@@ -77,7 +80,7 @@ class PathProblem:
         """The cost of one curve, looked at closely, forgiven a limit broken a little: to compare rough curves by."""
         from ipoa_mission.planning._kernels import path_costs
 
-        nodes = even_basis(len(trail.curve.control), CLOSELY * self.nodes) @ trail.curve.control
+        nodes = trail.curve.points(np.linspace(0.0, 1.0, CLOSELY * self.nodes))
         chart = self.chart._replace(lower=self.chart.lower - LENIENCE, upper=self.chart.upper + LENIENCE)
         rules = self.rules._replace(
             clearance=self.rules.clearance - LENIENCE,

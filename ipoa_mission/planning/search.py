@@ -46,8 +46,12 @@ class Searcher:
         found = minimise(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
         spent, known = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
         self.spent += [spent + int(evaluations) for evaluations in found.evaluations]
-        self.best += [min(known, float(cost)) for cost in found.history]
-        return Trail(encoding.curve(found.x), around.via_at)
+        trail = Trail(encoding.curve(found.x), around.via_at)
+        if part == ALL:
+            self.best += [min(known, float(cost)) for cost in found.history]
+        else:  # these are costs of a part
+            self.best += [known] * (len(found.history) - 1) + [min(known, self.problem.cost(trail))]
+        return trail
 
     def history(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Evaluations spent and the best cost known by then, (k,) each."""
