@@ -27,6 +27,7 @@ FINER = (1.0, 2.0, 3.0)  # how much finer the next lattice is if one knows no wa
 FLATTEST = 0.15  # the lattice knows no flatter climbs: it would need too many levels
 MOST = 8  # ways that are returned
 DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
+PER_TURN, DENSEST = 4, 80  # control points of a curve that follows a way, at most
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbours
 BETWEEN = 0.05  # how much less slack than a node its neighbours on both sides have, in steps, if it is in a gap
 ROUNDS = 6  # each looks three times as closely for the best place in a cell
@@ -73,7 +74,7 @@ def guesses(problem: PathProblem, coarsest: int) -> list[Trail]:
             break
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
     turns = max((_turns(way, tolerance) for way in found), default=0)
-    inner = int(max(inner, min(4 + 2 * turns, 40)))
+    inner = int(max(inner, min(4 + PER_TURN * turns, DENSEST)))
     return [follow(guide, inner, scenario) for guide in (straight, *found)]
 
 
