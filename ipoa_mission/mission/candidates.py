@@ -31,12 +31,14 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     routes = _splines(curve, scenario) if is_ardupilot else iter(())
     for route in routes:
         yield Route(push_clear(route.points, scenario), route.spline, route.brakes_on_curve)
+    seen = set[bytes]()
     for share in SHARES:
         width = share * scenario.route.tolerance
         for asides in ((-ASIDE * width, 0.0, ASIDE * width), ON_THE_CURVE):
             points = push_clear(corridor(curve, width, asides, scenario.via_points), scenario)
-            if leg_lengths(points).min() < NEAREST:
+            if points.tobytes() in seen or leg_lengths(points).min() < NEAREST:
                 continue
+            seen.add(points.tobytes())
             for radius in RADII[:1] if is_ardupilot or len(points) < 3 else RADII:
                 yield Route(points, radius=radius)
 

@@ -135,6 +135,7 @@ class _Flight:
         self.watched = seed == 0
         self.step_to = steps.fly_to
         self.pack: Callable[[Any], Any] = list if steps is _px4_steps else _packed
+        self.room: Callable[[int], Any] = _zeros if steps is _px4_steps else np.zeros
         self.cruise, self.heading = self.limits.cruise, math.nan
         self.here, self.airborne, self.since = (0.0, 0.0, 0.0), False, 0.0  # since: when the last thing was done
         self.done: list[float] = []
@@ -288,7 +289,7 @@ class _Flight:
         """Fly a way as the stepping code has it: three places, radii, cruise, climbing off or landing, patience."""
         samples = self.no_samples
         if self.watched:
-            samples = self.pack([0.0] * 7 * (int(way[13] / (STEP * SAMPLE_STEPS)) + 1))
+            samples = self.room(7 * (int(way[13] / (STEP * SAMPLE_STEPS)) + 1))
         self.pace[1], self.state[24] = latency, 0.0
         if not self.step_to(tuple(map(float, way)), self.pace, self.state, samples):
             raise MissionError(
@@ -406,3 +407,7 @@ def _crawl(senses: Senses | None, limits: Px4Limits) -> tuple[float, float]:
 
 def _packed(numbers: Any) -> Any:
     return np.array(numbers, dtype=np.float64)
+
+
+def _zeros(count: int) -> list[float]:
+    return [0.0] * count
