@@ -34,7 +34,8 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     seen = set[bytes]()
     for share in SHARES:
         width = share * scenario.route.tolerance
-        for asides in ((-ASIDE * width, 0.0, ASIDE * width), ON_THE_CURVE):
+        beside = (-ASIDE * width, 0.0, ASIDE * width)
+        for asides in (beside, ON_THE_CURVE) if share == 1.0 else (beside,):
             points = push_clear(corridor(curve, width, asides, scenario.via_points), scenario)
             if points.tobytes() in seen or leg_lengths(points).min() < NEAREST:
                 continue
