@@ -44,6 +44,7 @@ LANDING_DETECTION = 2.05  # from touching down to being sure of it: throttle run
 TAKEOFF_REST = 0.00003
 GAINS = (1.0, 2.0, 1.0, 0.25)  # position P, velocity P, I, D of the horizontal controllers: ArduCopter's defaults
 ERROR_FILTER = 1 / (2 * math.pi * 5.0)  # of the velocity error: 5 Hz by default [s]
+OVERRUNNING = 1.0  # a stop that is come to faster is overrun; after a leg that is long enough it is 0.3 [m/s]
 DOUBT, DOUBT_SHARE = 0.5, 0.015  # half the width of the interval: seconds, and share of the time
 
 #: Of these only the flight to their place is modelled.
@@ -94,6 +95,7 @@ class _Flight:
         self.room: Callable[[int], Any] = _zeros if plain else np.zeros
         self.speeds = Speeds(limits.speed, limits.climb, limits.descent)
         self.now, self.here, self.airborne = 0.0, (0.0, 0.0, 0.0), False
+        self.passing = 0.0, 0.0  # the velocity with which the last stop was come to [m/s]
         self.done: list[float] = []
         self.done_reasons: list[str] = []
         self.remarks: list[str] = []
@@ -169,6 +171,7 @@ class _Flight:
         self.tail = this if following is not None and this.shape is not None else None
         if following is not None:
             return why
+        self.passing = float(self.state[3]), float(self.state[4])
         self.rest()
         hold = float(int(visit.item.params[0]))
         if visit.item.command == Command.NAV_LOITER_TURNS:
@@ -276,6 +279,7 @@ class _Flight:
 
     def return_home(self) -> None:
         """RTL: climb if below its height (no higher than a cone over home asks for), fly home, loiter, come down."""
+        self.stand()
         x, y, z = self.here
         least = z + self.limits.rtl_climb
         height = max(least, self.limits.rtl_height)
@@ -286,6 +290,17 @@ class _Flight:
         self.straight_to((0.0, 0.0, max(z, height)))
         self.wait(self.limits.rtl_loiter)
         self.come_down(self.limits.rtl_final)
+
+    def stand(self) -> None:
+        """Brake, where the last stop was come to too fast: on a curve that is shorter than ArduCopter brakes in."""
+        speed = math.hypot(*self.passing)
+        if speed > OVERRUNNING:
+            way = speed**2 / (2 * self.limits.accel) + self.limits.accel / (2 * GAINS[0] ** 2)
+            x, y, z = self.here
+            self.here = x + way * self.passing[0] / speed, y + way * self.passing[1] / speed, z
+            self.now += 2 * way / speed
+            self.rest()
+            self.samples += (self.now, *self.here, 0.0, 0.0, 0.0)
 
     def come_down(self, floor: float) -> None:
         """Descend to the floor; on the ground, until the landing is noticed."""

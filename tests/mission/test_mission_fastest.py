@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from ipoa_mission.mission.assemble import choose_route, weigh_routes
+from ipoa_mission.mission.build import build_mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Command
 from ipoa_mission.mission.trial import fly
@@ -15,6 +17,7 @@ from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.simulator.fly import fly as fly_here
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
@@ -22,6 +25,8 @@ FLIGHTS = Path(__file__).parent.parent / "flights"
 #: The best that was flown on this curve, from take-off done to the last waypoint [s], and how far from it [m].
 BEST_FLOWN = {Autopilot.ARDUPILOT: 46.8, Autopilot.PX4: 55.7}
 WITHIN = 4.0
+#: What the route chosen may take of the least time on the curve.
+RATIO = {Autopilot.ARDUPILOT: 1.25, Autopilot.PX4: 1.35}
 
 
 def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
@@ -74,6 +79,8 @@ def test_what_each_mode_would_cost_is_told_quickest_first(autopilot: Autopilot) 
     curve, scenario = curve_of_the_ways(autopilot)
     options = weigh_routes(as_plan(curve, scenario), scenario)
     assert [option.seconds for option in options] == sorted(option.seconds for option in options)
+    assert options[0].mode == "fastest"
+    assert options[0].ratio <= RATIO[autopilot]
     modes = {option.mode for option in options}
     assert modes == {"even", "corridor", "fastest"} | ({"spline"} if autopilot is Autopilot.ARDUPILOT else set())
     even = next(option for option in options if option.mode == "even")
@@ -101,6 +108,36 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
     legs = np.linspace(flown.path[:-1], flown.path[1:], 8).reshape(-1, 3)[:, None, :2]
     assert np.linalg.norm(legs - centers[None], axis=2).min() - 2.0 > required - 0.05
     assert flown.deviation <= WITHIN
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_the_built_in_autopilot_flies_the_quickest_route_beside_the_curve_clear_and_to_its_goal(
+    autopilot: Autopilot,
+) -> None:
+    """It has another model of the vehicle than the one by which the route was chosen."""
+    curve, free = curve_of_the_ways(autopilot)
+    inside = curve.points(np.array([0.5, 0.75]), order=2)[:, :2]
+    at = curve.points(np.array([0.5, 0.75]))[:, :2] + 6.0 * inside / np.linalg.norm(inside, axis=1)[:, None]
+    towers = tuple(
+        {"kind": "cylinder", "name": f"tower {n}", "east": e, "north": north, "radius": 2.0, "height": 90.0}
+        for n, (e, north) in enumerate(at)
+    )
+    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
+    route = choose_route(as_plan(curve, scenario), scenario, "fastest")
+    predicted = fly(route, curve, scenario)
+    flight = fly_here(build_mission(route, scenario))
+    names = ("latitude_deg", "longitude_deg", "altitude")
+    path = scenario.frame.to_local(*(np.array([getattr(sample, name) for sample in flight.path]) for name in names))
+    times = np.array([sample.time_s for sample in flight.path])
+    begun, ended = flight.item_reached_s[0], flight.item_reached_s[len(route.points)]
+    assert ended - begun == pytest.approx(predicted.seconds, rel=0.03)
+    between, after = path[(times >= begun) & (times <= ended)], path[(times > ended - 5) & (times < ended + 5)]
+    assert cKDTree(curve.sample(2000)).query(between)[0].max() <= WITHIN
+    assert scenario.airspace.obstacle_distance(path[times < ended + 5]).min() >= (
+        scenario.vehicle.radius + scenario.safety_distance
+    )
+    arriving = curve.points(np.array([1.0]), order=1)[0, :2]
+    assert ((after - route.points[-1])[:, :2] @ arriving).max() / np.linalg.norm(arriving) < 1.0
 
 
 def test_the_flown_path_keeps_clear_of_a_tower_inside_a_bend() -> None:

@@ -16,6 +16,7 @@ from ipoa_mission.mission.route import Route
 from ipoa_mission.mission.waypoints_file import read_waypoints
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
+from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
@@ -25,7 +26,7 @@ home = { latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }
 start = { east = 0.0, north = 0.0, up = 20.0 }
 goal = { east = 120.0, north = 0.0, up = 20.0 }
 bounds = { east = [-50.0, 170.0], north = [-90.0, 90.0], up = [-5.0, 70.0] }
-vehicle = { radius = 0.5, autopilot = "ardupilot" }
+vehicle = { radius = 0.5, autopilot = "ardupilot", cruise_speed = 10.0 }
 obstacles = [{ kind = "cylinder", name = "mast", east = EAST, north = NORTH, radius = 0.5, height = 40.0 }]
 """
 ZIGZAG = ((60.0, 0.0), (60.0, 60.0), (120.0, 60.0), (120.0, 0.0))
@@ -82,16 +83,28 @@ def test_the_chords_stand_for_the_curve_as_closely_as_they_say() -> None:
             assert 0.2 * leg.stray < apart.max() < leg.stray
 
 
-def test_a_spline_route_is_left_straight_so_that_its_end_is_not_overrun() -> None:
+@pytest.mark.parametrize("end", ["straight", "long curve", "short curve"])
+def test_where_the_copter_stands_after_a_spline_is_what_the_model_says(end: str) -> None:
+    """On a curve it brakes by half of its acceleration and within the last leg only, so that a short one is overrun."""
     _, scenario = zigzag((-40.0, -80.0), is_spline=True)
-    points = np.array([(0.0, 0.0, 20.0), *((30.0 * k, 12.0 * (-1) ** k, 20.0) for k in range(1, 5))])
-    mission = build_mission(Route(points, spline=True), scenario)
-    assert [item.command for item in mission.items[2:]] == [82, 82, 82, 16, 20]
-    flight = fly(mission)
+    east = {"straight": (30, 60, 90, 120), "long curve": (30, 60, 90, 150), "short curve": (30, 60, 90, 110)}[end]
+    points = np.array([(0.0, 0.0, 20.0), *((x, 2.0 * (-1) ** n, 20.0) for n, x in enumerate(east))])
+    mission = build_mission(Route(points, spline=True, brakes_on_curve=end != "straight"), scenario)
+    assert [item.command for item in mission.items[2:]] == [82, 82, 82, 16 if end == "straight" else 82, 20]
+    flight, predicted = fly(mission), estimate(mission)
     local = scenario.frame.to_local(
         *(np.array([getattr(s, k) for s in flight.path]) for k in ("latitude_deg", "longitude_deg")), np.zeros(1)
     )
-    times = np.array([sample.time_s for sample in flight.path])
-    around = np.abs(times - flight.item_reached_s[5]) < 2.0
-    ahead = (points[-1] - points[-2])[:2] / np.linalg.norm(points[-1] - points[-2])
-    assert ((local[around, :2] - points[-1, :2]) @ ahead).max() < 1.0
+    times, done = np.array([sample.time_s for sample in flight.path]), [item.done_s for item in predicted.items]
+    ahead = (points[-1] - points[-2])[:2] / np.linalg.norm((points[-1] - points[-2])[:2])
+    overrun, expected = (
+        ((places[np.abs(at - goal) < 8.0, :2] - points[-1, :2]) @ ahead).max()
+        for places, at, goal in (
+            (local, times, flight.item_reached_s[5]),
+            (predicted.track.points, predicted.track.times, done[5]),
+        )
+    )
+    assert overrun == pytest.approx(expected, abs=1.6)
+    assert overrun > 5.0 if end == "short curve" else overrun < 1.0
+    way_home = flight.item_reached_s[6] - flight.item_reached_s[5]
+    assert way_home == pytest.approx(done[6] - done[5], rel=0.04)
