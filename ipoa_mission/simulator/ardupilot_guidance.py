@@ -12,6 +12,7 @@ from ipoa_mission.simulator.spline_leg import SplineLeg, most_along
 from ipoa_mission.vehicle import Parameters
 
 NOWHERE: Triple = (0.0, 0.0, 0.0)
+CREEPING = 0.001  # a target slower than this waits for nobody [m/s]
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,7 @@ class PathFollower:
     def _wanted_pace(self, body: Body) -> float:
         """0.05 + (v.d - k_p e.d)/|v_target|, from 0 to 1: the target may not run away from the vehicle."""
         speed = math.hypot(*self.motion)
-        if speed <= 1e-6:
+        if speed <= CREEPING:
             return 1.0
         flown = lag = 0.0
         for target, at, aim, is_ in zip(self.place, body.place, self.motion, body.motion, strict=True):

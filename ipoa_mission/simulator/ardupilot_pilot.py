@@ -22,8 +22,7 @@ DISARM_S = 0.85  # from "landed" to motors stopped (as measured)
 FLOWN_THROUGH = frozenset(
     {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}
 )
-CONE = 3.0  # RTL climbs no higher than so many times the distance to home
-LEAST_CLIMB = 2.5  # but this much
+CONE, LEAST_CONE = 3.0, 0.5  # RTL_CONE_SLOPE, and the least that counts
 Manoeuvre = Callable[[float], None]
 
 
@@ -190,8 +189,10 @@ class ArduPilotPilot:
     def _begin_return(self) -> None:
         here = self._stopping_place()
         home = math.hypot(here[0], here[1])
-        height = max(here[2], self._p["RTL_ALT"] / 100, 2.0)
-        height = max(min(height, max(CONE * home, here[2] + LEAST_CLIMB)), here[2])
+        least = here[2] + max(self._p.get("RTL_CLIMB_MIN", 0.0) / 100, 0.0)
+        height, cone = max(least, self._p["RTL_ALT"] / 100), self._p.get("RTL_CONE_SLOPE", CONE)
+        if cone >= LEAST_CONE:
+            height = min(height, max(cone * home, least))
         self._path.speeds = (self._p["RTL_SPEED"] / 100 or self._p["WPNAV_SPEED"] / 100, *self._path.speeds[1:])
         self._path.begin(here)
         self._path.fly_to(Stop((here[0], here[1], height)), None)

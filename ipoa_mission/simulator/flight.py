@@ -18,7 +18,7 @@ from ipoa_mission.simulator.body import AIRFRAMES, GRAVITY, Body
 from ipoa_mission.simulator.program import Program
 from ipoa_mission.simulator.px4_pilot import PX4Pilot
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Reached, Situation
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters, by_old_names
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["Flight", "FlightMode", "MissionState", "Reached"]
@@ -73,8 +73,8 @@ class Flight:
 
     @property
     def parameters(self) -> Parameters:
-        """The autopilot's defaults, and what was given in their place."""
-        return {**DEFAULT_PARAMETERS[self.autopilot], **self._given}
+        """The autopilot's defaults, and what was given in their place; ArduCopter's by the names of before 4.7."""
+        return {**DEFAULT_PARAMETERS[self.autopilot], **by_old_names(self._given)}
 
     @property
     def time_s(self) -> float:

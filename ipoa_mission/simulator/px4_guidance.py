@@ -27,7 +27,8 @@ class PathFollower:
         jerk = p["MPC_JERK_AUTO"]
         self._jerk, self._acceleration, self._share = jerk, p["MPC_ACC_HOR"], p["MPC_XY_TRAJ_P"]
         self._rise, self._sink = p["MPC_ACC_UP_MAX"], p["MPC_ACC_DOWN_MAX"]
-        self._climb, self._descent = p["MPC_Z_V_AUTO_UP"], p["MPC_Z_V_AUTO_DN"]
+        self.climb = min(p["MPC_Z_V_AUTO_UP"], p.get("MPC_Z_VEL_MAX_UP", 3.0))
+        self.descent = min(p["MPC_Z_V_AUTO_DN"], p.get("MPC_Z_VEL_MAX_DN", 1.5))
         self._error, self._height_radius = p["MPC_XY_ERR_MAX"], p["NAV_MC_ALT_RAD"]
         self._most = p["MPC_XY_VEL_MAX"]
         self.cruise = min(p["MPC_XY_CRUISE"], self._most)
@@ -40,7 +41,8 @@ class PathFollower:
         self._turn_to(((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
 
     def begin(self, place: Triple, motion: Triple = (0.0, 0.0, 0.0)) -> None:
-        """Start from here."""
+        """Start from here, on the leg given last."""
+        self._wait_s = 0.0
         for axis, x, v in zip(self.axes, place, motion, strict=True):
             axis.begin(x, v)
         self._wanted = (0.0, 0.0, 0.0)
@@ -115,11 +117,11 @@ class PathFollower:
 
     def _limit_height(self, climb: tuple[float, float] | None) -> None:
         if self._wanted[2] > 0.0:
-            rate, change = climb if climb is not None else (self._climb, self._rise)
+            rate, change = climb if climb is not None else (self.climb, self._rise)
             self.axes_most = (rate, rate)
             self.axes[2].accelerations = min(change, self._rise)
         else:
-            self.axes_most = (self._descent, self._descent)
+            self.axes_most = (self.descent, self.descent)
             self.axes[2].accelerations = self._sink
 
     def _back_to_leg(self, at: Triple) -> None:

@@ -16,8 +16,9 @@ from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
 from ipoa_mission.vehicle import Parameters, Px4Return
 
 ON_GROUND_SINK = 0.7  # before taking off the target sinks at this rate [m/s]
+TAKEN_OFF_S = 0.5  # from being high enough until a take-off is over (mean of 55 flights)
 NAVIGATOR_S = 0.05  # how often it is looked whether an item is done
-CONTACT_S = 1.9  # from touching the ground until the thrust is low enough to be taken for that (mean of 20 flights)
+CONTACT_S = 1.2  # from touching the ground until the thrust is low enough to be taken for that (mean of 20 flights)
 HEADING_ERROR = math.radians(12.0)  # MIS_YAW_ERR
 #: Items that hide the report of the waypoint before them (as measured).
 HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
@@ -39,6 +40,7 @@ class PX4Pilot:
         self._radius = parameters["NAV_ACC_RAD"]
         self._heading: float | None = None  # none: the way it flies
         self._entered_s: float | None = None
+        self._been_there = False
         self._touched_s: float | None = None
         self._ramp = 0.0
         self._next_check_s = 0.0
@@ -113,7 +115,7 @@ class PX4Pilot:
 
     def _start(self, index: int, item: Item) -> None:
         here = self._body.place
-        self._entered_s = None
+        self._entered_s, self._been_there = None, False
         self._radius = self._p["NAV_ACC_RAD"]
         match item.command:
             case Command.NAV_TAKEOFF:
@@ -187,7 +189,8 @@ class PX4Pilot:
             return
         self._now.landed = False
         low = self._body.z < self._p["MPC_LAND_ALT1"]
-        slow = (self._p["MPC_TKO_SPEED"], self._p["MPC_TKO_SPEED"] / self._p["MPC_TKO_RAMP_T"])
+        speed = min(self._p["MPC_TKO_SPEED"], self._p.get("MPC_Z_VEL_MAX_UP", 3.0))
+        slow = (speed, speed / self._p["MPC_TKO_RAMP_T"])
         if low:
             self._path.axes[2].place = self._body.z
         self._ramp = min(self._ramp + dt / max(self._p["MPC_TKO_RAMP_T"], dt), 1.0)
@@ -195,6 +198,7 @@ class PX4Pilot:
         if self._is_check_due() and self._body.z > self._goal[2] - self._p["NAV_MC_ALT_RAD"]:
             target = self._place(self._now.current)  # now a waypoint like any other
             self._lead((target[0], target[1], self._goal[2]), index=self._now.current)
+            self._next_check_s = self._now.time_s + TAKEN_OFF_S
             self._manoeuvre = self._follow
 
     def _is_check_due(self) -> bool:
@@ -207,19 +211,23 @@ class PX4Pilot:
     def _follow(self, dt: float) -> None:
         self._fly(dt)
         item = self._now.program.items[self._now.current]
-        if self._entered_s is None and self._is_check_due() and self._arrived():
-            self._entered_s = self._now.time_s
+        if self._entered_s is None and self._is_check_due():
+            self._been_there = self._been_there or self._arrived()
+            if self._been_there and self._is_headed():
+                self._entered_s = self._now.time_s
         if self._entered_s is not None and self._now.time_s - self._entered_s >= self._hold_s(item):
             self._done()
 
     def _arrived(self) -> bool:
         body, goal = self._body, self._goal
         near = math.hypot(goal[0] - body.x, goal[1] - body.y) <= self._radius
-        if not near or abs(goal[2] - self._body.z) > self._p["NAV_MC_ALT_RAD"]:
-            return False
+        return near and abs(goal[2] - body.z) <= self._p["NAV_MC_ALT_RAD"]
+
+    def _is_headed(self) -> bool:
+        """Whether the nose points where the item says, if it says; having been at its place is enough for the rest."""
         if self._heading is None:
             return True
-        return abs((self._heading - body.yaw + math.pi) % (2.0 * math.pi) - math.pi) < HEADING_ERROR
+        return abs(math.remainder(self._heading - self._body.yaw, 2.0 * math.pi)) < HEADING_ERROR
 
     def _delay(self, dt: float) -> None:
         self._fly(dt)
@@ -246,14 +254,17 @@ class PX4Pilot:
 
     def _climb_to_return(self, dt: float) -> None:
         """No quicker than a take-off, as recorded."""
-        self._fly(dt, climb=(min(self._p["MPC_TKO_SPEED"], self._p["MPC_Z_V_AUTO_UP"]), self._p["MPC_ACC_UP_MAX"]))
+        self._fly(dt, climb=(min(self._p["MPC_TKO_SPEED"], self._path.climb), self._p["MPC_ACC_UP_MAX"]))
         if self._arrived():
             self._lead((0.0, 0.0, self._return_height), None)
+            self._entered_s = None
             self._manoeuvre = self._go_home
 
     def _go_home(self, dt: float) -> None:
         self._fly(dt)
-        if self._arrived():
+        if self._entered_s is None and self._arrived():
+            self._entered_s = self._now.time_s
+        if self._entered_s is not None and self._now.time_s - self._entered_s >= self._p["RTL_LAND_DELAY"]:
             self._begin_landing((0.0, 0.0, self._body.z))
 
     def _begin_landing(self, place: Triple) -> None:
@@ -279,7 +290,7 @@ class PX4Pilot:
         if self._touched_s is not None:
             self._stand(dt)
             return
-        slow, fast = self._p["MPC_LAND_SPEED"], self._p["MPC_Z_V_AUTO_DN"]
+        slow, fast = min(self._p["MPC_LAND_SPEED"], self._path.descent), self._path.descent
         low, high = self._p["MPC_LAND_ALT2"], max(self._p["MPC_LAND_ALT1"], self._p["MPC_LAND_ALT2"] + 1e-3)
         share = min(max((self._body.z - low) / (high - low), 0.0), 1.0)
         crawls = self._body.z <= self._p.get("MPC_LAND_ALT3", 1.0)  # its simulator has a range finder
@@ -317,7 +328,7 @@ class PX4Pilot:
     def _fly(self, dt: float, climb: tuple[float, float] | None = None, sink: float | None = None) -> None:
         body, path, at = self._body, self._path, self._body.place
         up = self._p.get("MPC_Z_VEL_MAX_UP", 3.0)
-        down = self._p.get("MPC_Z_VEL_MAX_DN", 1.5)
+        down = max(self._p.get("MPC_Z_VEL_MAX_DN", 1.5), 1.2 * path.descent)
         if self._ramp < 1.0:
             none = -GRAVITY / self._p.get("MPC_Z_VEL_P_ACC", 4.0)
             up = none + self._ramp * (up - none)

@@ -152,12 +152,14 @@ def fly_to(
 ) -> bool:
     """Fly until the target counts as reached, and is noticed to be; False if that is not within `way[13]` seconds.
 
+    Having been at the target is enough, but it does not count before the nose points where it should (`way[14]`).
+
     `state` is left as it is at that moment (26: when it was reached). Every so many steps (pace[2]; 0: never) seven
     numbers are added to the samples: time, place, velocity. A landing (way[12] < 0) sinks over the target, and has
     reached it on the ground.
     """
     radius, height_radius, cruise = way[9], way[10], way[11]
-    climbing_off, landing, patience = way[12] > 0.0, way[12] < 0.0, way[13]
+    climbing_off, landing, patience, headed = way[12] > 0.0, way[12] < 0.0, way[13], way[14]
     dt, latency, every = pace[0], pace[1], int(pace[2])
     accel, jerk, gain, most_error, most_speed = pace[3], pace[4], pace[5], pace[6], pace[7]
     up, down, accel_up, accel_down = pace[8], pace[9], pace[10], pace[11]
@@ -169,6 +171,7 @@ def fly_to(
     )  # fmt: skip
     drift, drift_up, kept, most_up, most_down = pace[34], pace[35], pace[36], pace[37], pace[38]
     land_low, land_speed, crawl_below, crawl_speed = pace[39], pace[40], pace[41], pace[42]
+    ramp = pace[43]
     t, x, y, z, vx, vy, vz = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
     ix, iy, lx, ly, bx, by, az = state[7], state[8], state[9], state[10], state[11], state[12], state[13]
     tx, ty, tz, ux, uy, uz = state[14], state[15], state[16], state[17], state[18], state[19]
@@ -182,6 +185,7 @@ def fly_to(
     legx, legy = way[3] - way[0], way[4] - way[1]
     leg = math.sqrt(legx * legx + legy * legy)
     seen, step, mode, corrected = -1.0, 0, ON_LINE, False
+    begun, grounded = t, climbing_off and z <= 0.0
     while True:
         # Where to steer: along the leg, unless the vehicle has passed its end, is before its start, or beside it.
         if leg > 1e-6:
@@ -280,14 +284,19 @@ def fly_to(
             ex, ey = ex * most_speed / size, ey * most_speed / size
         ex, ey = ex - vx - fx * dt, ey - vy - fy * dt
         mx, my = cx + p_v * ex + ix - d_v * fx, cy + p_v * ey + iy - d_v * fy
-        ez = min(max(uz + p_z * (tz - z), -most_down), most_up) - vz
-        mz = cz + p_vz * ez + iz
+        # A take-off begins with a limit of the climb that gives no thrust, and rises; until then nothing is foreseen.
+        highest, foreseen = most_up, cz
+        if climbing_off and t - begun < ramp:
+            highest, foreseen = ((t - begun) / ramp) * (most_up + GRAVITY / p_vz) - GRAVITY / p_vz, 0.0
+        ez = min(max(uz + p_z * (tz - z), -most_down), highest) - vz
+        mz = max(foreseen + p_vz * ez + iz, -GRAVITY)
         size = math.sqrt(mx * mx + my * my)
         share = 1.0 if size <= lean else lean / size
         # Where less is had than asked for, by the greatest lean or by less thrust, the integrator is led back.
         back = 2.0 / p_v * max(1.0 - share * (1.0 + mz / GRAVITY) / hover, 0.0)
         ix, iy = ix + i_v * (ex - back * mx) * dt, iy + i_v * (ey - back * my) * dt
-        iz += i_vz * ez * dt
+        if ez > 0.0 or mz > -GRAVITY:
+            iz += i_vz * ez * dt
         mx, my = mx * share, my * share
         # The vehicle: lean and thrust follow the command, drag is linear; the thrust that hovering takes is learned as
         # if there were none, so a climb makes it too large.
@@ -297,10 +306,15 @@ def fly_to(
         lift = 1.0 + az / GRAVITY
         doubt = 1.0 + 10.0 * max(abs(vz) - HOVER_SURE_UP, math.sqrt(vx * vx + vy * vy) - HOVER_SURE, 0.0)
         learned = (1.0 / learning + 1.0 / max(t - off, 1.0)) * dt / doubt
-        hover += (1.0 + drag * vz / GRAVITY - hover) * min(learned, 1.0)
+        if grounded:
+            off = t
+        else:
+            hover += (1.0 + drag * vz / GRAVITY - hover) * min(learned, 1.0)
         fx, fy = bx * lift - drag * (vx - wind_x), by * lift - drag * (vy - wind_y)
-        vx, vy, vz = vx + fx * dt, vy + fy * dt, vz + (az - drag * vz) * dt
-        x, y, z = x + (vx + sx) * dt, y + (vy + sy) * dt, z + (vz + sz) * dt
+        grounded = grounded and az <= 0.0
+        if not grounded:
+            vx, vy, vz = vx + fx * dt, vy + fy * dt, vz + (az - drag * vz) * dt
+            x, y, z = x + (vx + sx) * dt, y + (vy + sy) * dt, z + (vz + sz) * dt
         t += dt
         step += 1
         if step * dt > patience:
@@ -334,7 +348,8 @@ def fly_to(
                 reached = near and abs(z - home - way[5]) <= height_radius
             if reached:
                 seen = t
-        if seen >= 0.0 and t - seen >= latency:
+        if seen >= 0.0 and t - max(seen, headed) >= latency:
+            seen = max(seen, headed)
             break
     state[0], state[1], state[2], state[3], state[4], state[5], state[6] = t, x, y, z, vx, vy, vz
     state[7], state[8], state[9], state[10], state[11], state[12], state[13] = ix, iy, lx, ly, bx, by, az

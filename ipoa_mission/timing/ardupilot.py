@@ -38,6 +38,7 @@ STEP = 0.02  # [s]
 SAMPLE_STEPS = 5  # a sample of the track every so many steps
 ARMING_DELAY = 2.0  # from arming to motors that may spin up [s]
 THROTTLE_SLEW = 0.3  # from motors at full spin to leaving the ground [s]
+JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
 LANDING_DETECTION = 2.05  # from touching down to being sure of it: throttle runs down, then one second [s]
 #: What rounding leaves to climb when a take-off counts as done: up to half a millimetre, for which the leg over the
 #: take-off takes 0.4 s, or nothing, for which it takes no time. This much takes 0.2 s [m].
@@ -220,7 +221,7 @@ class _Flight:
         if self.planned is None:
             return self.leg_to(n, self.here, target, None)
         elapsed = float(self.state[21])
-        if self.planned.shape is None or elapsed > 0:
+        if self.planned.shape is None or elapsed > JUST_BEGUN:
             return at_speeds(self.planned, self.speeds, elapsed)
         enter = float(self.state[25]) if self.tail is None else 0.0  # out of a spline a leg starts at its speed
         return straight_leg(self.here, target, self.speeds, self.limits, enter=enter)

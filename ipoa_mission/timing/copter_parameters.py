@@ -1,39 +1,11 @@
-"""ArduCopter's parameters in SI units, whether they are given by the names of 4.7 (metres) or of before (centimetres).
-
-The renaming is ArduPilot's own ("Parameter Name Changes", 4.6 to 4.7, and pull requests 31970 and 32147).
-"""
+"""ArduCopter's parameters in SI units, given by the names of 4.7 (metres) or of before (centimetres)."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.vehicle import ARDUCOPTER_DEFAULTS, Parameters
+from ipoa_mission.vehicle import ARDUCOPTER_DEFAULTS, Parameters, by_old_names
 
-#: Name from 4.7 on: name before, and how many of the old unit make one of the new.
-RENAMED: Mapping[str, tuple[str, float]] = {
-    "WP_SPD": ("WPNAV_SPEED", 100.0),
-    "WP_SPD_UP": ("WPNAV_SPEED_UP", 100.0),
-    "WP_SPD_DN": ("WPNAV_SPEED_DN", 100.0),
-    "WP_ACC": ("WPNAV_ACCEL", 100.0),
-    "WP_ACC_CNR": ("WPNAV_ACCEL_C", 100.0),
-    "WP_ACC_Z": ("WPNAV_ACCEL_Z", 100.0),
-    "WP_JERK": ("WPNAV_JERK", 1.0),
-    "WP_RADIUS_M": ("WPNAV_RADIUS", 100.0),
-    "PSC_JERK_NE": ("PSC_JERK_XY", 1.0),
-    "PSC_JERK_D": ("PSC_JERK_Z", 1.0),
-    "ATC_ANGLE_MAX": ("ANGLE_MAX", 100.0),
-    "ATC_ACC_R_MAX": ("ATC_ACCEL_R_MAX", 100.0),
-    "ATC_ACC_P_MAX": ("ATC_ACCEL_P_MAX", 100.0),
-    "LAND_SPD_MS": ("LAND_SPEED", 100.0),
-    "LAND_SPD_HIGH_MS": ("LAND_SPEED_HIGH", 100.0),
-    "LAND_ALT_LOW_M": ("LAND_ALT_LOW", 100.0),
-    "RTL_ALT_M": ("RTL_ALT", 100.0),
-    "RTL_SPEED_MS": ("RTL_SPEED", 100.0),
-    "RTL_ALT_FINAL_M": ("RTL_ALT_FINAL", 100.0),
-    "RTL_CLIMB_MIN_M": ("RTL_CLIMB_MIN", 100.0),
-    "CIRCLE_RADIUS_M": ("CIRCLE_RADIUS", 100.0),
-}
 #: Parameters of ArduCopter that count here and are not among the package's defaults, with its own defaults.
 FURTHER: Parameters = {
     "RTL_CLIMB_MIN": 0.0,
@@ -97,9 +69,7 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
     Raises:
         BadInput: a parameter that must be positive is not.
     """
-    old = {name: value for name, value in parameters.items() if name not in RENAMED}
-    old |= {RENAMED[name][0]: value * RENAMED[name][1] for name, value in parameters.items() if name in RENAMED}
-    p = {**ARDUCOPTER_DEFAULTS, **FURTHER, **old}
+    p = {**ARDUCOPTER_DEFAULTS, **FURTHER, **by_old_names(parameters)}
     for name in POSITIVE:
         if not p[name] > 0:
             raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")

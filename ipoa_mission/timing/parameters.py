@@ -10,7 +10,7 @@ from pathlib import Path
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.timing import copter_parameters, px4_parameters
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Parameters
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, RENAMED, Parameters
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id holds sixteen characters
 SEPARATOR = re.compile(r"[,\s]+")
@@ -35,7 +35,7 @@ def read_parameters(path: Path) -> Parameters:
 
 def known_parameters() -> frozenset[str]:
     """The names of all parameters that the models of either autopilot use, old names and new ones."""
-    further = (copter_parameters.FURTHER, copter_parameters.RENAMED, px4_parameters.FURTHER)
+    further = (copter_parameters.FURTHER, RENAMED, px4_parameters.FURTHER)
     return frozenset(name for names in (*DEFAULT_PARAMETERS.values(), *further) for name in names)
 
 

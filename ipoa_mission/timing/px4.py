@@ -33,6 +33,8 @@ NOTICED = (
 )
 LANDING_DETECTION = 2.6  # from touching down to being sure of it [s]
 RETURN_PAUSES = 1.8  # what RTL takes longer from there until it disarms [s]
+TAKEN_OFF = 0.45  # from being high enough until a take-off is over [s]
+GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m/s]
 RUNS = 90  # with noise
 SOME_RUNS, WELL_KNOWN = 6, 0.003  # fewer will do once the mean is known to this share of it; asked every so many
 DOUBT, DOUBT_SHARE = 1.0, 0.015  # what the model itself may be off by on either side: seconds, and share of the time
@@ -231,14 +233,11 @@ class _Flight:
 
     def fly_to(self, n: int) -> tuple[float, str]:
         """Fly to visit n, turn the nose where it says, hold as long as it says."""
-        legs, begun, used = self.plan.legs, self.now, len(self.samples)
+        legs, used = self.plan.legs, len(self.samples)
         leg = legs[n] if n in legs else legs.setdefault(n, self.leg(n))
         self.here = leg.target
-        self.fly(leg.before, leg.target, leg.after, leg.radius)
+        self.fly(leg.before, leg.target, leg.after, leg.radius, headed=self.now + leg.turns)
         reached, why = self.since, self.why_slow(leg, used) if self.watched else ""
-        needs = leg.turns - (reached - begun)
-        if needs > 0:
-            reached = self.hold(needs)
         if leg.holds > 0:
             return self.hold(leg.holds), "hold"
         return reached, why
@@ -267,12 +266,16 @@ class _Flight:
         rate = self.limits.climb if rise > 0 else self.limits.descent
         return min(asked, rate * level / abs(rise)) if rise else asked
 
-    def fly(self, before: Place, target: Place, after: Place, radius: float, climbing_off: bool = False) -> None:
-        """Step until the target is reached."""
+    def fly(
+        self, before: Place, target: Place, after: Place, radius: float, climbing_off: bool = False, headed: float = 0.0
+    ) -> None:
+        """Step until the target is reached and the nose is `headed` as it should be [s]."""
         distance = math.dist(self.state[1:4], target) + abs(self.state[3] - target[2]) * 3
         cruise = min(self.cruise, self.limits.most_speed)
         most = (120 + 6 * distance * max(1.0, 1 / cruise)) * max(1.0, 1 / radius)  # a small circle is hard to hit
-        self.step((*before, *target, *after, radius, self.limits.height_radius, cruise, float(climbing_off), most))
+        most += max(headed - self.now, 0.0)
+        reaching = (radius, self.limits.height_radius, cruise, float(climbing_off), most, headed)
+        self.step((*before, *target, *after, *reaching))
         self.since = float(self.state[26])
 
     def hold(self, seconds: float) -> float:
@@ -281,12 +284,14 @@ class _Flight:
             return self.now
         over = max(self.since + seconds, self.now)
         there = (*self.here, *self.here, *self.here)
-        self.step((*there, 1e9, 1e9, self.cruise, 0.0, seconds + 6), latency=over - self.now)
+        self.step((*there, 1e9, 1e9, self.cruise, 0.0, seconds + 6, 0.0), latency=over - self.now)
         self.since = over
         return over
 
     def step(self, way: tuple[float, ...], latency: float = NOTICED) -> None:
-        """Fly a way as the stepping code has it: three places, radii, cruise, climbing off or landing, patience."""
+        """Fly a way as the stepping code has it: three places, radii, cruise, climbing off or landing,
+        patience, and until when the nose turns.
+        """
         samples = self.no_samples
         if self.watched:
             samples = self.room(7 * (int(way[13] / (STEP * SAMPLE_STEPS)) + 1))
@@ -308,11 +313,14 @@ class _Flight:
         self.heading = math.radians(yaw_deg)
         if math.isnan(old):
             return 0.0
-        turn = abs(math.remainder(self.heading - old, 2 * math.pi)) - self.limits.yaw_error
-        rate, accel = self.limits.yaw_rate, self.limits.yaw_accel
-        if turn <= 0:
+        turn = abs(math.remainder(self.heading - old, 2 * math.pi))
+        rate, accel, near = self.limits.yaw_rate, self.limits.yaw_accel, self.limits.yaw_error
+        if turn <= near:
             return 0.0
-        return turn / rate + rate / accel if turn > rate * rate / accel else 2 * math.sqrt(turn / accel)
+        whole = turn / rate + rate / accel if turn > rate * rate / accel else 2 * math.sqrt(turn / accel)
+        peak = min(rate, math.sqrt(turn * accel))  # it is near enough while it still turns
+        braking = peak * peak / (2 * accel)
+        return whole - (math.sqrt(2 * near / accel) if near < braking else peak / accel + (near - braking) / peak)
 
     def straight_to(self, target: Place) -> None:
         """A leg that ends in a stop."""
@@ -323,13 +331,13 @@ class _Flight:
     # --- what is not a leg ------------------------------------------------------------------------------------
 
     def take_off(self, target: Place) -> float:
-        """Spool up and ramp up thrust on the ground, climb; when the height counts as reached [s]."""
+        """Spool up, ramp up the thrust, climb; when the height counts as reached [s]."""
         if not self.airborne:
-            self.rest(self.limits.spool_up + self.limits.takeoff_ramp)
-            self.airborne = True
+            self.rest(self.limits.spool_up)
+            self.state[19], self.airborne = -GROUND_SINK, True
         self.here = target
         self.fly(target, target, target, self.limits.radius, climbing_off=True)
-        return self.since
+        return self.hold(TAKEN_OFF)
 
     def return_home(self) -> float:
         """RTL: climb as `Px4Return` says, fly home at MPC_XY_CRUISE, wait, come down, disarm."""
@@ -353,7 +361,7 @@ class _Flight:
         slowest = min(self.limits.land_speed, self.limits.descent, self.limits.crawl_speed)
         most = 30.0 + 4.0 * max(float(self.state[3]), 0.0) / slowest
         cruise = min(self.cruise, self.limits.most_speed)
-        self.step((*over, *over, *over, self.limits.radius, 0.0, cruise, -1.0, most), latency=0.0)
+        self.step((*over, *over, *over, self.limits.radius, 0.0, cruise, -1.0, most, 0.0), latency=0.0)
         self.here = over
         self.rest(LANDING_DETECTION)
         self.airborne = False
@@ -386,6 +394,7 @@ def _pace(plan: _Plan, noisy: bool) -> tuple[float, ...]:
         *_noise(body.senses if noisy else None, limits.spool_up),
         *(limits.most_climb, limits.most_descent),
         *(limits.land_low, limits.land_speed, *_crawl(body.senses, limits)),
+        limits.takeoff_ramp,
     )
 
 

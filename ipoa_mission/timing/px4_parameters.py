@@ -100,9 +100,9 @@ class Px4Limits:
 def px4_limits(parameters: Parameters) -> Px4Limits:
     """The limits that these parameters set; what is not given has PX4 1.17's default.
 
-    The vertical controller may use a little more than the trajectory does (FlightTaskAuto: 1.2 times). What hovering
-    takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are smooth,
-    its least measurement noise, 1 m/s^2; so its time constant is hover / (noise g).
+    Downwards the vertical controller may use a little more than the trajectory does (FlightTaskAuto: 1.2 times). What
+    hovering takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are
+    smooth, its least measurement noise, 1 m/s^2; so its time constant is hover / (noise g).
 
     Raises:
         BadInput: a parameter that must be positive is not.
@@ -123,7 +123,7 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         jerk=p["MPC_JERK_AUTO"],
         climb=climb,
         descent=descent,
-        most_climb=max(p["MPC_Z_VEL_MAX_UP"], 1.2 * climb),
+        most_climb=p["MPC_Z_VEL_MAX_UP"],
         most_descent=max(p["MPC_Z_VEL_MAX_DN"], 1.2 * descent),
         accel_up=p["MPC_ACC_UP_MAX"],
         accel_down=p["MPC_ACC_DOWN_MAX"],

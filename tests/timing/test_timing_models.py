@@ -17,10 +17,10 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.timing.copter_parameters import RENAMED, copter_limits
+from ipoa_mission.timing.copter_parameters import copter_limits
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.wind import Wind
-from ipoa_mission.vehicle import ARDUCOPTER_DEFAULTS, Autopilot
+from ipoa_mission.vehicle import ARDUCOPTER_DEFAULTS, RENAMED, Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(39.101, 121.82, 20.0)
@@ -146,7 +146,7 @@ def test_arducopter_counts_whole_seconds_of_a_hold() -> None:
 
 def test_px4_waits_for_its_nose_where_an_item_names_a_heading() -> None:
     def headed(yaw: float) -> Item:
-        there = place(0, 12)
+        there = place(0, 4)
         return Item(
             Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, (0, 0, 0, yaw), there.latitude_deg, there.longitude_deg, 30
         )
