@@ -25,8 +25,9 @@ WIDEST = 200  # nodes along the longer side, at most
 LEVELS = 60  # at most, where climbs are not limited
 FINER = (1.0, 2.0, 3.0)  # how much finer the next lattice is if one knows no way
 FLATTEST = 0.15  # the lattice knows no flatter climbs: it would need too many levels
-MOST = 8  # ways that are returned
+MOST = 24  # ways that are returned
 DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
+PER_LEG = 4  # points at which a leg between two nodes is looked at
 PER_TURN, DENSEST = 4, 80  # control points of a curve that follows a way, at most
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbours
 BETWEEN = 0.05  # how much less slack than a node its neighbours on both sides have, in steps, if it is in a gap
@@ -70,7 +71,7 @@ def guesses(problem: PathProblem, coarsest: int) -> list[Trail]:
     found: list[Points] = []
     for fineness in FINER[coarsest:]:
         lattice = lay(problem, fineness)
-        if found := ways(lattice, problem, MOST):
+        if found := [_mended(way, lattice, problem) for way in ways(lattice, problem, MOST)]:
             break
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
     turns = max((_turns(way, tolerance) for way in found), default=0)
@@ -147,6 +148,16 @@ def _centred(nodes: Points, spacing: Vector, problem: PathProblem) -> Points:
         slack = _survey(trials.reshape(-1, 3), problem)[0].reshape(trials.shape[:2])
         nodes = trials[np.arange(len(nodes)), np.argmax(slack, axis=1)]
     return nodes
+
+
+def _mended(way: Points, lattice: Lattice, problem: PathProblem) -> Points:
+    """The way, with more points where a leg between two nodes cuts what neither of them is in."""
+    shares = np.linspace(0.0, 1.0, PER_LEG, endpoint=False)[:, None]
+    points: Points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
+    nodes = np.arange(len(points)) % PER_LEG == 0
+    cut = ~nodes & (_survey(points, problem)[0] < 0)
+    points[cut] = _centred(points[cut], lattice.spacing, problem)
+    return np.asarray(points[nodes | cut])
 
 
 def _end(lattice: Lattice, problem: PathProblem, place: Vector) -> int | None:

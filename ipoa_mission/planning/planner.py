@@ -28,8 +28,9 @@ __all__ = ["NoPath", "plan_path"]
 Proved: TypeAlias = tuple[Spline, Proof]
 
 STRAIGHT = 3  # searches that begin at the straight line
+SEARCHED, SHORTEST = 8, 4  # searches that begin at lattice ways, and how many of these are the lattice's best
 WIDE, NARROW, LOCAL = 0.25, 0.08, 0.12  # widths of a search: round the straight line, a better guess, a piece
-FEW = 20  # control points with which a curve may not be able to follow a way
+FEW = 100  # control points with which a curve may not be able to follow a way
 KEPT = 3  # curves that are searched again
 PIECE = 10  # control points that are then varied at a time
 WANTED, TRIED = 2, 6  # curves that are settled and hold, and how many are tried for that
@@ -95,7 +96,9 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
         if len(way.curve.control) < FEW and problem.cost(found[-1]) > problem.rules.collision:
             ways[i] = refine(way)
             found[-1] = polish(ways[i], problem)
-    starts = [(straight, WIDE)] * STRAIGHT + [(way, NARROW) for way in ways]
+    best = np.argsort([problem.cost(trail) for trail in found[1:]])
+    promising = list(dict.fromkeys([*range(len(ways))[:SHORTEST], *best.tolist()]))[:SEARCHED]
+    starts = [(straight, WIDE)] * STRAIGHT + [(ways[i], NARROW) for i in promising]
     for i, (guess, width) in enumerate(starts):
         progress(0.5 * i / len(starts), f"passage {i + 1} of {len(starts)}")
         found.append(polish(searcher.search(guess, width), problem))
