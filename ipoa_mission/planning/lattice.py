@@ -173,7 +173,7 @@ def _end(lattice: Lattice, problem: PathProblem, place: Vector) -> int | None:
 
 
 def _leg_ways(lattice: Lattice, problem: PathProblem, start: Vector, goal: Vector, most: int) -> list[Points]:
-    from ipoa_mission.planning._kernels import spread
+    from ipoa_mission.planning._dijkstra import spread
 
     source, target = _end(lattice, problem, start), _end(lattice, problem, goal)
     if source is None or target is None:

@@ -135,7 +135,7 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
 
 
 def test_costs_spread_over_a_lattice_as_in_the_twin() -> None:
-    from ipoa_mission.planning._kernels import spread
+    from ipoa_mission.planning._dijkstra import spread
 
     rng = np.random.default_rng(5)
     every = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
