@@ -2,19 +2,30 @@
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
+import math
+
 import numpy as np
 from numba import njit
 
+from ipoa_mission.planning._kernels import FAST, _look
 
-@njit(cache=True, error_model="numpy")
-def spread(price, steps, lengths, source):
+GLANCES = 100  # places at which the straight leg between two nodes is looked at, at most
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def spread(price, slack, places, steps, lengths, look, source, chart, rules):
     """Least cost from one lattice node to every other, and the node before it on the way, by Dijkstra's algorithm.
 
-    `price` (nx, ny, nz) is the cost per metre at each node, infinite where none may go; a step of `steps` (s, 3) costs
-    its length of `lengths` (s,) times the mean of both ends. Nodes are numbered flat; returns (nodes,) and (nodes,).
+    `price` and `slack` (nx, ny, nz) are the cost per metre at each node, infinite where none may go, and how much more
+    room it has than is required; it is at `places` (nx ny nz, 3). A step of `steps` (s, 3) costs its length of
+    `lengths` (s,) times the mean of both ends; it is looked at whether its straight leg runs into something if `look`
+    says so. Nodes are numbered flat; returns (nodes,) and (nodes,).
     """
     nx, ny, nz = price.shape
-    flat, total = price.ravel(), nx * ny * nz
+    cells, first, listed, around = chart.cells, chart.first, chart.listed, chart.around
+    kind, shape, edges, raster, heights = chart.kind, chart.shape, chart.edges, chart.ground, chart.heights
+    zones, lower, upper, reach = chart.low_zones, chart.lower, chart.upper, chart.reach
+    flat, room, total = price.ravel(), slack.ravel(), nx * ny * nz
     cost, before = np.full(total, np.inf), np.full(total, -1, np.int64)
     keys, nodes, size = np.empty(4 * total + 64), np.empty(4 * total + 64, np.int64), 1
     cost[source], keys[0], nodes[0] = 0.0, 0.0, source
@@ -41,12 +52,30 @@ def spread(price, steps, lengths, source):
                 continue
             there = (a * ny + b) * nz + c
             trial = key + lengths[s] * 0.5 * (flat[here] + flat[there])
-            if trial < cost[there] and size < len(keys):
-                cost[there], before[there] = trial, here
-                hole = size
-                size += 1
-                while hole > 0 and keys[(hole - 1) // 2] > trial:
-                    keys[hole], nodes[hole] = keys[(hole - 1) // 2], nodes[(hole - 1) // 2]
-                    hole = (hole - 1) // 2
-                keys[hole], nodes[hole] = trial, there
+            if not trial < cost[there] or size >= len(keys):
+                continue
+            if look:  # where the balls round both ends do not meet, from ball to ball
+                x, y, z = places[here, 0], places[here, 1], places[here, 2]
+                e, n, u = places[there, 0] - x, places[there, 1] - y, places[there, 2] - z
+                length = math.sqrt(e * e + n * n + u * u)
+                least = max(0.5 * rules.clearance, length / GLANCES)
+                along = max(room[here], least)
+                free = True
+                while free and along < length - room[there]:
+                    t = along / length
+                    spare, _ = _look(
+                        cells, first, listed, around, kind, shape, edges, raster, heights, zones, lower, upper, reach,
+                        rules, x + t * e, y + t * n, z + t * u,
+                    )  # fmt: skip
+                    free = spare >= -0.5 * rules.clearance
+                    along += max(spare, least)
+                if not free:
+                    continue
+            cost[there], before[there] = trial, here
+            hole = size
+            size += 1
+            while hole > 0 and keys[(hole - 1) // 2] > trial:
+                keys[hole], nodes[hole] = keys[(hole - 1) // 2], nodes[(hole - 1) // 2]
+                hole = (hole - 1) // 2
+            keys[hole], nodes[hole] = trial, there
     return cost, before

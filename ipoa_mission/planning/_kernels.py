@@ -379,6 +379,33 @@ def path_model(nodes, first, window, count, chart, rules, soft, even, signs):
     return value, gradient, band, angles
 
 
+@njit(inline="always")
+def _look(
+    cells, first, listed, around, kind, shape, edges, raster, heights, zones, lower, upper, reach, rules, x, y, z
+):
+    """How much a place has more than required of everything solid [m], and the threat there per metre."""
+    ground, threat = _ground(raster, heights, x, y)[0], 0.0
+    spare = min(z - ground - _least_height(zones, rules.height, x, y), rules.ceiling - (z - ground))
+    spare = min(spare, reach - rules.clearance)
+    if not (lower[0] <= x <= upper[0] and lower[1] <= y <= upper[1] and lower[2] <= z <= upper[2]):
+        spare = -np.inf
+    cell = _cell(cells, x, y)
+    for k in range(first[cell], first[cell + 1]):
+        body = listed[k]
+        if not around[body, 3] < z < around[body, 4]:
+            continue
+        if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:
+            continue
+        distance = _distance(kind, shape, edges, body, x, y, z)[0]
+        if kind[body] == FENCE:
+            spare = min(spare, distance)
+            continue
+        spare = min(spare, distance - rules.clearance)
+        if distance - rules.radius < rules.d_safe:
+            threat += rules.threat / max(distance - rules.radius, LEAST)
+    return spare, threat
+
+
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def survey(points, chart, rules):
     """For each point (n, 3) how much it has more than required of everything solid [m], and the threat there per metre.
@@ -386,30 +413,29 @@ def survey(points, chart, rules):
     Obstacles farther than the chart's reach count as at its edge.
     """
     n = len(points)
-    raster, listed_from, listed, around = chart.cells, chart.first, chart.listed, chart.around
-    kind, shape, edges, heights, low_zones = chart.kind, chart.shape, chart.edges, chart.heights, chart.low_zones
-    slack, threat = np.empty(n), np.zeros(n)
+    cells, first, listed, around = chart.cells, chart.first, chart.listed, chart.around
+    kind, shape, edges, raster, heights = chart.kind, chart.shape, chart.edges, chart.ground, chart.heights
+    zones, lower, upper, reach = chart.low_zones, chart.lower, chart.upper, chart.reach
+    slack, threat = np.empty(n), np.empty(n)
     for i in range(n):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        ground = _ground(chart.ground, heights, x, y)[0]
-        spare = min(z - ground - _least_height(low_zones, rules.height, x, y), rules.ceiling - (z - ground))
-        spare = min(spare, chart.reach - rules.clearance)
-        for axis in range(3):
-            if not chart.lower[axis] <= points[i, axis] <= chart.upper[axis]:
-                spare = -np.inf
-        cell = _cell(raster, x, y)
-        for k in range(listed_from[cell], listed_from[cell + 1]):
-            body = listed[k]
-            if not around[body, 3] < z < around[body, 4]:
-                continue
-            if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:
-                continue
-            distance = _distance(kind, shape, edges, body, x, y, z)[0]
-            if kind[body] == FENCE:
-                spare = min(spare, distance)
-                continue
-            spare = min(spare, distance - rules.clearance)
-            if distance - rules.radius < rules.d_safe:
-                threat[i] += rules.threat / max(distance - rules.radius, LEAST)
-        slack[i] = spare
+        slack[i], threat[i] = _look(
+            cells,
+            first,
+            listed,
+            around,
+            kind,
+            shape,
+            edges,
+            raster,
+            heights,
+            zones,
+            lower,
+            upper,
+            reach,
+            rules,
+            x,
+            y,
+            z,
+        )
     return slack, threat

@@ -17,20 +17,26 @@ from scipy.ndimage import binary_dilation, minimum_filter
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import STEEP
+from ipoa_mission.planning.gaps import gap_places
 from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.problem import PathProblem, Trail, follow
+from ipoa_mission.planning.winding import wind
 
 NODES = 100_000  # about how many nodes a lattice has
 WIDEST = 200  # nodes along the longer side, at most
+MOST_CONTROL = 500  # control points of a guess
 LEVELS = 60  # at most, where climbs are not limited
 FINER = (1.0, 2.0, 3.0)  # how much finer the next lattice is if one knows no way
-FLATTEST = 0.15  # the lattice knows no flatter climbs: it would need too many levels
-MOST = 24  # ways that are returned
+ROUND, LEAST = 20.0, 0.1  # radius of a usual loop [m], and the least price of a metre by which that of turns is divided
+RATHER = 0.98  # what loops cost of going to and fro
+FLATTEST = 0.07  # the lattice knows no flatter climbs: it would need too many levels
+MOST, FEWER = 24, 8  # ways that are returned, and where climbs are limited
 DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
 PER_LEG = 4  # points at which a leg between two nodes is looked at
 PER_TURN, DENSEST = 4, 80  # control points of a curve that follows a way, at most
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbours
 BETWEEN = 0.05  # how much less slack than a node its neighbours on both sides have, in steps, if it is in a gap
+WIDE_GAP = 1.5  # how much wider than required a gap may be, in steps, to have nodes of its own
 ROUNDS = 6  # each looks three times as closely for the best place in a cell
 NEAREST, GLANCES = 64, 8  # nodes that may be an end's, and points at which the leg to each is looked at
 
@@ -50,18 +56,43 @@ class Lattice:
     price: NDArray[np.float64]
     steepest: tuple[float, float]
     """Greatest slopes of climb and descent."""
+    winding: float
+    """What a metre of loops costs more than a straight metre."""
 
     def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:
-        """The steps (s, 3) that are not too steep, and their lengths (s,) [m]; or those that are flown backwards."""
+        """The steps (s, 3) and their lengths (s,) [m], or those that are flown backwards.
+
+        One that is too steep is as long as the loops that it stands for. Height is as dear on the way as in loops, but
+        for a little, so that no way goes to and fro to gain it.
+        """
         strides = STRIDES * self.spacing
-        angles = np.arctan2(strides[:, 2], np.hypot(strides[:, 0], strides[:, 1]))
-        climb, descent = np.arctan(self.steepest[::-1] if backwards else self.steepest) + 1e-6
-        allowed = (angles <= climb) & (-angles <= descent)
-        return STRIDES[allowed], np.linalg.norm(strides[allowed], axis=1)
+        level, rise = np.hypot(strides[:, 0], strides[:, 1]), strides[:, 2]
+        climb, descent = self.steepest[::-1] if backwards else self.steepest
+        needed = np.maximum(rise / climb, -rise / descent)
+        too_steep = needed > (1 + 1e-6) * level
+        lengths = np.hypot(np.where(too_steep, needed, level), rise) + self.winding * needed
+        return STRIDES, np.where(too_steep, RATHER * lengths, lengths)
 
 
-def guesses(problem: PathProblem, coarsest: int) -> list[Trail]:
-    """Curves from start over all via points to the goal: the straight one, then those that follow lattice ways.
+@dataclass(frozen=True, eq=False)
+class Guess:
+    """A polyline `guide` (k, 3), and how many control points a curve needs to follow it.
+
+    They are `inner` evenly along it, or `shares` (k-1,) on each leg.
+    """
+
+    guide: Points
+    shares: Vector | None
+    inner: int
+
+    def trail(self, problem: PathProblem, closer: int = 1) -> Trail:
+        """A curve that follows it with so many times the control points."""
+        inner = self.inner if self.shares is None else round(float(self.shares.sum()))
+        return follow(self.guide, min(closer * inner, MOST_CONTROL), problem.scenario, self.shares)
+
+
+def guesses(problem: PathProblem, coarsest: int) -> list[Guess]:
+    """Ways from start over all via points to the goal: the straight one, then those that follow lattice ways.
 
     Lattices before number `coarsest` of `FINER` are not tried.
     """
@@ -69,22 +100,27 @@ def guesses(problem: PathProblem, coarsest: int) -> list[Trail]:
     straight = places(scenario)
     inner = max(scenario.planning.control_points, 3, 5 * (len(straight) - 1))
     found: list[Points] = []
+    most = FEWER if min(problem.rules.climb, problem.rules.descent) < STEEP else MOST
     for fineness in FINER[coarsest:]:
         lattice = lay(problem, fineness)
-        if found := [_mended(way, lattice, problem) for way in ways(lattice, problem, MOST)]:
+        if found := [_mended(way, lattice, problem) for way in ways(lattice, problem, most)]:
             break
+    found = found or ways(lattice, problem, most, looking=False)
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
     turns = max((_turns(way, tolerance) for way in found), default=0)
     inner = int(max(inner, min(4 + PER_TURN * turns, DENSEST)))
-    return [follow(guide, inner, scenario) for guide in (straight, *found)]
+    return [
+        Guess(straight, None, inner),
+        *(Guess(*wind(way, inner, problem, float(lattice.spacing[2])), inner) for way in found),
+    ]
 
 
 def lay(problem: PathProblem, fineness: float = 1.0) -> Lattice:
     """A lattice over the bounds; `fineness` 2 has half the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
-    steepest = (max(problem.rules.climb, FLATTEST), max(problem.rules.descent, FLATTEST))
-    flattest, area = min(*steepest, 1.0), size[0] * size[1]
+    steepest = (problem.rules.climb, problem.rules.descent)
+    flattest, area = max(min(*steepest, 1.0), FLATTEST), size[0] * size[1]
     pitch = (area * size[2] / flattest / NODES) ** (1 / 3)
     if upright := min(steepest) >= STEEP:  # cells may then be higher than they are wide
         pitch = min(pitch, (area * LEVELS / NODES) ** 0.5)
@@ -102,17 +138,19 @@ def lay(problem: PathProblem, fineness: float = 1.0) -> Lattice:
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
     nodes[between] = _centred(nodes[between], spacing, problem)
     slack[between], threat[between] = _survey(nodes[between], problem)
+    winding = problem.rules.turning / max(problem.rules.length, LEAST) / min(ROUND, float(size[:2].min()) / 4)
+    _occupy_gaps(nodes, slack, threat, lower, spacing, problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
-    return Lattice(lower, spacing, nodes, slack.reshape(count), price.reshape(count), steepest)
+    return Lattice(lower, spacing, nodes, slack.reshape(count), price.reshape(count), steepest, winding)
 
 
-def ways(lattice: Lattice, problem: PathProblem, most: int) -> list[Points]:
+def ways(lattice: Lattice, problem: PathProblem, most: int, looking: bool = True) -> list[Points]:
     """Up to `most` distinct ways from start over all via points to the goal, (k, 3) each, the cheapest first.
 
-    Empty if the lattice knows no way.
+    Empty if the lattice knows no way. Unless it is `looking` a step may lead through something thin between two nodes.
     """
     stops = places(problem.scenario)
-    legs = [_leg_ways(lattice, problem, a, b, most) for a, b in pairwise(stops)]
+    legs = [_leg_ways(lattice, problem, a, b, most, looking) for a, b in pairwise(stops)]
     if not all(legs):
         return []
     cheapest = [leg[0] for leg in legs]
@@ -160,6 +198,24 @@ def _mended(way: Points, lattice: Lattice, problem: PathProblem) -> Points:
     return np.asarray(points[nodes | cut])
 
 
+def _occupy_gaps(
+    nodes: Points, slack: Vector, threat: Vector, lower: Vector, spacing: Vector, problem: PathProblem
+) -> None:
+    """Moves nodes (n, 3), with their slack and threat, to the places in narrow gaps that lie in their cells."""
+    count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
+    heights = lower[2] + spacing[2] * np.arange(count[2])
+    widest = 2 * problem.limits.obstacle_distance + WIDE_GAP * float(spacing[:2].max())
+    places = gap_places(problem, widest, float(spacing[:2].max()), heights)
+    number = np.round((places - lower) / spacing).astype(int)
+    inside = ((number >= 0) & (number < count)).all(axis=1)
+    places, node = places[inside], np.ravel_multi_index(tuple(number[inside].T), tuple(count))
+    room, danger = _survey(places, problem)
+    better = np.nonzero((room >= 0) | (room > slack[node]))[0]
+    better = better[np.argsort(room[better], kind="stable")]  # of several in a cell the one with the most room stays
+    node = node[better]
+    nodes[node], slack[node], threat[node] = places[better], room[better], danger[better]
+
+
 def _end(lattice: Lattice, problem: PathProblem, place: Vector) -> int | None:
     """The free node nearest to a place, by its flat number; if possible one to which the straight leg is free."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
@@ -172,16 +228,25 @@ def _end(lattice: Lattice, problem: PathProblem, place: Vector) -> int | None:
     return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
 
 
-def _leg_ways(lattice: Lattice, problem: PathProblem, start: Vector, goal: Vector, most: int) -> list[Points]:
+def _leg_ways(
+    lattice: Lattice, problem: PathProblem, start: Vector, goal: Vector, most: int, looking: bool
+) -> list[Points]:
     from ipoa_mission.planning._dijkstra import spread
 
     source, target = _end(lattice, problem, start), _end(lattice, problem, goal)
     if source is None or target is None:
         return []
-    there, before = spread(lattice.price, *lattice.steps(), source)
+    look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
+
+    def costs(steps: NDArray[np.int64], lengths: Vector, node: int) -> tuple[Vector, NDArray[np.int64]]:
+        return spread(  # type: ignore[no-any-return]
+            lattice.price, lattice.slack, lattice.places, steps, lengths, look, node, problem.chart, problem.rules
+        )
+
+    there, before = costs(*lattice.steps(), source)
     if not np.isfinite(there[target]):
         return []
-    back, after = spread(lattice.price, *lattice.steps(backwards=True), target)
+    back, after = costs(*lattice.steps(backwards=True), target)
     through = there + back
     found: list[Points] = []
     even: list[Points] = []

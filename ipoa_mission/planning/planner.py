@@ -16,8 +16,8 @@ from ipoa_mission.planning.lattice import FINER, guesses
 from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, refuse_places
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.polish import polish, settle
-from ipoa_mission.planning.problem import Trail, follow, pose, refine
+from ipoa_mission.planning.polish import FIRM, polish, settle
+from ipoa_mission.planning.problem import UNSAFE, Trail, follow, pose, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.search import Progress, Searcher, optimizer_of
 from ipoa_mission.planning.spline import Spline
@@ -31,7 +31,10 @@ STRAIGHT = 3  # searches that begin at the straight line
 SEARCHED, SHORTEST = 8, 4  # searches that begin at lattice ways, and how many of these are the lattice's best
 WIDE, NARROW, LOCAL = 0.25, 0.08, 0.12  # widths of a search: round the straight line, a better guess, a piece
 FEW = 100  # control points with which a curve may not be able to follow a way
+MANY = 150  # control points that are enough
+CLOSER = 4  # times as many let it
 KEPT = 3  # curves that are searched again
+ROUNDS = 80  # at most, of searches piece by piece
 PIECE = 10  # control points that are then varied at a time
 WANTED, TRIED = 2, 6  # curves that are settled and hold, and how many are tried for that
 
@@ -79,7 +82,7 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
             if sum(proof.holds for _, proof in proved) == WANTED:
                 break
         if safe := [trail for trail, proof in proved if proof.holds]:
-            proved.append(settle(refine(min(safe, key=problem.cost)), problem, enough=1e-8))
+            proved.append(settle(_finer(min(safe, key=problem.cost)), problem, enough=1e-8))
             break
         if (why := blockage(problem)) is not None:
             raise why
@@ -90,15 +93,20 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     """The best few curves, of those that a guess, or a search round one, was polished to."""
     problem = searcher.problem
     straight, *ways = guesses(problem, coarsest)
-    found = [polish(straight, problem)]
-    for i, way in enumerate(ways):
-        found.append(polish(way, problem))
-        if len(way.curve.control) < FEW and problem.cost(found[-1]) > problem.rules.collision:
-            ways[i] = refine(way)
-            found[-1] = polish(ways[i], problem)
-    best = np.argsort([problem.cost(trail) for trail in found[1:]])
-    promising = list(dict.fromkeys([*range(len(ways))[:SHORTEST], *best.tolist()]))[:SEARCHED]
-    starts = [(straight, WIDE)] * STRAIGHT + [(ways[i], NARROW) for i in promising]
+    trails, found = [straight.trail(problem)], [polish(straight.trail(problem), problem)]
+    for way in ways:
+        trails.append(way.trail(problem))
+        found.append(polish(trails[-1], problem))
+        if len(trails[-1].curve.control) < FEW and problem.cost(found[-1]) > UNSAFE:
+            trails[-1] = refine(trails[-1])
+            found[-1] = polish(trails[-1], problem)
+    costs = [problem.cost(trail) for trail in found]
+    promising = list(dict.fromkeys([*range(1, len(found))[:SHORTEST], *(1 + np.argsort(costs[1:])).tolist()]))[
+        :SEARCHED
+    ]
+    if min(costs) > UNSAFE:
+        found += [polish(way.trail(problem, CLOSER), problem, FIRM) for way in ways]
+    starts = [(trails[0], WIDE)] * STRAIGHT + [(trails[i], NARROW) for i in promising]
     for i, (guess, width) in enumerate(starts):
         progress(0.5 * i / len(starts), f"passage {i + 1} of {len(starts)}")
         found.append(polish(searcher.search(guess, width), problem))
@@ -108,9 +116,9 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
 def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> list[Trail]:
     """These curves with twice the control points and what became of them piece by piece, the best first."""
     problem, rng = searcher.problem, searcher.rng
-    found = [(problem.cost(trail), trail) for trail in map(refine, trails)]
+    found = [(problem.cost(trail), trail) for trail in map(_finer, trails)]
     inner = max(len(trail.curve.control) for _, trail in found) - 2
-    rounds = max((inner - PIECE) // 2, 6)
+    rounds = int(np.clip((inner - PIECE) // 2, 6, ROUNDS))
     for i in range(rounds):
         progress(0.5 + 0.4 * i / rounds, f"piece {i + 1} of {rounds}")
         base = found[int(rng.integers(min(2, len(found))))][1]
@@ -120,3 +128,8 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
         found.append((problem.cost(better), better))
         found.sort(key=lambda pair: pair[0])
     return [trail for _, trail in found]
+
+
+def _finer(trail: Trail) -> Trail:
+    """The curve with twice the control points, unless it has enough."""
+    return refine(trail) if len(trail.curve.control) < MANY else trail

@@ -21,9 +21,9 @@ from ipoa_mission.planning.spline import Spline, even_basis
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
 ROUGHLY = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
-ATTEMPTS = 4
+ATTEMPTS = 6
 BAND = 14  # coordinates farther apart than this share no term: a term depends on five control points
-HOPELESS = -1.0  # what a little more clearance does not mend [m]
+HOPELESS = {"m": -1.0, "deg": -10.0}  # what a little more clearance, or a flatter climb, does not mend
 FELT = 8  # how many control points away a change is felt, via points included
 SURE = 0.9  # how sure of an angle's sign a polish may be
 SOFTER = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
@@ -33,6 +33,7 @@ HARDER = HARD._replace(bend=1e-4, reach=0.1, wall=0.01, stiffness=1e3, evenness=
 HARDEST = HARDER._replace(bend=1e-5, reach=0.05, wall=0.002, stiffness=1e4, evenness=0.01, aside=0.005)
 SHARPEST = HARDEST._replace(bend=1e-6, reach=0.03, wall=3e-4, stiffness=1e5, evenness=0.002, aside=0.003)
 ROUGH = (SOFTER, SOFT, HARD)
+FIRM = (HARD, HARDER)  # for a guess that hardly fits
 FINE = (HARD, HARDER, HARDEST, SHARPEST)
 
 
@@ -71,11 +72,13 @@ def settle(trail: Trail, problem: PathProblem, enough: float = 1e-7) -> tuple[Tr
         stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
         trail = polish(trail, problem, stages, steps=60, finer=2, enough=enough)
         proof = prove_curve(trail.curve, problem.scenario)
-        if not HOPELESS < proof.worst.slack < 0:
+        if proof.worst.slack >= 0 or any(check.slack < HOPELESS[check.unit] for check in proof.checks):
             break
         for check in proof.checks:
             short = max(-1.2 * check.slack, 0.0)
-            more[_REMEDY[check.limit]] += np.radians(short) if check.unit == "deg" else short
+            if check.unit == "deg":  # as a slope
+                short = float(np.tan(np.radians(check.required)) - np.tan(np.radians(check.required - short)))
+            more[_REMEDY[check.limit]] += short
     return trail, proof
 
 

@@ -24,6 +24,9 @@ Matrix: TypeAlias = NDArray[np.float64]
 ALL = slice(None)
 SHORTEST = 2.0  # spans of the spline between two via points, at least
 CLOSELY = 4  # times as many nodes when curves are compared
+UNSAFE = 1e6  # a curve that costs more than this breaks a limit
+STEEPER = 1.1  # how much steeper than allowed a rough curve may be
+NARROW, MOST = 0.3, 4000  # curves are compared by legs as short as this [m], if so many are enough
 LENIENCE = 0.1  # what a rough curve may break a limit by; the fine polish mends it [m]
 
 
@@ -81,11 +84,19 @@ class PathProblem:
         from ipoa_mission.planning._kernels import path_costs
 
         nodes = trail.curve.points(np.linspace(0.0, 1.0, CLOSELY * self.nodes))
+        legs = leg_lengths(nodes)
+        longest = max(1.5 * self.limits.obstacle_distance, NARROW)
+        if legs.max() > longest:  # lest it skip a thin wall
+            travelled = np.concatenate([[0.0], np.cumsum(legs)])
+            even = np.linspace(0.0, travelled[-1], int(np.clip(travelled[-1] / longest, len(nodes), MOST)))
+            nodes = np.column_stack([np.interp(even, travelled, nodes[:, k]) for k in range(3)])
         chart = self.chart._replace(lower=self.chart.lower - LENIENCE, upper=self.chart.upper + LENIENCE)
         rules = self.rules._replace(
             clearance=self.rules.clearance - LENIENCE,
             height=self.rules.height - LENIENCE,
-            collision=self.rules.collision,
+            climb=self.rules.climb * STEEPER,
+            descent=self.rules.descent * STEEPER,
+            collision=UNSAFE,
         )
         return float(path_costs(np.ascontiguousarray(nodes.T)[None], chart, rules)[0])
 
@@ -98,9 +109,12 @@ def pose(scenario: Scenario) -> PathProblem:
     return PathProblem(scenario, limits, chart_of(scenario.airspace, limits, reach), rules, _nodes(scenario, limits))
 
 
-def follow(guide: Points, inner: int, scenario: Scenario) -> Trail:
-    """A curve with `inner` control points between its ends that follows a polyline (k, 3) over all via points."""
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide))])
+def follow(guide: Points, inner: int, scenario: Scenario, shares: Vector | None = None) -> Trail:
+    """A curve with `inner` control points between its ends that follows a polyline (k, 3) over all via points.
+
+    They are evenly apart along it, or as many on each leg as its share (k-1,) of the sum.
+    """
+    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
     stops = [0, *_corners(guide, places(scenario)[1:-1]), len(guide) - 1]
     legs = np.diff(travelled[stops]) / travelled[-1]
     legs = np.maximum(legs, min(SHORTEST / (inner - 1), 0.5 / len(legs)))  # or via points would share control points

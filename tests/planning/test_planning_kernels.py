@@ -134,9 +134,10 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
             np.testing.assert_allclose(threat, danger, rtol=1e-9)
 
 
-def test_costs_spread_over_a_lattice_as_in_the_twin() -> None:
+def test_costs_spread_over_a_lattice_as_in_the_twin(scenario) -> None:
     from ipoa_mission.planning._dijkstra import spread
 
+    anywhere = pose(scenario())
     rng = np.random.default_rng(5)
     every = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
     for _ in range(10):
@@ -145,13 +146,28 @@ def test_costs_spread_over_a_lattice_as_in_the_twin() -> None:
         source = int(rng.choice(np.nonzero(np.isfinite(price.ravel()))[0]))
         steps = every[rng.random(26) < 0.7]
         lengths = np.linalg.norm(steps * rng.uniform(1, 3, 3), axis=1)
-        cost, before = spread(price, steps, lengths, source)
+        unseen = np.zeros(price.shape), np.zeros((price.size, 3)), steps, lengths, False, source
+        cost, before = spread(price, *unseen, anywhere.chart, anywhere.rules)
         np.testing.assert_allclose(cost, twins.spread(price, steps, lengths, source), rtol=1e-12)
         reached = np.isfinite(cost)
         reached[source] = False
         assert (before[reached] >= 0).all()
         assert (cost[before[reached]] < cost[reached]).all()
         assert (before[~reached] == -1).all()
+
+
+def test_no_step_leads_through_what_is_between_two_nodes(scenario) -> None:
+    """Two nodes on either side of a wall, and one beside each by which it can be passed."""
+    from ipoa_mission.planning._dijkstra import spread
+
+    wall = {"kind": "box", "east": 50, "north": 0, "width": 0.2, "depth": 20, "height": 99, "base": 0.0}
+    problem = pose(scenario(obstacles=[wall], vehicle={"radius": 0.1}, safety_distance=0.1))
+    places = np.array([(40.0, north, 20.0) for north in (0.0, 15.0)] + [(60.0, north, 20.0) for north in (0.0, 15.0)])
+    price, steps = np.ones((2, 2, 1)), np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
+    lengths = np.array([20.0, 20.0, 15.0, 15.0])
+    for look, through in ((False, 20.0), (True, 50.0)):
+        lattice = price, np.zeros((2, 2, 1)), places, steps, lengths, look, 0
+        assert spread(*lattice, problem.chart, problem.rules)[0][2] == through
 
 
 @pytest.mark.parametrize("spot", [(np.nan, 0.0), (0.0, np.nan), (np.inf, -np.inf), (1e300, -1e300)])

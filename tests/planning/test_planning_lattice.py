@@ -5,6 +5,7 @@ import pytest
 
 from ipoa_mission.planning.lattice import guesses, lay, ways
 from ipoa_mission.planning.problem import pose
+from ipoa_mission.planning.winding import wind
 
 PILLAR = {"kind": "cylinder", "name": "pillar", "east": 50, "north": 0, "radius": 15, "height": 99, "base": 0.0}
 FULL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base": 0.0}
@@ -56,14 +57,22 @@ def test_a_door_between_two_nodes_is_found(scenario, aside: float) -> None:
     assert door[1] == pytest.approx(aside, abs=0.075)
 
 
-def test_ways_climb_no_steeper_than_allowed(scenario) -> None:
-    limits = {"max_climb_angle_deg": 30, "max_descent_angle_deg": 20}
+@pytest.mark.parametrize(("climb", "descent"), [(30, 20), (8, 45)])
+def test_ways_climb_no_steeper_than_allowed_and_in_loops_where_that_is_not_enough(scenario, climb, descent) -> None:
+    limits = {"max_climb_angle_deg": climb, "max_descent_angle_deg": descent}
     low_wall = FULL | {"name": "wall", "depth": 300, "height": 50}
     problem = pose(scenario(obstacles=[low_wall], planning=limits))
-    steps = np.diff(ways(lay(problem), problem, 1)[0][1:-1], axis=0)
-    angles = np.degrees(np.arctan2(steps[:, 2], np.hypot(steps[:, 0], steps[:, 1])))
-    assert 15 < angles.max() <= 30
-    assert -20 <= angles.min() < -15
+    lattice = lay(problem)
+    way = ways(lattice, problem, 1)[0]
+    guide, shares = wind(way, 8, problem, lattice.spacing[2])
+    assert len(shares) == len(guide) - 1
+    np.testing.assert_array_equal(guide[[0, -1]], way[[0, -1]])
+    steps = np.diff(guide, axis=0)
+    level, rise = np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2]
+    too_steep = (rise > 1.3 * np.tan(np.radians(climb)) * level) | (-rise > 1.3 * np.tan(np.radians(descent)) * level)
+    assert np.abs(rise[too_steep]).sum() < 3
+    legs = np.linspace(guide[:-1], guide[1:], 9).reshape(-1, 3)
+    assert problem.scenario.airspace.obstacle_distance(legs).min() > 0.5 * problem.limits.obstacle_distance
 
 
 @pytest.mark.parametrize("fineness", [1.0, 2.0])

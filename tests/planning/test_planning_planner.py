@@ -143,6 +143,22 @@ def test_over_the_wall_where_that_is_the_only_way(scenario) -> None:
     assert plan.curve.sample(500)[:, 2].max() > 60
 
 
+def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario) -> None:
+    steep = {"max_climb_angle_deg": 12, "max_descent_angle_deg": 45}
+    plan = plan_path(scenario(start=(100, 0, 20), goal=(0, 0, 20), obstacles=[fort(60)], planning=steep))
+    assert plan.proof.holds
+    assert plan.cost.turning_deg > 300
+
+
+@pytest.mark.parametrize("thick", [0.3, 7.0])
+def test_a_gap_much_narrower_than_the_lattice_is_flown_through(scenario, thick: float) -> None:
+    narrow = [wall | {"north": 41.3 + 2 * wall["north"], "width": thick, "depth": 240} for wall in gap(0.22)]
+    bounds = {"east": (-50, 150), "north": (-100, 100), "up": (0, 40)}
+    plan = plan_path(scenario(obstacles=narrow, bounds=bounds, vehicle={"radius": 0}, safety_distance=0.2))
+    assert plan.proof.holds
+    assert 41 < plan.curve.sample(2000)[:, 1].max() < 43
+
+
 def test_start_and_goal_in_the_same_place_are_refused(scenario) -> None:
     with pytest.raises(BadInput, match=r"goal: expected a place other than the start"):
         plan_path(scenario(goal=(0, 0, 20)))

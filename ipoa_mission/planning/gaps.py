@@ -1,0 +1,70 @@
+"""Gaps between neighbours: where a lattice must have nodes lest it miss one that is narrower than its cells."""
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.planning.problem import PathProblem
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Cylinder, Prism
+from ipoa_mission.world.polygon import Plane
+
+BEYOND = 1.5  # how far the places go on before and behind a gap, in cells
+LONGEST = 20.0  # a gap goes no farther than this from where it is narrowest, in cells
+TOUCHING = 1e-6  # what stands nearer together than this leaves no gap [m]
+
+
+def gap_places(problem: PathProblem, widest: float, cell: float, heights: Vector) -> Points:
+    """Places (k, 3) before, in and behind the gaps up to `widest` [m], at those of the heights at which they are gaps.
+
+    On the line through a gap they are half a cell apart. Gaps are looked for between the outlines of upright obstacles,
+    and between these and the sides of the flight area; their middle is where both sides leave as much more than is
+    required.
+    """
+    shapes, radii, required, levels = _outlines(problem.scenario.airspace, problem.limits.obstacle_distance)
+    tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
+    one, other = tree.query(tree.geometries, "dwithin", widest)
+    one, other = one[one < other], other[one < other]
+    ends = shapely.get_coordinates(shapely.shortest_line(shapes[one], shapes[other])).reshape(-1, 2, 2)
+    across = ends[:, 1] - ends[:, 0]
+    apart = np.linalg.norm(across, axis=1)
+    width = apart - radii[one] - radii[other]
+    gaps = (width > TOUCHING) & (width < widest)
+    one, other, width = one[gaps], other[gaps], width[gaps]
+    across = across[gaps] / apart[gaps, None]
+    middle = ends[gaps, 0] + across * (radii[one] + (width + required[one] - required[other]) / 2)[:, None]
+    ahead = np.column_stack([-across[:, 1], across[:, 0]])
+    length = np.minimum(_extent(shapes[one], ahead, radii[one]), _extent(shapes[other], ahead, radii[other]))
+    half = np.ceil(2 * (np.minimum(length / cell, LONGEST) + BEYOND)).astype(int)  # how many places either way
+    low, high = np.maximum(levels[one, 0], levels[other, 0]), np.minimum(levels[one, 1], levels[other, 1])
+    gap, level = np.nonzero((low[:, None] <= heights) & (heights <= high[:, None]))
+    count = 2 * half[gap] + 1
+    place = np.repeat(np.arange(len(gap)), count)
+    along = np.arange(len(place)) - np.repeat(np.cumsum(count) - count + half[gap], count)
+    flat = middle[gap[place]] + 0.5 * cell * along[:, None] * ahead[gap[place]]
+    return np.column_stack([flat, heights[level[place]]])
+
+
+def _extent(shapes: NDArray[np.object_], ahead: Plane, radii: Vector) -> Vector:
+    """How long shapes (n,), larger by radii (n,), are at most along directions (n, 2), (n,) [m]."""
+    west, south, east, north = shapely.bounds(shapes).T
+    return np.asarray(np.abs(ahead[:, 0]) * (east - west) + np.abs(ahead[:, 1]) * (north - south) + 2 * radii)
+
+
+def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_], Vector, Vector, NDArray[np.float64]]:
+    """Shapes in the plane, by how much they are larger all round, the distance required, lowest and highest (k, 2)."""
+    found: list[tuple[shapely.Geometry, float, float, float, float]] = []
+    for body in airspace.obstacles:
+        match body:
+            case Cylinder(_, east, north, radius, base, top):
+                found.append((shapely.Point(east, north), radius, distance, base, top))
+            case Prism():
+                found.append((body.footprint.shape, 0.0, distance, body.base, body.top))
+    lower, upper = airspace.bounds.lower[:2], airspace.bounds.upper[:2]
+    area = airspace.bounds.footprint.shape if airspace.bounds.footprint else shapely.box(*lower, *upper)
+    corners = shapely.get_coordinates(area.exterior)
+    found += [(shapely.LineString(side), 0.0, 0.0, -np.inf, np.inf) for side in zip(corners, corners[1:], strict=False)]
+    shapes, *numbers = zip(*found, strict=True)
+    radii, required, base, top = np.array(numbers)
+    return np.array(shapes), radii, required, np.column_stack([base, top])

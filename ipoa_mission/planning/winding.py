@@ -1,0 +1,157 @@
+"""Winding up and down: where a way is steeper than the limits allow, loops that give it the room to climb.
+
+A lattice way that rises steeply, in a courtyard or before a wall, stands for turns of a helix on an ellipse, sheared so
+that it begins and ends where the steep piece does. Of those that are free the one with the fewest turns is taken.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.planning.limits import places
+from ipoa_mission.planning.problem import PathProblem
+
+TURNS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
+LONGER = (1.0, 2.0, 4.0, 8.0, 16.0)  # the ellipse's axes over each other
+SIDES = 16  # of the polygon that stands for the ellipse
+LEVELS = 9  # at which the ellipse is looked at
+GENTLER = 0.85  # how much flatter than allowed the loops are
+CONTROL = 12  # control points a turn
+TOO_STEEP = 1.3  # times the limit: what is steeper needs loops, what is not the polish mends
+LEAST = 0.5  # a detour shorter than so many metres needs no loop
+
+
+def wind(way: Points, inner: int, problem: PathProblem, step: float) -> tuple[Points, Vector]:
+    """The way (k, 3) with loops where it is too steep, and how many control points each leg needs.
+
+    Where it is not, they are its share of `inner`. What is no more than two steps [m] high is left to the polish.
+    """
+    way = _without_detours(way, problem)
+    pieces, loops = [way[:1]], [np.zeros(0, bool)]
+    for first, last in _runs(way):
+        steep = first + np.nonzero(_too_steep(way[first : last + 1], problem))[0]
+        height = float(np.diff(way[:, 2])[steep].sum())
+        level = way[first : last + 1].copy()
+        level[1:, 2] -= np.cumsum(
+            np.where(np.isin(np.arange(first, last), steep), np.diff(way[first : last + 1, 2]), 0)
+        )
+        found = None
+        high = abs(height) > 2 * step
+        for at in np.unique(steep[[0, len(steep) // 2, -1]] - first) if high else ():
+            lifted = level.copy()
+            lifted[at + 1 :, 2] += height
+            if not _free(lifted[: at + 1], problem) or not _free(lifted[at + 1 :], problem):
+                continue
+            top = lifted[at] + (0.0, 0.0, height)
+            turns = _loops(lifted[at], top, (lifted[at + 1] - lifted[at])[:2], problem)
+            if turns is not None and (found is None or len(turns) < len(found[1])):
+                found = lifted[1 : at + 1], turns, lifted[at + 1 :]
+        if found is None:
+            pieces.append(way[first + 1 : last + 1])
+            loops.append(np.zeros(last - first, bool))
+        else:
+            pieces += found
+            loops.append(np.repeat((False, True, False), [len(piece) for piece in found]))
+    guide, turning = np.vstack(pieces), np.concatenate(loops)
+    guide[-1] = way[-1]
+    legs = leg_lengths(guide)
+    return guide, np.where(turning, CONTROL / SIDES, inner * legs / max(float(legs[~turning].sum()), LEAST))
+
+
+def _without_detours(way: Points, problem: PathProblem) -> Points:
+    """The way without the nodes beside start, via points and goal, which may lie behind them."""
+    stops = {tuple(place) for place in places(problem.scenario)}
+    kept = np.ones(len(way), bool)
+    for k in range(1, len(way) - 1):
+        beside = tuple(way[k - 1]) in stops or tuple(way[k + 1]) in stops
+        if beside and tuple(way[k]) not in stops and kept[k - 1]:
+            kept[k] = not _free(way[[k - 1, k + 1]], problem)
+    return way[kept]
+
+
+def _runs(way: Points) -> list[tuple[int, int]]:
+    """First and last point of each piece of the way that goes only up, or only down."""
+    step = np.diff(way[:, 2])
+    up = np.sign(step)
+    for i in range(1, len(up)):
+        up[i] = up[i] or up[i - 1]
+    edges = [0, *(np.nonzero(up[:-1] * up[1:] < 0)[0] + 1).tolist(), len(up)]
+    return list(pairwise(edges))
+
+
+def _too_steep(way: Points, problem: PathProblem) -> NDArray[np.bool_]:
+    step, rules = np.diff(way, axis=0), problem.rules
+    level = TOO_STEEP * np.hypot(step[:, 0], step[:, 1])
+    return np.asarray(np.maximum(step[:, 2] / rules.climb, -step[:, 2] / rules.descent) > level)
+
+
+def _free(way: Points, problem: PathProblem) -> bool:
+    """Whether a way, but for its ends, is about free."""
+    from ipoa_mission.planning._kernels import survey
+
+    spots = np.vstack([way[1:-1], (way[1:] + way[:-1]) / 2])
+    return bool((survey(spots, problem.chart, problem.rules)[0] >= -0.5 * problem.rules.clearance).all())
+
+
+def _loops(a: Vector, b: Vector, ahead: Vector, problem: PathProblem) -> Points | None:
+    """Loops from a up or down to b, without a itself, (k, 3); None if none are needed, or none are free.
+
+    Of several they are those that begin and end best in the direction `ahead` (2,).
+    """
+    rise = float(b[2] - a[2])
+    needed = max(rise / problem.rules.climb, -rise / problem.rules.descent) / GENTLER
+    if needed < LEAST:
+        return None
+    for turns in TURNS:
+        shapes = _ellipses(needed / turns)
+        slack = _room(shapes, a, b, problem)
+        begins = shapes[:, 1] - shapes[:, -1]
+        aligned = begins @ ahead / np.linalg.norm(begins, axis=1)
+        for k in np.argsort(-aligned):
+            if slack[k] >= max(0.5 * slack.max(), 0.0) and _room(_closely(shapes[k], problem), a, b, problem)[0] >= 0:
+                share = np.arange(1, SIDES * turns + 1) / (SIDES * turns)
+                points = a + share[:, None] * (b - a)
+                points[:, :2] += np.tile(np.roll(shapes[k], -1, axis=0), (turns, 1))
+                return points
+    return None
+
+
+def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PathProblem) -> Vector:
+    """The least slack of shapes (s, k, 2) round places from a to b, (s,) [m]."""
+    from ipoa_mission.planning._kernels import survey
+
+    spots = a + np.linspace(0.0, 1.0, LEVELS)[:, None] * (b - a)
+    around = np.empty((len(shapes), LEVELS, shapes.shape[1], 3))
+    around[..., :2] = spots[:, None, :2] + shapes[:, None]
+    around[..., 2] = spots[:, None, 2]
+    slack = survey(around.reshape(-1, 3), problem.chart, problem.rules)[0]
+    return np.asarray(slack.reshape(len(shapes), -1).min(axis=1))
+
+
+def _closely(shape: NDArray[np.float64], problem: PathProblem) -> NDArray[np.float64]:
+    """A shape (k, 2) and the line to it, with corners so near to each other that nothing fits between, (1, m, 2)."""
+    step = max(problem.limits.obstacle_distance, 0.1)
+    along, away = np.roll(shape, -1, axis=0) - shape, float(np.linalg.norm(shape[0]))
+    side = float(np.linalg.norm(along, axis=1).max())
+    shares = np.linspace(0.0, 1.0, int(np.clip(side / step, 1, 50)), endpoint=False)[:, None, None]
+    outline = (shape + shares * along).reshape(-1, 2)
+    line = np.linspace(0.0, 1.0, int(np.clip(away / step, 1, 200)))[:, None] * shape[0]
+    return np.vstack([outline, line])[None]
+
+
+def _ellipses(length: float) -> NDArray[np.float64]:
+    """Ellipses of that length that go through the origin or round it, (s, SIDES, 2), either way round."""
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    found = []
+    for longer in LONGER:
+        for turned in np.pi * np.arange(8 if longer > 1 else 1) / 8:
+            axes = np.array([(np.cos(turned), np.sin(turned)), (-np.sin(turned), np.cos(turned))])
+            corners = np.column_stack([longer * np.cos(angle), np.sin(angle)]) @ axes
+            corners *= length / np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).sum()
+            for start in range(0, SIDES, 2):
+                shape = np.roll(corners, -start, axis=0)
+                for through in (1.0, 0.0):
+                    found += [shape - through * shape[0], (shape - through * shape[0])[-np.arange(SIDES)]]
+    return np.array(found)
