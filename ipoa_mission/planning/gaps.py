@@ -1,5 +1,7 @@
 """Gaps between neighbours: where a lattice must have nodes lest it miss one that is narrower than its cells."""
 
+from itertools import pairwise
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -64,7 +66,7 @@ def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_],
     lower, upper = airspace.bounds.lower[:2], airspace.bounds.upper[:2]
     area = airspace.bounds.footprint.shape if airspace.bounds.footprint else shapely.box(*lower, *upper)
     corners = shapely.get_coordinates(area.exterior)
-    found += [(shapely.LineString(side), 0.0, 0.0, -np.inf, np.inf) for side in zip(corners, corners[1:], strict=False)]
+    found += [(shapely.LineString(side), 0.0, 0.0, -np.inf, np.inf) for side in pairwise(corners)]
     shapes, *numbers = zip(*found, strict=True)
     radii, required, base, top = np.array(numbers)
     return np.array(shapes), radii, required, np.column_stack([base, top])
