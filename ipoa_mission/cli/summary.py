@@ -27,7 +27,15 @@ def describe(job: PlannedJob) -> list[str]:
     return [*lines, *(f"note: {remark}" for remark in job.remarks)]
 
 
-ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "times\nthe least", "leaves the\ncurve by, m", "keeps its limits"]
+ROUTE_COLUMNS = [
+    "",
+    "mode",
+    "waypoints",
+    "takes\ns",
+    "times the\ncurve's least",
+    "leaves the\ncurve by, m",
+    "keeps its limits",
+]
 
 
 def route_rows(job: PlannedJob) -> list[tuple[str, ...]]:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.mission.files import read_mission
-from ipoa_mission.mission.items import return_to_launch
+from ipoa_mission.mission.items import Command, return_to_launch
 from ipoa_mission.mission.legs import join
 from ipoa_mission.mission.prove_route import cruise, prove_mission
 from ipoa_mission.report.chart import Axis, axis_over
@@ -252,6 +252,21 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Ca
         left = 1 - used / capacity
         assert f'<div class="{look}"><dt>energy</dt>' in page
         assert f"{left:.0%} of {capacity:g} Wh left, 25% required" in page
+
+
+def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Callable[[str], tuple]) -> None:
+    scenario, mission, timed = bowed("sitl.toml")
+    page = report_html(scenario, None, mission, timed).replace("\N{NO-BREAK SPACE}", " ")
+    done = {item.seq: item.done_s for item in timed.items}
+    last = max(n for n, item in enumerate(mission.items, 1) if item.command == Command.NAV_WAYPOINT)
+    card = r"first place to last waypoint</dt><dd>([\d.]+) s<small>([\d.]+) times the least, ([\d.]+) s"
+    route, ratio, least = map(float, re.search(card, page).groups())
+    assert route == pytest.approx(done[last] - done[1], abs=0.06)
+    assert route == pytest.approx(ratio * least, rel=0.01)
+    length = np.linalg.norm(np.diff(join(cruise(mission, scenario))[0], axis=0), axis=1).sum()
+    assert least > 0.95 * length / scenario.vehicle.cruise_speed  # corners are cut
+    grounded = replace(mission, items=(mission.items[0], mission.items[-1]))
+    assert "first place" not in report_html(scenario, None, grounded, estimate(grounded))
 
 
 def test_a_zone_is_no_building(missions: Path) -> None:

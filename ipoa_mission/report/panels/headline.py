@@ -48,6 +48,9 @@ def figures(
         look = "" if proof.holds else "bad"
         cards.append(_card("least clearance", metres(proof.clearance.distance), f"to {proof.clearance.what}", look))
     cards.append(_card("path", metres(length, 0), f"{waypoints} waypoints"))
+    if estimate.route.seconds > 0:
+        against = f"{number(estimate.route.ratio, 2)} times the least, {seconds(estimate.route.least)}, on that path"
+        cards.append(_card("first place to last waypoint", seconds(estimate.route.seconds), against))
     if energy is not None:
         cards.append(_energy(energy, battery))
     return f'<dl class="figures">{"".join(cards)}</dl>'
