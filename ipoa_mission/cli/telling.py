@@ -5,7 +5,7 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Literal
 
 from ipoa_mission.errors import MissionError
 
@@ -36,6 +36,7 @@ def tell_table(
     A line break in the name of a column puts its unit below it. Off a terminal a table is as wide as it needs to be,
     up to `width` characters; beyond that its last column is folded.
     """
+    from rich.align import Align
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
@@ -46,7 +47,8 @@ def tell_table(
     for i in kept:
         numbers = all(row[i][-1:].isdigit() or not row[i] for row in rows)
         is_last = i == kept[-1]
-        table.add_column(columns[i], justify="right" if numbers else "left", vertical="bottom", no_wrap=not is_last)
+        side: Literal["left", "right"] = "right" if numbers else "left"
+        table.add_column(Align(columns[i], side, vertical="bottom"), justify=side, no_wrap=not is_last)
     for row in rows:
         table.add_row(*(Text(row[i]) for i in kept))
     console = Console(highlight=False, width=None if sys.stdout.isatty() else width)

@@ -163,11 +163,20 @@ class _Flight:
         if onward is not None:
             following = self.leg_to(onward, target, self.target(onward), this)
             this = joined(this, following)
-            corner = corner_deg(this.origin, target, following.target)
+            corner = 0.0 if following.shape is None else corner_deg(this.origin, target, following.target)
         flown_at = self.fly(this, following)
         planned = this.shape.peak if this.shape is not None and this.length > 1.0 else None
         top = self.top + self.wind.along(target[0] - this.origin[0], target[1] - this.origin[1])
-        why = slow_because(planned, this.limits.speed, self.speeds.level, top, flown_at, corner, following is None)
+        why = slow_because(
+            planned=planned,
+            allowed=this.limits.speed,
+            asked=self.speeds.level,
+            top=top,
+            flown=flown_at,
+            corner=corner,
+            stops=following is None,
+            curved=this.shape is None,
+        )
         self.here, self.planned = target, following
         self.tail = this if following is not None and this.shape is not None else None
         if following is not None:

@@ -17,12 +17,20 @@ def corner_deg(before: Place, at: Place, after: Place) -> float:
 
 
 def slow_because(
-    planned: float | None, allowed: float, asked: float, top: float, flown: float, corner: float, stops: bool
+    planned: float | None,
+    allowed: float,
+    asked: float,
+    top: float,
+    flown: float,
+    corner: float,
+    stops: bool,
+    curved: bool = False,
 ) -> str:
-    """The reasons of a leg, joined: too short, steep, drag, lag, a corner or a stop at its end.
+    """The reasons of a leg, joined: too short, steep, curved, drag, lag, a corner or a stop at its end.
 
-    `planned` is its peak speed as planned (None where nothing is planned, as on a spline), `allowed` what its slope
-    leaves of the speed `asked` for, `top` what drag and wind leave of it, and `flown` its highest level speed.
+    `planned` is its peak speed as planned (None where nothing is planned, as on a spline, which is `curved`), `allowed`
+    what its slope leaves of the speed `asked` for, `top` what drag and wind leave of it, and `flown` its highest level
+    speed.
     """
     found = []
     wanted = min(asked if planned is None else planned, allowed, asked)
@@ -30,7 +38,9 @@ def slow_because(
         found.append("leg shorter than its braking distance")
     elif allowed < SLOW * asked:
         found.append("climb or descent rate")
-    if top < SLOW * wanted:
+    if curved and flown < SLOW * min(top, wanted):
+        found.append("acceleration on the curve")
+    elif top < SLOW * wanted:
         found.append("drag at the greatest lean")
     elif planned is not None and not found and flown < SLOW * wanted:
         found.append("lag behind the path")
