@@ -67,7 +67,7 @@ def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
         flown = fly(route, plan.curve, scenario)
         seconds, away = round(flown.seconds, 3), round(flown.deviation, 3)
         options.append(Option(mode, route, seconds, away, flown.keeps_limits(scenario), round(seconds / least, 4)))
-    return tuple(sorted(options, key=lambda option: option.seconds))
+    return tuple(sorted(options, key=lambda option: (option.seconds, option.mode != "fastest")))
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:

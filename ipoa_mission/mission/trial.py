@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.mission.build import draft_mission, starts_over_home
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.resample import deviation
@@ -61,7 +61,12 @@ def thinned(path: Points, stray: float) -> Points:
     """The path (n, 3) with points left out where the legs that remain pass them within about `stray` [m]."""
     if len(path) < 3:
         return path
-    return np.asarray(shapely.get_coordinates(shapely.simplify(shapely.linestrings(path), stray), include_z=True))
+    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(path[:, :2]))])
+    kept = {0}
+    for view in (path[:, :2], np.column_stack([travelled, path[:, 2]])):  # from above, and from the side
+        numbered = shapely.linestrings(np.column_stack([view, np.arange(len(path))]))
+        kept |= set(shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2].astype(int))
+    return np.asarray(path[sorted(kept)])
 
 
 def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, sure: bool) -> Flown:

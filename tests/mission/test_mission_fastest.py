@@ -10,7 +10,7 @@ from ipoa_mission.mission.assemble import choose_route, weigh_routes
 from ipoa_mission.mission.build import build_mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Command
-from ipoa_mission.mission.trial import fly
+from ipoa_mission.mission.trial import fly, thinned
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path
@@ -152,6 +152,16 @@ def test_the_flown_path_keeps_clear_of_a_tower_inside_a_bend() -> None:
     assert fly(route, curve, scenario).keeps_limits(scenario)
     assert prove(route.points, scenario).clearance.what == "tower"
     assert prove(route.points, scenario).holds
+
+
+def test_a_thinned_path_keeps_its_bends_from_above_and_from_the_side() -> None:
+    along = np.linspace(0.0, 200.0, 900)
+    path = np.column_stack([along, 6.0 * np.sin(along / 20) * (along > 100), 30.0 + 8.0 * np.sin(along / 9)])
+    few = thinned(path, 0.05)
+    assert len(few) < 200
+    ends, ways = few[:-1, None], np.diff(few, axis=0)[:, None]
+    share = np.clip(((path - ends) * ways).sum(axis=2) / (ways**2).sum(axis=2), 0, 1)[..., None]
+    assert np.linalg.norm(ends + share * ways - path, axis=2).min(axis=0).max() < 0.08
 
 
 @pytest.mark.parametrize("autopilot", Autopilot)
