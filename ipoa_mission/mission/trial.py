@@ -23,15 +23,20 @@ STRAY = 0.02  # how far the thinned path may be from the predicted one [m]
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """A route along `curve` as the time model flies it: seconds, and the path (n, 3) until the vehicle could stand.
+    """A route along `curve` as the time model flies it: seconds, and places (n, 3) until the vehicle could stand.
 
     `overrun`: how far beyond the goal it could stand, braking as it may from where the goal counts as reached [m].
     """
 
     curve: Spline
     seconds: float
-    path: Points
+    places: Points
     overrun: float
+
+    @cached_property
+    def path(self) -> Points:
+        """Straight legs (n, 3) for the places."""
+        return thinned(self.places, STRAY)
 
     @cached_property
     def deviation(self) -> float:
@@ -81,7 +86,7 @@ def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, su
     stand = path[-1] + motion * float(np.linalg.norm(motion)) / (2 * kinematics(autopilot, known).accel)
     ahead = motion / max(float(np.linalg.norm(motion)), 1e-9)
     overrun = float((stand - route.points[-1]) @ ahead)
-    return Flown(curve, end - begin, np.vstack([thinned(path, STRAY), stand]), overrun)
+    return Flown(curve, end - begin, np.vstack([path, stand]), overrun)
 
 
 def _motion(track: Track, end: float) -> Vector:
