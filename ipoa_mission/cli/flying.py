@@ -77,6 +77,7 @@ def fly(
     from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
     from ipoa_mission.cli.writing import write_files
     from ipoa_mission.errors import BadInput
+    from ipoa_mission.mission.firmware import to_wire
     from ipoa_mission.simulator.faults import Faults
 
     faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
@@ -87,6 +88,8 @@ def fly(
     expect_folder(out)
     air = read_wind_option(wind)
     job = prepare(source, seed, autopilot, optimizer, read_parameter_options(param, param_file), air)
+    if nak_at is not None and nak_at >= (sent := len(to_wire(job.mission))):
+        raise BadInput(f"--nak-at: expected a number from 0 to {sent - 1}, not {nak_at}: {sent} items are sent")
     make_folder(out)
     written: list[Path] = []
     if isinstance(job, PlannedJob):

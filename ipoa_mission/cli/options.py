@@ -190,7 +190,13 @@ ReorderOption: TypeAlias = Annotated[
 ]
 NakOption: TypeAlias = Annotated[
     int | None,
-    typer.Option("--nak-at", metavar="N", min=0, rich_help_panel=BAD_LINK, help="Refuse the item of this number."),
+    typer.Option(
+        "--nak-at",
+        metavar="N",
+        min=0,
+        rich_help_panel=BAD_LINK,
+        help="Refuse item N as it is sent: from 0, which on ArduPilot is home.",
+    ),
 ]
 ReportOption: TypeAlias = Annotated[
     bool, typer.Option("--report", metavar="", help="Also write NAME.html, a page that shows it.")

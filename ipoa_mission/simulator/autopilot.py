@@ -45,13 +45,17 @@ class Autopilot:
         seed: int = 0,
         wind: tuple[float, float] = (0.0, 0.0),
     ) -> None:
-        """`seed` picks the errors of the sensors it flies by."""
+        """`seed` picks the errors of the sensors it flies by. The item of number `nak_at` is refused.
+
+        Such a vehicle takes no mission as a file, in which no item can be refused.
+        """
         self.habits: Personality = PERSONALITIES[family]
         self.table = ParameterTable(family, parameters or {})
         self.flight = Flight(family, home, self.table.values, wind, seed=seed)
         self.transfers = Transfers(self.habits, lambda: self.flight.home, self._say, self._listed, nak_at)
         limit = self.habits.limits[MissionType.MISSION]
-        self._files = FileService(self.habits.has_mission_file, limit, self.transfers.listed, self.transfers.replace)
+        takes_file = self.habits.has_mission_file and nak_at is None
+        self._files = FileService(takes_file, limit, self.transfers.listed, self.transfers.replace)
         self._boot_s = boot_s
         self._schedule = streams.Schedule()
         self._outbox: list[tuple[Message, Target]] = []

@@ -7,6 +7,7 @@ import pytest
 
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Item
+from ipoa_mission.vehicle import Autopilot
 
 REPOSITORY = Path(__file__).parents[2]
 SCENARIOS = sorted(path.stem for path in (REPOSITORY / "missions").glob("*.toml"))
@@ -39,6 +40,13 @@ def test_a_mission_file_flies_without_its_scenario(run, planned) -> None:
     ended = run(f"fly {folder}/sitl.plan --out flown --loss 0.2")
     assert ended.code == 0, ended.err
     assert [path.name for path in Path("flown").iterdir()] == ["sitl.tlog"]
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(run, planned, autopilot) -> None:
+    ended = run(f"fly {planned('sitl')[1]}/sitl.plan --autopilot {autopilot} --nak-at 2 --out refused")
+    assert ended.code == 1
+    assert "refused the mission at item 2 with ERROR" in ended.err
 
 
 @pytest.mark.parametrize("name", ["campus"])
