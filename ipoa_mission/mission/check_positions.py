@@ -16,7 +16,7 @@ FAR, TOO_FAR = 10_000.0, 100_000.0  # [m] from home
 HIGHEST, LOWEST = 10_000.0, -500.0  # [m] above home
 DEEPEST_LAND, HIGHEST_LAND = -450.0, 9_000.0  # [m AMSL] where a home can be
 ELLIPSOID = Geod(ellps="WGS84")
-MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND}
+MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
 
 
 def check_positions(mission: Mission) -> Iterator[Finding]:

@@ -142,6 +142,8 @@ FLOWN_TO = frozenset(
         Command.NAV_LOITER_UNLIM,
         Command.NAV_LOITER_TURNS,
         Command.NAV_LOITER_TIME,
+        Command.NAV_LOITER_TO_ALT,
+        Command.NAV_PAYLOAD_PLACE,
         Command.NAV_LAND,
         Command.NAV_TAKEOFF,
     }

@@ -90,6 +90,10 @@ class _Flight:
                     yield from self._takeoff(seq, item)
                 case Command.NAV_LAND | Command.NAV_VTOL_LAND:
                     yield from self._landing(seq, item)
+                case Command.NAV_PAYLOAD_PLACE:
+                    height = float(self.at[2])
+                    yield from self._landing(seq, item)
+                    yield self._vertical(seq, Phase.LANDING, height)
                 case Command.NAV_RETURN_TO_LAUNCH:
                     yield from self._return(seq)
                 case Command.DO_JUMP:

@@ -26,7 +26,9 @@ class Program:
         return len(self.items)
 
     def height(self, item: Item, now: float) -> float:
-        """Height above home; an item over terrain, or without a number, keeps the present one."""
+        """Height above home; an item over terrain, without a number, or of PAYLOAD_PLACE keeps the present one."""
+        if item.command == Command.NAV_PAYLOAD_PLACE:
+            return now
         frame = plain_frame(item.frame)
         height = item.altitude - self._frame.home.altitude if frame == Frame.GLOBAL else item.altitude
         return height if math.isfinite(height) else now

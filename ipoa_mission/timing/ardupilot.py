@@ -49,7 +49,7 @@ OVERRUNNING = 1.0  # a stop that is come to faster is overrun; after a leg that 
 DOUBT, DOUBT_SHARE = 0.5, 0.015  # half the width of the interval: seconds, and share of the time
 
 #: Of these only the flight to their place is modelled.
-ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT, Command.NAV_PAYLOAD_PLACE})
+ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})
 TO_A_PLACE = FLOWN_ON_INTO | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
 
 
@@ -142,6 +142,10 @@ class _Flight:
             east, north, _ = self.target(n)
             self.straight_to((east, north, self.here[2]))
             self.come_down(0.0)
+        elif command == Command.NAV_PAYLOAD_PLACE:
+            east, north, _ = self.target(n)
+            self.straight_to((east, north, self.here[2]))
+            self.remarks.append(f"item {visit.seq}: only the flight to its place is counted")
         elif command <= LAST_NAV or command in UNTIMED:
             self.remarks.append(f"item {visit.seq}: command {command} is not modelled and counts as no time")
         return ""

@@ -10,9 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.mission.check import check_mission
-from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.items import Command, Item, Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.legs import Leg, Phase, flown_legs
 from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.simulator.fly import fly
+from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -58,6 +60,24 @@ def said(mission: Mission, scenario: Scenario) -> list[str]:
 
 def corners(leg: Leg) -> list[list[float]]:
     return np.round(leg.points, 2).tolist()
+
+
+@pytest.mark.parametrize("command", [Command.NAV_PAYLOAD_PLACE, Command.NAV_LOITER_TO_ALT])
+def test_the_way_to_where_a_payload_is_put_down_or_a_height_is_taken_is_flown(command: Command) -> None:
+    """Through the hall it is told; round it the estimate has it as the built-in autopilot flies it."""
+    scenario = world(px4="ardupilot", RTL_RETURN_ALT="RTL_ALT")
+    there = replace(waypoint(place(scenario, 100.0, 20.0), 20.0), command=command, params=(0.0, 0.0, 0.0, 0.0))
+    through = flight(scenario, (0.0, 20.0, 20.0), (100.0, 0.0, 20.0), autopilot=ARDUPILOT)
+    through = replace(through, items=(*through.items[:2], there, *through.items[2:]))
+    assert any("item 3" in words and "inside hall" in words for words in said(through, scenario))
+
+    flown, predicted = fly(through), estimate(through)
+    assert predicted.items[2].duration_s == pytest.approx(flown.item_reached_s[2] - flown.item_reached_s[1], abs=0.6)
+    assert predicted.items[2].duration_s > 10.0
+    if command == Command.NAV_PAYLOAD_PLACE:
+        down, up = (leg for leg in flown_legs(through, scenario.frame) if leg.seq == 3 and leg.phase is Phase.LANDING)
+        assert corners(down)[-1] == corners(up)[0]
+        assert corners(up)[-1] == corners(down)[0]
 
 
 def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
