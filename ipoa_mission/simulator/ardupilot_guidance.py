@@ -12,7 +12,6 @@ from ipoa_mission.simulator.spline_leg import SplineLeg, most_along
 from ipoa_mission.vehicle import Parameters
 
 NOWHERE: Triple = (0.0, 0.0, 0.0)
-CREEPING = 0.001  # a target slower than this waits for nobody [m/s]
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ class PathFollower:
     def begin(self, place: Triple) -> None:
         """Start from rest at a place: the vehicle's, or where it can come to a stop."""
         self.place, self.motion, self.push = place, NOWHERE, NOWHERE
-        self._pace = 1.0
+        self.pace = 1.0
         self._last: Leg | None = None
         self._this: Leg | SplineLeg = Leg(place, place, self._shaping(NOWHERE))
         self._next: Leg | SplineLeg | None = None
@@ -118,8 +117,8 @@ class PathFollower:
 
     def advance(self, body: Body, dt: float) -> None:
         """Move the target on by `dt`, or by less when the vehicle is behind it."""
-        self._pace += (self._wanted_pace(body) - self._pace) * dt / (self._acceleration / self._jerk + dt)
-        step = self._pace * dt + self._spare_s
+        self.pace += (self._wanted_pace(body) - self.pace) * dt / (self._acceleration / self._jerk + dt)
+        step = self.pace * dt + self._spare_s
         self._spare_s = 0.0
         leg = self._this
         done = self._along_spline(leg, step) if isinstance(leg, SplineLeg) else self._along_legs(leg, step)
@@ -129,7 +128,7 @@ class PathFollower:
     def _wanted_pace(self, body: Body) -> float:
         """0.05 + (v.d - k_p e.d)/|v_target|, from 0 to 1: the target may not run away from the vehicle."""
         speed = math.hypot(*self.motion)
-        if speed <= CREEPING:
+        if speed <= 1e-6:
             return 1.0
         flown = lag = 0.0
         for target, at, aim, is_ in zip(self.place, body.place, self.motion, body.motion, strict=True):

@@ -304,7 +304,7 @@ class ArduPilotPilot:
     def _track(self, dt: float) -> None:
         path, body = self._path, self._body
         lean = self._control.lean(body, path.place, path.motion, path.push, dt)
-        thrust = self._control.thrust(body, path.place[2], path.motion[2], path.push[2])
+        thrust = self._control.thrust(body, path.place[2], path.motion[2], path.push[2] * path.pace)
         self._move(lean, thrust, dt)
 
     def _fly(self, over: tuple[float, float], dt: float) -> None:

@@ -253,8 +253,7 @@ class PX4Pilot:
         self._manoeuvre = self._climb_to_return
 
     def _climb_to_return(self, dt: float) -> None:
-        """No quicker than a take-off, as recorded."""
-        self._fly(dt, climb=(min(self._p["MPC_TKO_SPEED"], self._path.climb), self._p["MPC_ACC_UP_MAX"]))
+        self._fly(dt)
         if self._arrived():
             self._lead((0.0, 0.0, self._return_height), None)
             self._entered_s = None

@@ -135,11 +135,13 @@ def fly_leg(
         e1 += h
         ax = ay = 0.0
         if spline:
-            tx, ty, tz, dx, dy, dz, length, top = bend(this, u)
+            tx, ty, tz, dx, dy, dz, length, top = bend(this, min(u, 1.0))
             left = math.sqrt((ex - tx) ** 2 + (ey - ty) ** 2 + (this[3] + this[7] * this[6] - tz) ** 2)
             most_along = along_limit(dx, dy, dz, this[17], this[18], this[18])
             top = min(top, math.sqrt(2 * most_along * left + this[13] * this[13]))
             speed = max(speed - most_along * h, top) if speed > top else min(speed + most_along * h, top)
+            if u >= 1.0:  # at its end, where the vehicle is not yet: wait for it there
+                speed = 0.0
             wx, wy, wz = speed * dx, speed * dy, speed * dz
             if length > 1e-6:
                 u += speed * h / length

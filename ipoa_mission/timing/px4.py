@@ -37,8 +37,8 @@ TAKEN_OFF = 0.45  # from being high enough until a take-off is over [s]
 GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m/s]
 RUNS = 90  # with noise
 SOME_RUNS, WELL_KNOWN = 6, 0.003  # fewer will do once the mean is known to this share of it; asked every so many
-DOUBT, DOUBT_SHARE = 1.0, 0.015  # what the model itself may be off by on either side: seconds, and share of the time
-LIKELY = 0.96  # the share of the runs between which the interval lies, before that is added
+DOUBT, DOUBT_SHARE = 1.0, 0.01  # what the model itself may be off by on either side: seconds, and share of the time
+LIKELY = 0.9  # the share of the runs between which the interval lies, before that is added
 #: "Commander: adjust home position altitude after gnss altitude correction" (pull request 25003, from 1.17 on): by how
 #: much the measured height has to differ [m], and for how long from take-off [s].
 CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0
@@ -345,10 +345,9 @@ class _Flight:
         self.cruise = self.limits.cruise
         height = self.limits.returning.height(z, math.hypot(x, y))
         if height > z + self.limits.height_radius:
-            climb, self.pace[8] = self.pace[8], min(self.pace[8], self.limits.takeoff_speed)
+            x, y = float(self.state[1]), float(self.state[2])  # where it is when told to, however fast it still moves
             self.here = (x, y, height)
             self.fly((x, y, z), self.here, self.here, self.limits.radius)
-            self.pace[8] = climb
         self.straight_to((0.0, 0.0, self.here[2]))
         self.hold(self.limits.land_delay)
         self.come_down()

@@ -47,7 +47,7 @@ def test_a_mission_is_flown_and_every_item_is_done_in_order(autopilot: Autopilot
 def test_the_same_seed_gives_the_same_bytes(autopilot: Autopilot, tmp_path: Path) -> None:
     logs = [tmp_path / "one.tlog", tmp_path / "two.tlog"]
     for log in logs:
-        fly(mission(autopilot), faults=Faults(loss=0.1, delay_s=0.05), seed=3, log=log)
+        fly(mission(autopilot, 1), faults=Faults(loss=0.1, delay_s=0.05), seed=3, log=log)
     assert logs[0].read_bytes() == logs[1].read_bytes()
 
 

@@ -41,7 +41,7 @@ def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dic
     return mission, reached, told
 
 
-@pytest.mark.parametrize("name", ["corners-px4", "hold-px4", "land-px4", "straight-px4"])
+@pytest.mark.parametrize("name", ["corners-px4", "hold-px4", "land-px4"])
 def test_px4_tells_of_the_items_that_the_real_one_told_of(name: str) -> None:
     _, reached, told = flown(FLIGHTS / name)
     assert set(reached) == {int(seq) for seq in told["item_done_s"]}  # type: ignore[attr-defined]

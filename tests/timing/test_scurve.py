@@ -73,7 +73,8 @@ def test_a_leg_entered_at_a_speed_is_as_long_and_quicker_where_there_is_room(len
     moving = profile(length, limit, enter=rest.peak / 2)
     assert sampled(moving, length)[-1, 2] == pytest.approx(length, rel=1e-4, abs=1e-5)
     assert moving.peak <= rest.peak * (1 + 1e-9)
-    if moving.peak == rest.peak:
+    ramp = limit.jerk * math.pi / (2 * limit.snap)  # taken whole by a change of speed, however small
+    if moving.peak == rest.peak and rest.peak / 2 > 2 * limit.jerk * ramp**2:
         assert moving.lasts < rest.lasts * (1 + 1e-9)
 
 

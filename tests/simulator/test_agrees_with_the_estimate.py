@@ -1,0 +1,88 @@
+"""Two models of each autopilot, written apart: what other missions and parameters take by one, they take by the other.
+
+Each of these once told the two apart: a name, a limit or a habit that one of them did not know.
+"""
+
+from collections.abc import Mapping
+
+import pytest
+
+from ipoa_mission.mission.items import (
+    Command,
+    Frame,
+    Item,
+    Mission,
+    change_speed,
+    land,
+    return_to_launch,
+    takeoff,
+    waypoint,
+)
+from ipoa_mission.simulator.flight import Flight
+from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+HOME = Geodetic(39.101, 121.82, 20.0)
+
+
+def place(east: float, north: float) -> Geodetic:
+    latitude, longitude, _ = LocalFrame(HOME).to_geodetic([[east, north, 0.0]])  # type: ignore[arg-type]
+    return Geodetic(float(latitude[0]), float(longitude[0]))
+
+
+def to(east: float, north: float, height: float = 10.0) -> Item:
+    return waypoint(place(east, north), height)
+
+
+def headed(east: float, north: float, yaw_deg: float) -> Item:
+    there = (place(east, north).latitude_deg, place(east, north).longitude_deg, 10.0)
+    return Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, (0.0, 0.0, 0.0, yaw_deg), *there)
+
+
+OFF, HOMEWARD = (takeoff(HOME, 10.0), to(0, 0)), return_to_launch()
+COPTER: Mapping[str, tuple[tuple[Item, ...], Mapping[str, float]]] = {
+    "parameters by the names of 4.7": (
+        (*OFF, to(0, 80), to(80, 80), HOMEWARD),
+        {"WP_SPD": 5.0, "WP_ACC": 4.0, "WP_JERK": 6.0, "WP_SPD_DN": 2.5, "LAND_SPD_MS": 1.0, "RTL_ALT_M": 25.0},
+    ),
+    "RTL near home": ((*OFF, to(0, 40), to(0, 2), HOMEWARD), {"RTL_ALT_M": 50.0}),
+    "RTL under a flatter cone": ((*OFF, to(0, 40), HOMEWARD), {"RTL_ALT_M": 50.0, "RTL_CONE_SLOPE": 0.7}),
+    "a much lower speed from take-off on": ((*OFF, change_speed(2.8), to(0, 90), HOMEWARD), {"WPNAV_SPEED_UP": 200.0}),
+    "a climb with a sharp end": (
+        (*OFF, to(0, 40), HOMEWARD),
+        {"RTL_ALT_M": 41.5, "WP_SPD_UP": 3.7, "WP_JERK": 7.5, "WP_ACC": 1.3},
+    ),
+}
+PX4: Mapping[str, tuple[tuple[Item, ...], Mapping[str, float]]] = {
+    "a descent faster than the fastest": (
+        (*OFF, to(0, 40, 40.0), to(0, 60, 10.0), land(place(0, 60))),
+        {"MPC_Z_V_AUTO_DN": 3.0, "MPC_LAND_SPEED": 1.4},
+    ),
+    "a wait over home": ((*OFF, to(0, 60), HOMEWARD), {"RTL_LAND_DELAY": 9.0, "MPC_LAND_CRWL": 0.2}),
+    "a quick take-off": ((*OFF, to(0, 60), land(place(0, 60))), {"MPC_JERK_AUTO": 17.0, "MPC_TKO_SPEED": 2.5}),
+    "turning over short legs": (
+        (*OFF, headed(0, 20, 115.0), headed(0, 24, 300.0), headed(0, 28, 120.0), land(place(0, 28))), {},
+    ),
+}  # fmt: skip
+CASES = [(Autopilot.ARDUPILOT, name) for name in COPTER] + [(Autopilot.PX4, name) for name in PX4]
+
+
+@pytest.mark.parametrize(("autopilot", "name"), CASES)
+def test_other_missions_and_parameters_take_as_long_by_both_models(autopilot: Autopilot, name: str) -> None:
+    items, parameters = (COPTER if autopilot is Autopilot.ARDUPILOT else PX4)[name]
+    found = estimate(Mission(HOME, items, autopilot), parameters, fast=autopilot is Autopilot.PX4)
+    flight = Flight(autopilot, HOME, parameters, seed=1)
+    flight.load(items)
+    flight.arm()
+    flight.start()
+    while flight.armed:
+        flight.advance(flight.time_s + 1.0)
+        assert flight.time_s < 2 * found.total_s, "the built-in autopilot does not get home"
+    flown = {reached.index + 1: reached.time_s for reached in flight.reached}
+    estimated = {item.seq: item.done_s for item in found.items}
+    last, end = len(items) - 1, len(items)
+    over = flight.time_s if items[-1].command == Command.NAV_RETURN_TO_LAUNCH else flown[end]
+    assert estimated[2] == pytest.approx(flown[2], rel=0.08)
+    assert estimated[last] - estimated[2] == pytest.approx(flown[last] - flown[2], rel=0.06)
+    assert estimated[end] - estimated[last] == pytest.approx(over - flown[last], rel=0.1)
