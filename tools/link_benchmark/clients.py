@@ -1,4 +1,4 @@
-"""The clients: each gives one mission to a vehicle at a UDP port. As a module that is run, a process that does so often."""
+"""The clients: each gives one mission to a vehicle at a UDP port. Run as a module: a process that does so often."""
 
 import json
 import os
