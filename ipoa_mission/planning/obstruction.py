@@ -10,6 +10,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.lattice import Lattice, lay
 from ipoa_mission.planning.limits import places
+from ipoa_mission.planning.plan_view import closure
 from ipoa_mission.planning.problem import PathProblem
 from ipoa_mission.planning.proof import Check, Proof
 from ipoa_mission.world.obstacles import Obstacle
@@ -48,6 +49,21 @@ def refuse_places(problem: PathProblem) -> None:
         worst = min(checks, key=lambda check: check.slack)
         if worst.slack < -ROUNDING:
             raise NoPath(f"{name}: nothing can fly there: {worst.words()}", hint=f"move {name} or what is in its way")
+
+
+def refuse_closed(problem: PathProblem) -> None:
+    """Refuse a flight that cannot be because walls from below to above leave no gap that is wide enough.
+
+    Raises:
+        NoPath: naming the widest gap and its width, or what stands round an end.
+    """
+    for a, b in pairwise(places(problem.scenario)):
+        if (found := closure(problem, a, b)) is not None:
+            where = f"at east {found.place[0]:.1f}, north {found.place[1]:.1f} m"
+            if found.needed == 0:
+                few = ", ".join(found.names[:3]) + (f" and {more} more" if (more := len(found.names) - 3) > 0 else "")
+                raise NoPath(f"every way is walled off: by {few}, {where}")
+            raise _too_narrow(found.names, where, found.width, found.needed)
 
 
 def explain(problem: PathProblem, proof: Proof) -> NoPath:
@@ -123,9 +139,12 @@ def _closed(problem: PathProblem, gate: Vector) -> NoPath | None:
     width, needed = _gap(first, opposite[0], gate), first.required + opposite[0].required
     if width > needed:
         return None
-    one, other = sorted((first.name, opposite[0].name))
+    return _too_narrow(tuple(sorted((first.name, opposite[0].name))), where, width, needed)
+
+
+def _too_narrow(names: tuple[str, ...], where: str, width: float, needed: float) -> NoPath:
     return NoPath(
-        f"no gap is wide enough: the widest is {width:.2f} m between {one} and {other} {where}, "
+        f"no gap is wide enough: the widest is {width:.2f} m between {' and '.join(names)} {where}, "
         f"at least {needed:.2f} m required",
         hint="reduce safety_distance or the vehicle's radius, or leave a wider way",
     )

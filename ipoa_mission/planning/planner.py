@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import FINER, guesses
 from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.obstruction import NoPath, blockage, explain, refuse_places
+from ipoa_mission.planning.obstruction import NoPath, blockage, explain, refuse_closed, refuse_places
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM, polish, settle
 from ipoa_mission.planning.problem import UNSAFE, Trail, follow, pose, refine
@@ -49,6 +49,7 @@ def plan_path(scenario: Scenario, seed: int = 0, progress: Progress = lambda don
     """
     problem, planning = pose(scenario), scenario.planning
     refuse_places(problem)
+    refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
     optimizer = optimizer_of(scenario, short=not as_printed)
     searcher = Searcher(problem, optimizer, np.random.default_rng(seed))

@@ -109,7 +109,7 @@ def test_with_length_only_it_takes_the_shortest_way(scenario) -> None:
         ((0, 0, 20), (89, 0, 20), [TOWER], "goal: nothing can fly there: 1.00 m from tower at east 89.0"),
         ((0, 0, -1), (90, 0, 20), [], "start: nothing can fly there: 1.00 m beyond the lower bound"),
         ((0, 0, 20), (200, 0, 20), [], "goal: nothing can fly there: 50.00 m beyond the east bound"),
-        ((0, 0, 20), (100, 0, 20), [fort(120)], "every way is walled off: even where it is easiest to pass, fort"),
+        ((0, 0, 20), (100, 0, 20), [fort(120)], "every way is walled off: by fort, at east 74.0"),
     ],
 )
 def test_a_place_or_a_wall_that_makes_it_impossible_is_named(scenario, start, goal, obstacles, words) -> None:

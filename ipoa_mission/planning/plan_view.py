@@ -1,0 +1,134 @@
+"""The airspace from above: whether what reaches through all heights of flight closes every way.
+
+Seen so the question is plane geometry, and the answer certain: obstacles as high as the airspace, each grown by the
+distance it requires, either leave start and goal in one piece or they do not. Where they do not, the gap that opens
+first as less is required is the widest.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ipoa_mission.geometry import Vector
+from ipoa_mission.planning.problem import PathProblem
+from ipoa_mission.world.obstacles import Cylinder, Prism
+from ipoa_mission.world.terrain import Flat, Grid
+
+ROUGHLY, FINELY = 2, 16  # sides of a quarter of a circle; they lie inside the true one
+NOT_ROUND = 1 - np.cos(np.pi / 4 / FINELY)
+SHARE, CLOSE = 1e-5, 1e-2  # how closely the widest gap is sought, as a share of what is required, and [m]
+
+
+@dataclass(frozen=True)
+class Closure:
+    """What closes every way, at `place` (east, north): two `names` that leave `width` of what is `needed` [m].
+
+    If there is no gap at all `names` are all that stand round, and `width` is 0.
+    """
+
+    names: tuple[str, ...]
+    place: tuple[float, float]
+    width: float
+    needed: float
+
+
+def closure(problem: PathProblem, start: Vector, goal: Vector) -> Closure | None:
+    """What closes every way between two places, (3,) each; nothing if a way is open, or that is not certain."""
+    view = _View(problem, start, goal)
+    if not len(view.shapes) or view.piece(1.0, ROUGHLY) is not None or view.piece(1.0) is not None:
+        return None
+    if view.piece(0.0) is None:
+        return view.walled_in()
+    low, high = 0.0, 1.0  # shares of what is required: with `low` there is a way, with `high` there is none
+    while high - low > SHARE:
+        middle = (low + high) / 2
+        low, high = (low, middle) if view.piece(middle) is None else (middle, high)
+    return view.gap(low)
+
+
+class _View:
+    """Columns that reach through all heights, and two places between them."""
+
+    def __init__(self, problem: PathProblem, start: Vector, goal: Vector) -> None:
+        bounds = problem.scenario.airspace.bounds
+        self.area = bounds.footprint.shape if bounds.footprint else shapely.box(*bounds.lower[:2], *bounds.upper[:2])
+        self.ends = shapely.points([start[:2], goal[:2]])
+        shapes, radii, required, names = [], [], [], []
+        for body in problem.scenario.airspace.obstacles:
+            if not isinstance(body, Cylinder | Prism):
+                continue
+            lowest, highest = _heights(problem, body)
+            spare = max(body.base - lowest, highest - body.top, 0.0)
+            if spare < problem.limits.obstacle_distance:
+                shapes.append(body.footprint.shape if isinstance(body, Prism) else shapely.Point(body.east, body.north))
+                radii.append(body.radius if isinstance(body, Cylinder) else 0.0)
+                required.append(float(np.sqrt(problem.limits.obstacle_distance**2 - spare**2)))
+                names.append(body.name)
+        self.shapes, self.names = np.array(shapes), names
+        self.radii, self.required = np.array(radii), np.array(required)
+
+    def piece(self, share: float, sides: int = FINELY) -> shapely.Geometry | None:
+        """The free piece of the area in which both ends are if a share of the distance is required; none if not one."""
+        return next((p for p in self._pieces(share, sides) if shapely.dwithin(p, self.ends, CLOSE / 10).all()), None)
+
+    def walled_in(self) -> Closure | None:
+        """What stands round the end with less room."""
+        pieces = [p for p in self._pieces(0.0, FINELY) if shapely.intersects(p, self.ends).any()]
+        if len(pieces) < 2:
+            return None
+        cell = min(pieces, key=lambda piece: piece.area)
+        other = self.ends[int(shapely.intersects(cell, self.ends[0]))]
+        near = shapely.distance(self.shapes, cell) <= self.radii + CLOSE
+        place = shapely.get_coordinates(shapely.shortest_line(cell, other))[0]
+        return Closure(tuple(np.array(self.names)[near]), (float(place[0]), float(place[1])), 0.0, 0.0)
+
+    def gap(self, share: float) -> Closure | None:
+        """The gap through which both ends are joined if a share is required, but hardly more."""
+        piece, side = self.piece(share), self.area.exterior
+        tree = shapely.STRtree(self.shapes)
+        reach = 2 * float((self.radii + self.required).max()) + CLOSE
+        one, other = tree.query(self.shapes, "dwithin", reach)
+        one, other = one[one < other], other[one < other]
+        lines = [
+            *shapely.shortest_line(self.shapes[one], self.shapes[other]),
+            *shapely.shortest_line(self.shapes, side),
+        ]
+        inner = np.concatenate([self.radii[one] + self.radii[other], self.radii])
+        needed = np.concatenate([self.required[one] + self.required[other], self.required])
+        width = shapely.length(lines) - inner
+        names = [*zip(one, other, strict=True), *((k, -1) for k in range(len(self.shapes)))]
+        called = [*self.names, "the edge of the area"]
+        short = width - share * needed  # no more than it is short of for corners that are not quite round
+        for k in np.argsort(np.abs(short)):
+            if abs(short[k]) > CLOSE + NOT_ROUND * needed[k]:
+                break
+            ends = shapely.get_coordinates(lines[k])
+            a, b = names[k]
+            along = (self.radii[a] + width[k] * self.required[a] / needed[k]) / max(
+                float(shapely.length(lines[k])), CLOSE
+            )
+            east, north = ends[0] + along * (ends[1] - ends[0])
+            if shapely.dwithin(piece, shapely.Point(east, north), CLOSE):
+                pair = tuple(sorted((called[a], called[b])))
+                return Closure(pair, (float(east), float(north)), float(width[k]), float(needed[k]))
+        return None
+
+    def _pieces(self, share: float, sides: int) -> list[shapely.Geometry]:
+        grown = shapely.buffer(self.shapes, self.radii + share * self.required, quad_segs=sides)
+        return list(shapely.get_parts(self.area.difference(shapely.union_all(grown))))
+
+
+def _heights(problem: PathProblem, body: Cylinder | Prism) -> tuple[float, float]:
+    """Between which heights one may fly beside a body, at most."""
+    airspace, limits, chart = problem.scenario.airspace, problem.limits, problem.chart
+    (west, south, _), (east, north, _) = body.bounds
+    reach, step = limits.obstacle_distance, 1 / chart.ground.per_metre
+    places = np.array([(west - reach, south - reach), (east + reach, north + reach)])
+    first, last = np.floor((places - (chart.ground.east, chart.ground.north)) / step).astype(int)
+    rows, columns = chart.heights.shape
+    (i, j), (m, n) = np.clip(first, 0, (columns - 2, rows - 2)), np.clip(last + 2, 2, (columns, rows))
+    near = chart.heights[j:n, i:m]
+    unsure = 0.0 if isinstance(airspace.terrain, Flat | Grid) else airspace.terrain.steepness * step
+    lowest = max(airspace.bounds.lower[2], float(near.min()) - unsure)
+    return lowest, min(airspace.bounds.upper[2], float(near.max()) + unsure + limits.ceiling_above_ground)

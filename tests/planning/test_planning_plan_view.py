@@ -1,0 +1,72 @@
+"""The airspace from above: closed where the gaps that were drawn are too narrow, and only there."""
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.planning.limits import limits_of
+from ipoa_mission.planning.obstruction import NoPath, refuse_closed
+from ipoa_mission.planning.plan_view import closure
+from ipoa_mission.planning.problem import pose
+
+
+def walls(gaps, rng) -> list[dict[str, object]]:
+    """Turned walls across everything, each with a gap of that width [m]."""
+    found = []
+    for k, gap in enumerate(gaps):
+        turn, middle = (
+            np.radians(rng.uniform(-15, 15)),
+            np.array([100 * (k + 1) / (len(gaps) + 1), rng.uniform(-50, 50)]),
+        )
+        along = np.array([np.sin(turn), np.cos(turn)])
+        for side in (1, -1):
+            east, north = middle + side * along * (gap + 300) / 2
+            size = {"width": rng.uniform(0.2, 8), "depth": 300, "height": 150, "heading_deg": float(np.degrees(turn))}
+            found.append({"kind": "box", "name": f"{k}{side}", "east": east, "north": north, "base": 0.0, **size})
+    return found
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_it_is_closed_where_the_narrowest_gap_is_too_narrow(scenario, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    gaps = 3.0 * rng.choice([0.5, 0.9, 0.99, 1.01, 1.1, 2.0], rng.integers(1, 3))
+    job = scenario(obstacles=walls(gaps, rng))
+    found = closure(pose(job), job.start_point, job.goal_point)
+    assert (found is not None) == (gaps.min() < 3)
+    if found is not None:
+        narrowest = int(np.argmin(gaps))
+        assert set(found.names) == {f"{narrowest}1", f"{narrowest}-1"}
+        assert found.width == pytest.approx(gaps.min(), abs=1e-6)
+        assert found.needed == pytest.approx(2 * limits_of(job).obstacle_distance)
+        sides = [o.footprint.shape for o in job.airspace.obstacles if o.name in found.names]
+        away = shapely.distance(sides, shapely.Point(found.place))
+        np.testing.assert_allclose(away, gaps.min() / 2, atol=1e-6)
+
+
+def test_masts_and_the_bounds_leave_gaps_too(scenario) -> None:
+    masts = [{"kind": "cylinder", "name": f"{k}", "east": 50, "north": n, "radius": 20, "height": 150, "base": 0.0}
+             for k, n in enumerate((-79.0, -36.4, 6.2, 78.9))]  # fmt: skip
+    job = scenario(obstacles=masts)
+    found = closure(pose(job), job.start_point, job.goal_point)
+    assert found is None  # 32.7 m are left between the last two
+    job = scenario(obstacles=[*masts, {**masts[0], "name": "last", "north": 42.5, "radius": 14.5}])
+    found = closure(pose(job), job.start_point, job.goal_point)
+    assert found is not None
+    assert found.names == ("0", "1")
+    assert found.width == pytest.approx(2.6)
+
+
+def test_what_can_be_flown_over_closes_nothing(scenario) -> None:
+    low = [wall | {"height": 97.0} for wall in walls([0.1], np.random.default_rng(0))]
+    job = scenario(obstacles=low)  # 1.5 m are required, the bounds leave 3
+    refuse_closed(pose(job))
+
+
+def test_all_that_stands_round_an_end_is_named(scenario) -> None:
+    ring = [{"kind": "box", "name": name, "base": 0.0, "height": 150, "east": 100 + e, "north": n, "width": w, "depth": d}
+            for name, e, n, w, d in (("west", -20, 0, 4, 44), ("east", 20, 0, 4, 44), ("south", 0, -20, 44, 4),
+                                     ("north", 0, 20, 44, 4))]  # fmt: skip
+    with pytest.raises(
+        NoPath, match=r"every way is walled off: by west, east, south and 1 more, at east 82\.0, north 0\.0 m"
+    ):
+        refuse_closed(pose(scenario(obstacles=ring)))
