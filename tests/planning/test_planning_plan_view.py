@@ -63,9 +63,12 @@ def test_what_can_be_flown_over_closes_nothing(scenario) -> None:
 
 
 def test_all_that_stands_round_an_end_is_named(scenario) -> None:
-    ring = [{"kind": "box", "name": name, "base": 0.0, "height": 150, "east": 100 + e, "north": n, "width": w, "depth": d}
-            for name, e, n, w, d in (("west", -20, 0, 4, 44), ("east", 20, 0, 4, 44), ("south", 0, -20, 44, 4),
-                                     ("north", 0, 20, 44, 4))]  # fmt: skip
+    sides = {"west": (-20, 0, 4, 44), "east": (20, 0, 4, 44), "south": (0, -20, 44, 4), "north": (0, 20, 44, 4)}
+    wall = {"kind": "box", "base": 0.0, "height": 150}
+    ring = [
+        wall | {"name": name, "east": 100 + e, "north": n, "width": width, "depth": depth}
+        for name, (e, n, width, depth) in sides.items()
+    ]
     with pytest.raises(
         NoPath, match=r"every way is walled off: by west, east, south and 1 more, at east 82\.0, north 0\.0 m"
     ):
