@@ -88,12 +88,17 @@ class PathFollower:
         return x.acceleration, y.acceleration, z.acceleration
 
     def advance(
-        self, at: Triple, dt: float, climb: tuple[float, float] | None = None, sink: float | None = None
+        self,
+        at: Triple,
+        dt: float,
+        climb: tuple[float, float] | None = None,
+        sink: float | None = None,
+        stay: bool = False,
     ) -> None:
         """Move the target on, more slowly when the vehicle (`at`) is behind.
 
         `climb`: rate and acceleration of a take-off in place of the usual; `sink`: descend at this rate, whatever
-        the height of the goal.
+        the height of the goal; `stay`: brake, and go nowhere yet.
         """
         self._wait_s -= dt
         if self._coming is not None and self._wait_s <= 0.0:
@@ -102,7 +107,7 @@ class PathFollower:
             self._turn_to(legs)
         self._back_to_leg(at)
         self._limit_height(climb)
-        wanted = self._velocity(sink)
+        wanted = (0.0, 0.0, 0.0) if stay else self._velocity(sink)
         x, y, _ = self.axes
         ex, ey = x.place - at[0], y.place - at[1]
         pace = 1.0

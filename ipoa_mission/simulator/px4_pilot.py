@@ -20,6 +20,7 @@ TAKEN_OFF_S = 0.5  # from being high enough until a take-off is over (mean of 55
 NAVIGATOR_S = 0.05  # how often it is looked whether an item is done
 CONTACT_S = 1.2  # from touching the ground until the thrust is low enough to be taken for that (mean of 20 flights)
 HEADING_ERROR = math.radians(12.0)  # MIS_YAW_ERR
+TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way
 #: Items that hide the report of the waypoint before them (as measured).
 HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
 Manoeuvre = Callable[[float], None]
@@ -336,14 +337,17 @@ class PX4Pilot:
             push = (push[0], push[1], 0.0)
         seen = (at, self._motion.of(body.motion, dt))
         lean, thrust = self._control.lean_and_thrust(body, seen, place, path.motion, push, (up, down), dt)
-        self._turn(dt)
+        left = self._turn(dt)
         body.step(lean, thrust, dt)
-        path.advance(at, dt, climb, sink)
+        turning = self._p["MPC_YAW_MODE"] == TURN_FIRST and left > HEADING_ERROR and self._manoeuvre == self._follow
+        path.advance(at, dt, climb, sink, turning)
 
-    def _turn(self, dt: float) -> None:
+    def _turn(self, dt: float) -> float:
+        """Turn the nose; by how much it is off [rad]."""
         heading = self._heading
         if heading is None:
             east, north = self._goal[0] - self._body.x, self._goal[1] - self._body.y
             heading = math.atan2(east, north) if math.hypot(east, north) > self._radius else self._body.yaw
         rate = math.radians(self._p["MPC_YAWRAUTO_MAX"])
         self._body.turn(heading, rate, math.radians(self._p.get("MPC_YAWRAUTO_ACC", 20.0)), dt)
+        return abs(math.remainder(heading - self._body.yaw, 2.0 * math.pi))

@@ -152,14 +152,15 @@ def fly_to(
 ) -> bool:
     """Fly until the target counts as reached, and is noticed to be; False if that is not within `way[13]` seconds.
 
-    Having been at the target is enough, but it does not count before the nose points where it should (`way[14]`).
+    Having been at the target is enough, but it does not count before the nose points where it should (`way[14]`);
+    before `way[15]` the vehicle brakes and stays, for its nose to turn first.
 
     `state` is left as it is at that moment (26: when it was reached). Every so many steps (pace[2]; 0: never) seven
     numbers are added to the samples: time, place, velocity. A landing (way[12] < 0) sinks over the target, and has
     reached it on the ground.
     """
     radius, height_radius, cruise = way[9], way[10], way[11]
-    climbing_off, landing, patience, headed = way[12] > 0.0, way[12] < 0.0, way[13], way[14]
+    climbing_off, landing, patience, headed, starts = way[12] > 0.0, way[12] < 0.0, way[13], way[14], way[15]
     dt, latency, every = pace[0], pace[1], int(pace[2])
     accel, jerk, gain, most_error, most_speed = pace[3], pace[4], pace[5], pace[6], pace[7]
     up, down, accel_up, accel_down = pace[8], pace[9], pace[10], pace[11]
@@ -254,6 +255,8 @@ def fly_to(
                 if rise >= 0.5 or abs(wz) >= 0.5:
                     wx, wy = wx * size, wy * size
                 wz *= size
+        if t < starts:
+            wx = wy = wz = 0.0
         rising = wz > 0.0
         if low:
             tz = z

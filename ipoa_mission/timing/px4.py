@@ -104,13 +104,17 @@ def _known(times: Sequence[Sequence[float]]) -> bool:
 
 @dataclass(frozen=True)
 class _Leg:
-    """A visit that is flown to: whence, whither, whither then; seconds that the nose turns, and that it holds there."""
+    """A visit that is flown to: whence, whither, whither then; seconds that the nose turns and that it holds there.
+
+    `waits` are the seconds that the nose turns before the vehicle goes (MPC_YAW_MODE 4).
+    """
 
     before: Place
     target: Place
     after: Place
     radius: float
     turns: float
+    waits: float
     holds: float
     stops: bool
 
@@ -221,12 +225,14 @@ class _Flight:
         onward = self.onward(n)
         own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0
         before, self.here = self.here, target
+        turns = self.turning_time(item.params[3], before, target)
         return _Leg(
             before=before,
             target=target,
             after=self.target(onward) if onward is not None else target,
             radius=item.params[1] if own else self.limits.radius,
-            turns=self.turning_time(item.params[3], before, target),
+            turns=0.0 if math.isnan(item.params[3]) else turns,
+            waits=turns if self.limits.turns_first else 0.0,
             holds=self.holds(n),
             stops=onward is None,
         )
@@ -236,7 +242,8 @@ class _Flight:
         legs, used = self.plan.legs, len(self.samples)
         leg = legs[n] if n in legs else legs.setdefault(n, self.leg(n))
         self.here = leg.target
-        self.fly(leg.before, leg.target, leg.after, leg.radius, headed=self.now + leg.turns)
+        headed, starts = self.now + leg.turns, self.now + leg.waits
+        self.fly(leg.before, leg.target, leg.after, leg.radius, headed=headed, starts=starts)
         reached, why = self.since, self.why_slow(leg, used) if self.watched else ""
         if leg.holds > 0:
             return self.hold(leg.holds), "hold"
@@ -267,14 +274,21 @@ class _Flight:
         return min(asked, rate * level / abs(rise)) if rise else asked
 
     def fly(
-        self, before: Place, target: Place, after: Place, radius: float, climbing_off: bool = False, headed: float = 0.0
+        self,
+        before: Place,
+        target: Place,
+        after: Place,
+        radius: float,
+        climbing_off: bool = False,
+        headed: float = 0.0,
+        starts: float = 0.0,
     ) -> None:
-        """Step until the target is reached and the nose is `headed` as it should be [s]."""
+        """Step until the target is reached and the nose is `headed` as it should be, but stay until it `starts` [s]."""
         distance = math.dist(self.state[1:4], target) + abs(self.state[3] - target[2]) * 3
         cruise = min(self.cruise, self.limits.most_speed)
         most = (120 + 6 * distance * max(1.0, 1 / cruise)) * max(1.0, 1 / radius)  # a small circle is hard to hit
-        most += max(headed - self.now, 0.0)
-        reaching = (radius, self.limits.height_radius, cruise, float(climbing_off), most, headed)
+        most += max(headed - self.now, starts - self.now, 0.0)
+        reaching = (radius, self.limits.height_radius, cruise, float(climbing_off), most, headed, starts)
         self.step((*before, *target, *after, *reaching))
         self.since = float(self.state[26])
 
@@ -284,13 +298,13 @@ class _Flight:
             return self.now
         over = max(self.since + seconds, self.now)
         there = (*self.here, *self.here, *self.here)
-        self.step((*there, 1e9, 1e9, self.cruise, 0.0, seconds + 6, 0.0), latency=over - self.now)
+        self.step((*there, 1e9, 1e9, self.cruise, 0.0, seconds + 6, 0.0, 0.0), latency=over - self.now)
         self.since = over
         return over
 
     def step(self, way: tuple[float, ...], latency: float = NOTICED) -> None:
         """Fly a way as the stepping code has it: three places, radii, cruise, climbing off or landing,
-        patience, and until when the nose turns.
+        patience, until when the nose turns, and until when the vehicle stays.
         """
         samples = self.no_samples
         if self.watched:
@@ -304,14 +318,13 @@ class _Flight:
         self.samples += [float(x) for x in samples[: int(self.state[24])]]
 
     def turning_time(self, yaw_deg: float, before: Place, target: Place) -> float:
-        """How long the nose needs to point within the error allowed, where the item names a heading at all [s]."""
-        old = self.heading
-        if math.isnan(yaw_deg):
-            if math.dist(before[:2], target[:2]) > self.limits.radius:
-                self.heading = math.atan2(target[0] - before[0], target[1] - before[1])
-            return 0.0
-        self.heading = math.radians(yaw_deg)
-        if math.isnan(old):
+        """How long the nose needs to point, within the error allowed, where the item says or else to the target [s]."""
+        old, east, north = self.heading, target[0] - before[0], target[1] - before[1]
+        if not math.isnan(yaw_deg):
+            self.heading = math.radians(yaw_deg)
+        elif math.dist(before[:2], target[:2]) > self.limits.radius:
+            self.heading = math.atan2(east, north)
+        if math.isnan(old) or math.isnan(self.heading):
             return 0.0
         turn = abs(math.remainder(self.heading - old, 2 * math.pi))
         rate, accel, near = self.limits.yaw_rate, self.limits.yaw_accel, self.limits.yaw_error
@@ -360,7 +373,7 @@ class _Flight:
         slowest = min(self.limits.land_speed, self.limits.descent, self.limits.crawl_speed)
         most = 30.0 + 4.0 * max(float(self.state[3]), 0.0) / slowest
         cruise = min(self.cruise, self.limits.most_speed)
-        self.step((*over, *over, *over, self.limits.radius, 0.0, cruise, -1.0, most, 0.0), latency=0.0)
+        self.step((*over, *over, *over, self.limits.radius, 0.0, cruise, -1.0, most, 0.0, 0.0), latency=0.0)
         self.here = over
         self.rest(LANDING_DETECTION)
         self.airborne = False

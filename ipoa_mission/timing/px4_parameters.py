@@ -26,6 +26,7 @@ FURTHER: Parameters = {
     "MPC_LAND_ALT3": 1.0,
     "MPC_LAND_CRWL": 0.3,
 }
+TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way
 POSITIVE = (
     "MPC_XY_CRUISE",
     "MPC_XY_VEL_MAX",
@@ -92,6 +93,7 @@ class Px4Limits:
     yaw_rate: float
     yaw_accel: float
     yaw_error: float
+    turns_first: bool
     returning: Px4Return
     land_delay: float
     disarm_delay: float
@@ -150,6 +152,7 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         yaw_rate=math.radians(p["MPC_YAWRAUTO_MAX"]),
         yaw_accel=math.radians(p["MPC_YAWRAUTO_ACC"]),
         yaw_error=math.radians(p["MIS_YAW_ERR"]),
+        turns_first=p["MPC_YAW_MODE"] == TURN_FIRST,
         returning=Px4Return.of(p),
         land_delay=max(p["RTL_LAND_DELAY"], 0.0),
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
