@@ -115,6 +115,8 @@ def _detail(item: Item) -> str:
             return f"to item {item.params[0]:g}, {item.params[1]:g} times"
         case Command.NAV_LOITER_TURNS:
             return f"{item.params[0]:g} turns"
+        case Command.NAV_WAYPOINT if item.params[1] > 0:
+            return f"within {item.params[1]:g} m"
         case Command.NAV_WAYPOINT | Command.NAV_TAKEOFF | Command.NAV_LAND | Command.DO_CHANGE_SPEED:
             return ""
         case _:

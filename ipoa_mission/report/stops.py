@@ -89,7 +89,8 @@ def _words(item: Item) -> str:
         case Command.NAV_TAKEOFF:
             return "take off"
         case Command.NAV_WAYPOINT:
-            return f"waypoint{hold}"
+            near = f", within {item.params[1]:g} m" if item.params[1] > 0 else ""
+            return f"waypoint{near}{hold}"
         case Command.NAV_SPLINE_WAYPOINT:
             return f"spline waypoint{hold}"
         case Command.NAV_RETURN_TO_LAUNCH:

@@ -204,9 +204,11 @@ def test_what_the_columns_do_not_show_is_said_in_words() -> None:
         Item(177, 2, (3.0, 2.0, 0.0, 0.0)),
         Item(18, 3, (4.0, 0.0, 20.0, 0.0), 39.102, 121.82, 9.0),
         Item(206, 2, (25.0, 0.0, 1.0, 0.0)),
+        Item(16, 3, (0.0, 7.5, 0.0, 0.0), 39.102, 121.82, 9.0),
     )
     assert [row.detail for row in mission_table(Mission(HOME, items, Autopilot.ARDUPILOT))[1:]] == [
         "to item 3, 2 times",
         "4 turns",
         "param1 25, param3 1",
+        "within 7.5 m",
     ]
