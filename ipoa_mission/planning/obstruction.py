@@ -68,7 +68,12 @@ def refuse_closed(problem: PathProblem) -> None:
 
 def explain(problem: PathProblem, proof: Proof) -> NoPath:
     """The error that tells why no path was found; `proof` is that of the best one."""
-    return blockage(problem) or NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
+    return blockage(problem) or not_found(proof)
+
+
+def not_found(proof: Proof) -> NoPath:
+    """The error that tells how near to safe the best path is, if nothing is known to close every way."""
+    return NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
 
 
 def blockage(problem: PathProblem) -> NoPath | None:

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import FINER, guesses
 from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.obstruction import NoPath, blockage, explain, refuse_closed, refuse_places
+from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM, polish, settle
 from ipoa_mission.planning.problem import UNSAFE, Trail, follow, pose, refine
@@ -57,7 +57,8 @@ def plan_path(scenario: Scenario, seed: int = 0, progress: Progress = lambda don
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [(curve_cost(curve, scenario), curve, proof) for curve, proof in curves if proof.holds]
     if not safe:
-        raise explain(problem, curves[0][1])
+        nearest = max((proof for _, proof in curves), key=lambda proof: proof.worst.slack)
+        raise explain(problem, nearest) if as_printed else not_found(nearest)
     cost, curve, proof = min(safe, key=lambda found: found[0].total)
     return Plan(curve, cost, proof, scenario.optimizer.name, seed, *searcher.history())
 
@@ -85,7 +86,7 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
         if safe := [trail for trail, proof in proved if proof.holds]:
             proved.append(settle(_finer(min(safe, key=problem.cost)), problem, enough=1e-8))
             break
-        if (why := blockage(problem)) is not None:
+        if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why
     return [(trail.curve, proof) for trail, proof in proved]
 
