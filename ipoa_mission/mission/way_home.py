@@ -30,7 +30,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
 
     The waypoint has the lowest of every five metres above home at which the way home keeps the required clearance; the
     climb to it must do so, within the bounds. If there is none the mission stays as it is. A spline waypoint before it
-    is held for a second: into a climb ArduCopter would curve upwards.
+    is held for a second: if it flew on, ArduCopter's curve would dip first, to rise there.
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission

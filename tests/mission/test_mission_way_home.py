@@ -13,6 +13,7 @@ from ipoa_mission.mission.legs import Phase, flown_legs
 from ipoa_mission.mission.route import NoRoute, Route
 from ipoa_mission.mission.way_home import told
 from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicle import Autopilot
 
 ROUND_THE_HALL = ((0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0))
@@ -50,6 +51,22 @@ def height_over_the_hall(flown: Mission, scenario: Scenario) -> float:
     ways = [leg for leg in flown_legs(flown, scenario.frame) if leg.phase is Phase.RETURN]
     assert all(LineString(way.points[:, :2]).intersects(HALL) for way in ways)
     return float(min(way.points[-1, 2] for way in ways))
+
+
+def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_for_the_way_home() -> None:
+    """If it flew on into the climb its curve would dip before the goal, to rise there."""
+    scenario = world(Autopilot.ARDUPILOT, 18.0)
+    raised = build_mission(Route(np.array(ROUND_THE_HALL), spline=True, brakes_on_curve=True), scenario)
+    assert [(item.command, round(item.altitude)) for item in raised.items[-3:]] == [(82, 20), (16, 25), (20, 0)]
+    flight = fly(raised)
+    place = np.array(
+        [(sample.time_s, sample.latitude_deg, sample.longitude_deg, sample.height) for sample in flight.path]
+    )
+    goal = scenario.frame.geodetic(np.array([100.0, 0.0, 20.0]))
+    before = place[(place[:, 0] > flight.item_reached_s[1]) & (place[:, 0] < flight.item_reached_s[4])]
+    assert np.abs(before[:, 3] - 20.0).max() < 0.2
+    beyond = (place[place[:, 0] < flight.item_reached_s[5], 1] - goal.latitude_deg) * 111_200
+    assert beyond.max() < 1.0
 
 
 @pytest.mark.parametrize(
