@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.mission.resample import corridor, deviation, every
+from ipoa_mission.mission.relax import relaxed, stations
+from ipoa_mission.mission.resample import NOWHERE, corridor, deviation, every
 from ipoa_mission.planning.spline import Spline
 
 RNG = np.random.default_rng(4)
@@ -60,3 +61,25 @@ def test_the_deviation_of_a_leg_is_found_in_its_middle() -> None:
     bow = Spline(50 * np.column_stack([-np.cos(angle), np.sin(angle), 0 * angle]))
     assert deviation(bow.control[[0, -1]], bow) == pytest.approx(50, abs=0.5)
     assert deviation(bow.sample(2000), bow) == pytest.approx(0, abs=0.02)
+
+
+def test_the_gentlest_line_beside_a_weak_weave_is_straight_and_round_a_corner_it_takes_all_the_room() -> None:
+    along = np.linspace(0.0, 300.0, 30)
+    aside = 1.5 * np.sin(along / 24)
+    aside[[0, -1]] = 0.0
+    weave = Spline(np.column_stack([along, aside, np.full(30, 40.0)]))
+    line = relaxed(weave, 3.0, NOWHERE)
+    assert np.abs(line[:, 1]).max() < 0.05  # of 1.5
+    leg = np.linspace(0.0, 150.0, 20)[:, None]
+    corner = Spline(np.vstack([leg * (1, 0, 0), (150, 0, 0) + leg[1:] * (0, 1, 0)]))
+    for room in (0.0, 2.0, 5.0):
+        line = relaxed(corner, room, NOWHERE)
+        apart = shapely.distance(shapely.LineString(corner.sample(3000)[:, :2]), shapely.points(line[:, :2]))
+        assert apart.max() == pytest.approx(room, abs=0.05)
+        np.testing.assert_allclose(line[[0, -1]], corner.control[[0, -1]], atol=1e-9)
+    via = corner.points(np.array([0.5]))
+    assert np.linalg.norm(relaxed(corner, 5.0, via) - via, axis=1).min() < 1e-9
+    waypoints = stations(line, 12.0, 40.0, NOWHERE)
+    steps = np.linalg.norm(np.diff(waypoints, axis=0), axis=1)
+    assert steps[:-1].max() <= 12.0
+    assert steps[-1] == pytest.approx(40.0, abs=0.1)
