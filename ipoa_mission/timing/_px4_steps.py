@@ -88,6 +88,12 @@ def moved(
 
 
 @jit
+def half_tangent(cosine: float) -> float:
+    """The tangent of half the angle whose cosine this is; of a straight line very much."""
+    return math.sqrt(max(1.0 - cosine, 0.0) / max(1.0 + cosine, 1e-14))
+
+
+@jit
 def corner_speed(
     tox: float, toy: float, onx: float, ony: float, accel: float, jerk: float, cruise: float, gain: float, radius: float
 ) -> float:
@@ -100,8 +106,7 @@ def corner_speed(
     leave = 0.0
     if onward > 0.001 and onward >= radius:
         cosine = 0.0 if distance < 1e-9 else -(tox * onx + toy * ony) / (distance * onward)
-        alpha = math.acos(min(max(cosine, -1.0), 1.0))
-        turn = math.sqrt(gain * accel * radius * math.tan(min(alpha, 3.1415925) / 2.0))
+        turn = math.sqrt(gain * accel * radius * half_tangent(cosine))
         leave = min(turn, speed_to(onward, 0.0, accel, jerk), cruise)
     speed: float = speed_to(distance, leave, accel, jerk)
     return min(cruise, speed)
@@ -121,8 +126,8 @@ def vertical_speed(
     if abs(next_height - height) > 0.001:
         back, down, on, up = at - now, height - z, at - then, height - next_height
         size = math.sqrt((back * back + down * down) * (on * on + up * up))
-        alpha = math.acos(min(max((back * on + down * up) / size, -1.0), 1.0)) if size > 1e-9 else math.pi / 2.0
-        leave = min(math.sqrt(accel * radius * math.tan(min(alpha, 3.1415925) / 2.0)), top)
+        cosine = (back * on + down * up) / size if size > 1e-9 else 0.0
+        leave = min(math.sqrt(accel * radius * half_tangent(cosine)), top)
     speed: float = speed_to(abs(height - z), leave, accel, jerk)
     return min(top, speed)
 
