@@ -62,12 +62,12 @@ def polish(
 
 
 def settle(trail: Trail, problem: PathProblem, enough: float = 1e-7) -> tuple[Trail, Proof]:
-    """The curve polished until its proof holds, or as near to that as it comes.
+    """The curve polished until its proof holds, or as near to that as it comes; or as it was, if only that holds.
 
     Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
     to keep more than is required.
     """
-    more = dict.fromkeys(("aside", "above", "flatter"), 0.0)
+    rough, more = trail, dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(ATTEMPTS):
         stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
         trail = polish(trail, problem, stages, steps=60, finer=2, enough=enough)
@@ -79,6 +79,8 @@ def settle(trail: Trail, problem: PathProblem, enough: float = 1e-7) -> tuple[Tr
             if check.unit == "deg":  # as a slope
                 short = float(np.tan(np.radians(check.required)) - np.tan(np.radians(check.required - short)))
             more[_REMEDY[check.limit]] += short
+    if not proof.holds and (unpolished := prove_curve(rough.curve, problem.scenario)).holds:
+        return rough, unpolished
     return trail, proof
 
 
