@@ -23,13 +23,15 @@ STARTS = 2  # routes of different numbers of waypoints are improved
 TRIALS = 100  # of leaving a waypoint out or moving it
 STEPS = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
 WORTH_IT = 0.1  # a change must save so much [s]
+EQUAL = 0.005  # a share of the time that is not worth less room
 OVERRUN = 0.5  # how far beyond the goal the vehicle may need to brake [m]
 
 
 def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Route]) -> Route:
     """The quickest route found whose predicted path stays within `route.tolerance` of the curve and keeps every limit.
 
-    `fallback` is asked where none is both.
+    Of routes that are as good as equally quick it is the one that keeps away farthest. `fallback` is asked where none
+    is both.
     """
     drawn = [(route, sketch(route, curve, scenario)) for route in candidates(curve, scenario)]
     begun: dict[tuple[int, bool], Route] = {}
@@ -38,7 +40,12 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
         if len(begun) < STARTS and kind not in begun and _is_fit(route, flown, scenario):
             begun[kind] = route
     found = [ready for route in begun.values() for ready in (route, _improve(route, curve, scenario))]
-    return min(found, key=lambda route: fly(route, curve, scenario).seconds) if found else fallback()
+    if not found:
+        return fallback()
+    ends = [fly(route, curve, scenario) for route in found]
+    equal = (1 + EQUAL) * min(end.seconds for end in ends)
+    rooms = [end.slack(scenario) if end.seconds <= equal else -np.inf for end in ends]
+    return found[int(np.argmax(rooms))]
 
 
 def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:

@@ -43,10 +43,14 @@ class Flown:
         """How far the path and the curve are apart [m]."""
         return deviation(self.path, self.curve)
 
+    def slack(self, scenario: Scenario) -> float:
+        """How much more than required the predicted path keeps, of clearance, ground and bounds the least [m]."""
+        checks = prove(self.path, scenario).checks
+        return min(c.slack for c in checks if c.limit in ("obstacles", "ground", "ceiling", "bounds"))
+
     def keeps_limits(self, scenario: Scenario) -> bool:
         """Whether the predicted path keeps clearance, ground and bounds."""
-        checks = prove(self.path, scenario).checks
-        return all(c.slack >= -2 * STRAY for c in checks if c.limit in ("obstacles", "ground", "ceiling", "bounds"))
+        return self.slack(scenario) >= -2 * STRAY
 
 
 def fly(route: Route, curve: Spline, scenario: Scenario) -> Flown:
