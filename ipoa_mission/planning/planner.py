@@ -34,7 +34,7 @@ FEW = 100  # control points with which a curve may not be able to follow a way
 MANY = 150  # control points that are enough
 CLOSER = 4  # times as many let it
 KEPT = 3  # curves that are searched again
-ROUNDS = 80  # at most, of searches piece by piece
+ROUNDS = 40  # at most, of searches piece by piece
 PIECE = 10  # control points that are then varied at a time
 WANTED, TRIED = 2, 6  # curves that are settled and hold, and how many are tried for that
 
@@ -103,9 +103,8 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
             trails[-1] = refine(trails[-1])
             found[-1] = polish(trails[-1], problem)
     costs = [problem.cost(trail) for trail in found]
-    promising = list(dict.fromkeys([*range(1, len(found))[:SHORTEST], *(1 + np.argsort(costs[1:])).tolist()]))[
-        :SEARCHED
-    ]
+    best = 1 + np.argsort(costs[1:])
+    promising = list(dict.fromkeys([*range(1, len(found))[:SHORTEST], *best.tolist()]))[:SEARCHED]
     if min(costs) > UNSAFE:
         found += [polish(way.trail(problem, CLOSER), problem, FIRM) for way in ways]
     starts = [(trails[0], WIDE)] * STRAIGHT + [(trails[i], NARROW) for i in promising]
@@ -120,7 +119,7 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
     problem, rng = searcher.problem, searcher.rng
     found = [(problem.cost(trail), trail) for trail in map(_finer, trails)]
     inner = max(len(trail.curve.control) for _, trail in found) - 2
-    rounds = int(np.clip((inner - PIECE) // 2, 6, ROUNDS))
+    rounds = int(np.clip((inner - PIECE) // 4, 4, ROUNDS))
     for i in range(rounds):
         progress(0.5 + 0.4 * i / rounds, f"piece {i + 1} of {rounds}")
         base = found[int(rng.integers(min(2, len(found))))][1]

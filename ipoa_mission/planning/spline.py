@@ -102,15 +102,15 @@ def local_basis(n: int, u: Vector, order: int = 0) -> tuple[NDArray[np.intp], ND
     """The four of the n basis functions that are not zero at u (k,): number of the first (k,), their values (k, 4)."""
     knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
     span = np.clip(np.searchsorted(knots, u, side="right") - 1, DEGREE, n - 1)
-    values = np.ones((len(u), 1))  # N_i,0
+    values = np.zeros((len(u), DEGREE + 1))
+    values[:, -1] = 1.0  # N_i,0
     for k in range(1, DEGREE + 1):
         starts, ends = (knots[span[:, None] + np.arange(1 - k, 1) + shift] for shift in (0, k))
-        share = values / (ends - starts)
-        left, right = np.pad(share, ((0, 0), (1, 0))), np.pad(share, ((0, 0), (0, 1)))
+        share, values = values[:, -k:] / (ends - starts), np.zeros_like(values)
         if k <= DEGREE - order:
-            from_start = np.pad(u[:, None] - starts, ((0, 0), (1, 0)))
-            to_end = np.pad(ends - u[:, None], ((0, 0), (0, 1)))
-            values = from_start * left + to_end * right
+            values[:, -k:] += (u[:, None] - starts) * share
+            values[:, -k - 1 : -1] += (ends - u[:, None]) * share
         else:  # the last steps of the recursion, differentiated
-            values = k * (left - right)
+            values[:, -k:] += k * share
+            values[:, -k - 1 : -1] -= k * share
     return span - DEGREE, values
