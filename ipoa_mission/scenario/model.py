@@ -94,7 +94,8 @@ class RouteSection(Section):
     mode: Literal["even", "corridor", "spline", "fastest"] = "fastest"
     """`even`: a waypoint every `spacing` metres; `corridor`: the fewest whose legs stay within `tolerance`; `spline`:
     spline waypoints every `spacing` metres (ArduPilot); `fastest`: what the autopilot flies in the least time, its
-    predicted path within `tolerance`."""
+    predicted path within `tolerance`; of routes that differ by less than half a per cent, the one that keeps away
+    farthest."""
     spacing: Positive = 10.0
     """Greatest distance between waypoints of `even` and `spline` [m]."""
     tolerance: Positive = 4.0
