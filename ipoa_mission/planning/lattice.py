@@ -7,7 +7,7 @@ the best place in its cell.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -32,7 +32,8 @@ RATHER = 0.98  # what loops cost of going to and fro
 FLATTEST = 0.07  # the lattice knows no flatter climbs: it would need too many levels
 MOST, FEWER = 24, 8  # ways that are returned, and where climbs are limited
 DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
-PER_LEG = 4  # points at which a leg between two nodes is looked at
+MOST_BESIDE = 8  # ways that are added beside those that lead through what is too narrow
+PER_LEG = 10  # points at which a leg between two nodes is looked at
 PER_TURN, DENSEST = 4, 80  # control points of a curve that follows a way, at most
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbours
 BETWEEN = 0.05  # how much less slack than a node its neighbours on both sides have, in steps, if it is in a gap
@@ -103,7 +104,8 @@ def guesses(problem: PathProblem, coarsest: int) -> list[Guess]:
     most = FEWER if min(problem.rules.climb, problem.rules.descent) < STEEP else MOST
     for fineness in FINER[coarsest:]:
         lattice = lay(problem, fineness)
-        if found := [_mended(way, lattice, problem) for way in ways(lattice, problem, most)]:
+        if found := ways(lattice, problem, most):
+            found = _mended(found, lattice, problem)
             break
     found = found or ways(lattice, problem, most, looking=False)
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
@@ -188,14 +190,37 @@ def _centred(nodes: Points, spacing: Vector, problem: PathProblem) -> Points:
     return nodes
 
 
-def _mended(way: Points, lattice: Lattice, problem: PathProblem) -> Points:
-    """The way, with more points where a leg between two nodes cuts what neither of them is in."""
+def _mended(found: list[Points], lattice: Lattice, problem: PathProblem) -> list[Points]:
+    """The ways, with more points where a leg between two nodes cuts what neither of them is in.
+
+    Where a leg cannot be mended, as in a gap that is a little too narrow, ways that do without its nodes are added.
+    """
+    mended, closed = list[Points](), list[Points]()
+    for way in found:
+        points, cut = _cuts(way, problem)
+        points[cut] = _centred(points[cut], lattice.spacing, problem)
+        kept = cut | (np.arange(len(points)) % PER_LEG == 0)
+        mended.append(points[kept])
+        still = np.nonzero(_cuts(mended[-1], problem)[1])[0] // PER_LEG
+        narrow = np.nonzero(kept)[0][still] // PER_LEG
+        closed.append(way[np.union1d(narrow, narrow + 1)])
+    if not len(closed[0]):
+        return mended
+    shut = np.isin(_whole(lattice.places), _whole(np.vstack(closed)))
+    price = np.where(shut.reshape(lattice.price.shape), np.inf, lattice.price)
+    return mended + ways(replace(lattice, price=price), problem, MOST_BESIDE)
+
+
+def _cuts(way: Points, problem: PathProblem) -> tuple[Points, NDArray[np.bool_]]:
+    """Points (k, 3) along a way, `PER_LEG` on each leg, and which of them, its corners left out, break a limit."""
     shares = np.linspace(0.0, 1.0, PER_LEG, endpoint=False)[:, None]
-    points: Points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
-    nodes = np.arange(len(points)) % PER_LEG == 0
-    cut = ~nodes & (_survey(points, problem)[0] < 0)
-    points[cut] = _centred(points[cut], lattice.spacing, problem)
-    return np.asarray(points[nodes | cut])
+    points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
+    return points, (_survey(points, problem)[0] < 0) & (np.arange(len(points)) % PER_LEG > 0)
+
+
+def _whole(points: Points) -> NDArray[np.void]:
+    """Points (n, 3) as (n,) things to be compared."""
+    return np.ascontiguousarray(points).view(np.dtype((np.void, 24))).ravel()
 
 
 def _occupy_gaps(

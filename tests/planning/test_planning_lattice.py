@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.lattice import guesses, lay, ways
+from ipoa_mission.planning.lattice import _mended, guesses, lay, ways
+from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.problem import pose
 from ipoa_mission.planning.winding import wind
 
@@ -55,6 +56,19 @@ def test_a_door_between_two_nodes_is_found(scenario, aside: float) -> None:
     way = ways(lay(problem), problem, 8)[0]
     door = way[np.argmin(np.abs(way[:, 0] - 50))]
     assert door[1] == pytest.approx(aside, abs=0.075)
+
+
+def test_beside_a_way_through_a_gap_that_is_too_narrow_there_are_ways_that_do_without_it(scenario) -> None:
+    pillars = [PILLAR | {"name": f"{side}", "radius": 12, "north": 12.95 * side} for side in (-1, 1)]  # 0.1 m short
+    problem = pose(scenario(obstacles=pillars, vehicle={"radius": 0.5}, safety_distance=0.5))
+    lattice, (start, goal) = lay(problem), places(problem.scenario)
+    before, after = (lattice.places[np.argmin(((lattice.places - (e, 0, 20)) ** 2).sum(axis=1))] for e in (44, 56))
+    first, *others = _mended([np.array([start, before, after, goal])], lattice, problem)
+    assert first.shape[0] > 4  # it was tried
+    assert others
+    for way in others:
+        assert problem.scenario.airspace.obstacle_clearance(way).distance > -0.5
+        assert not (way == before).all(axis=1).any()
 
 
 @pytest.mark.parametrize(("climb", "descent"), [(30, 20), (8, 45)])
