@@ -420,22 +420,7 @@ def survey(points, chart, rules):
     for i in range(n):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         slack[i], threat[i] = _look(
-            cells,
-            first,
-            listed,
-            around,
-            kind,
-            shape,
-            edges,
-            raster,
-            heights,
-            zones,
-            lower,
-            upper,
-            reach,
-            rules,
-            x,
-            y,
-            z,
-        )
+            cells, first, listed, around, kind, shape, edges, raster, heights, zones, lower, upper, reach,
+            rules, x, y, z,
+        )  # fmt: skip
     return slack, threat

@@ -193,7 +193,8 @@ def _centred(nodes: Points, spacing: Vector, problem: PathProblem) -> Points:
 def _mended(found: list[Points], lattice: Lattice, problem: PathProblem) -> list[Points]:
     """The ways, with more points where a leg between two nodes cuts what neither of them is in.
 
-    Where a leg cannot be mended, as in a gap that is a little too narrow, ways that do without its nodes are added.
+    Where a leg of the cheapest way cannot be mended, as in a gap that is a little too narrow, ways are added that do
+    without the nodes at all such legs.
     """
     mended, closed = list[Points](), list[Points]()
     for way in found:
