@@ -11,7 +11,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logged import Events, Fixes, presence
 from ipoa_mission.link.messages import Current, Message, Text
-from ipoa_mission.link.orders import ARDUCOPTER_AUTO
+from ipoa_mission.link.modes import MISSION_MODE
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -40,7 +40,7 @@ def read_dataflash(path: Path) -> tuple[Fixes, Events]:
             case "XKF1" if record.C == 0:
                 velocities.append((time, record.VN, record.VE, record.VD))
             case "MODE":
-                in_mission = record.ModeNum == ARDUCOPTER_AUTO
+                in_mission = record.ModeNum == MISSION_MODE[Autopilot.ARDUPILOT]
                 said = presence(Autopilot.ARDUPILOT, armed, in_mission)
             case "ARM":
                 armed = bool(record.ArmState)

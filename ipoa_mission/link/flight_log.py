@@ -10,7 +10,7 @@ from pathlib import Path
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.dataflash import read_dataflash
-from ipoa_mission.link.logbook import FlightRecord, Logbook, brings_down
+from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.logged import told
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
@@ -22,7 +22,8 @@ from ipoa_mission.link.messages import (
     Heartbeat,
     Message,
 )
-from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, DO_SET_MODE, MISSION_START, mission_custom_mode
+from ipoa_mission.link.modes import MISSION_MODE
+from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, DO_SET_MODE, MISSION_START
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.ulog import read_ulog
 from ipoa_mission.mission.firmware_facts import FIRMWARE
@@ -53,10 +54,8 @@ def flight_of(messages: Iterable[Message], mission: Mission, path: Path) -> Flig
     A heartbeat comes once a second. So the flight begins where, since the last heartbeat that knew nothing of it, the
     vehicle agreed to arm, to change its mode or to start; and only failing that with the heartbeat that shows it.
     """
-    mode = mission_custom_mode(mission.autopilot)
-    first = int(FIRMWARE[mission.autopilot].home_is_item_0)
-    lands = bool(mission.items) and brings_down(mission.items[-1].command)
-    logbook = Logbook(len(mission.items), first, lands)
+    mode = MISSION_MODE[mission.autopilot]
+    logbook = Logbook(mission.items, mission.autopilot)
     coming = iter(messages)
     since_beat: list[Message] = []
     for message in coming:
@@ -68,7 +67,6 @@ def flight_of(messages: Iterable[Message], mission: Mission, path: Path) -> Flig
         first = agreed[-1] + 1 if agreed and begins else len(since_beat)
         _note(logbook, since_beat[:first])
         if begins:
-            logbook.begin()
             _note(logbook, since_beat[first:])
             for later in coming:
                 logbook.note(later)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Firmware, Heartbeat, Message, Position
-from ipoa_mission.link.orders import mission_custom_mode
+from ipoa_mission.link.modes import MISSION_MODE
 from ipoa_mission.vehicle import Autopilot
 
 MAV_TYPE_QUADROTOR = 2
@@ -53,7 +53,7 @@ def told(fixes: Fixes, events: Events) -> Iterator[Message]:
 def presence(autopilot: Autopilot, armed: bool, in_mission: bool) -> Heartbeat:
     """The heartbeat of a vehicle in this state."""
     firmware = Firmware.ARDUPILOT if autopilot is Autopilot.ARDUPILOT else Firmware.PX4
-    mode = mission_custom_mode(autopilot) if in_mission else 0
+    mode = MISSION_MODE[autopilot] if in_mission else 0
     return Heartbeat(MAV_TYPE_QUADROTOR, firmware, CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0), mode)
 
 
