@@ -106,7 +106,7 @@ def test_a_vehicle_that_stands_elsewhere_is_not_armed(sitl: Sitl) -> None:
     assert apart(away, sitl.home) == pytest.approx(40.0, abs=0.1)
     ended = sitl.run(f"fly {sitl.write(replace(sitl.mission(), home=away))} --json")
     assert ended.code == 1
-    assert "40.0 m from the mission's home" in ended.found["error"]
+    assert "m from the mission's home, and without a scenario" in ended.found["error"]
     assert ended.found["armed"] is False
 
 
