@@ -66,6 +66,11 @@ class Logbook:
         self.armed = False
         self.disarmed_s: float | None = None
 
+    @property
+    def begun(self) -> bool:
+        """Whether a flight has begun."""
+        return self._begun
+
     def begin(self) -> None:
         """The flight starts now."""
         self._zero = self._clock
@@ -82,7 +87,8 @@ class Logbook:
     @property
     def is_complete(self) -> bool:
         """Whether the vehicle has said that its mission is complete, or reached the last item."""
-        return self._state == COMPLETE or self._items - 1 in self._reached
+        at_the_end = self.lands and self.disarmed_s is not None and self._current >= self._first + self._items - 1
+        return self._state == COMPLETE or self._items - 1 in self._reached or at_the_end
 
     def note(self, message: Message) -> None:
         """Something was heard."""
@@ -100,13 +106,18 @@ class Logbook:
                     self.disarmed_s = self._since
                 self.armed = message.armed
             case Reached(seq) if self._begun:
+                self._turn_to(seq)
                 self._reached.setdefault(seq - self._first, self._since)
             case Current(seq, _, state) if self._begun:
-                if self._current < seq < self._first + self._items:
-                    for index in range(self._current - self._first, seq - self._first):
-                        self._reached.setdefault(index, self._since)
-                self._current = max(self._current, seq)
+                self._turn_to(seq)
                 self._state = state
+
+    def _turn_to(self, seq: int) -> None:
+        """What lies before item `seq` is done."""
+        if self._current < seq < self._first + self._items:
+            for index in range(self._current - self._first, seq - self._first):
+                self._reached.setdefault(index, self._since)
+        self._current = max(self._current, seq)
 
     def record(self) -> FlightRecord:
         """The flight so far."""
