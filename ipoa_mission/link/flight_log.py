@@ -22,6 +22,9 @@ from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
+#: Home is set anew by the arming; it is told within this time [s].
+HOME_SET_S = 2.0
+
 
 @dataclass(frozen=True)
 class LoggedFlight:
@@ -136,9 +139,11 @@ class _Stretch:
     later: _Known = field(default_factory=_Known)
     begun: dict[int, Begun] = field(default_factory=dict)
 
-    def note(self, message: Message) -> None:
+    def note(self, message: Message, now: float) -> None:
         self.messages.append(message)
-        self.later.note(message)
+        by_the_arming = self.later.home is None and now - self.armed_s < HOME_SET_S
+        if by_the_arming or not isinstance(message, HomePosition):
+            self.later.note(message)
         if isinstance(message, Begun):
             self.begun[message.seq] = message
 
@@ -155,7 +160,7 @@ class _Stretch:
 
         ArduPilot does not write down a list that came as a file: what it flew then tells of it, item by item.
         """
-        home = self.at_arming.home or self.later.home or self._first_place()
+        home = self.later.home or self.at_arming.home or self._first_place()
         items = self.at_arming.items or self.later.items
         if self.begun:
             total = max(begun.total for begun in self.begun.values())
@@ -185,7 +190,7 @@ def _stretches(log: Log) -> Iterator[_Stretch]:
         if isinstance(message, Position | SystemTime):
             clock, now = message, message.time_s if isinstance(message, Position) else message.boot_s
         if stretch is not None:
-            stretch.note(message)
+            stretch.note(message, now)
         elif isinstance(message, Current):
             current = message
         if isinstance(message, Heartbeat):

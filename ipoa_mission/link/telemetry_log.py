@@ -58,8 +58,8 @@ class _Gathered:
     times: list[tuple[int, float]] = field(default_factory=list)
     state: Heartbeat | None = None
     ordered: bool | None = None  # the last order to arm or disarm
-    told_of: tuple[int, bool] | None = None  # the record that first told of another arming
-    doubted: bool = False  # a heartbeat since knew nothing of it
+    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, told of since the last heartbeat
+    doubted: bool = False  # a heartbeat since knew nothing of them
     version: str = ""
 
 
@@ -94,8 +94,8 @@ def read_telemetry_log(path: Path) -> Log:
             _note_station(found, number, heard.message)
     if system is None:
         raise BadInput(f"{path}: expected a .tlog with an autopilot's heartbeat, but there is none")
-    if found.told_of and not found.told_of[1] and found.state and found.state.armed:  # the log ends before it beats
-        found.said.append((found.told_of[0], presence(autopilot, False, found.state.custom_mode)))
+    if found.state and found.changes and not found.changes[-1][1]:  # the log ends before the next heartbeat
+        _change(found, found.state.custom_mode, autopilot)
     return _dated(found, growing(stamps), autopilot)
 
 
@@ -118,11 +118,12 @@ def _note_vehicle(found: _Gathered, number: int, message: Message, autopilot: Au
         case Heartbeat():
             _beat(found, number, message, autopilot)
         case CommandAck(command, CommandResult.ACCEPTED) if command == COMPONENT_ARM_DISARM:
-            _tell_of(found, number, (not _is_armed(found)) if found.ordered is None else found.ordered)
+            _tell_of(found, number, not _is_armed(found) if found.ordered is None else found.ordered)
         case Event(event) if event in (ARMED_BY, DISARMED_BY):
             _tell_of(found, number, event == ARMED_BY)
         case Text(_, text):
-            _tell_of(found, number, True if text.startswith(ARMING) else False if text.startswith(DISARMING) else None)
+            if text.startswith((*ARMING, *DISARMING)) and not found.changes:  # else an echo of what was told
+                _tell_of(found, number, text.startswith(ARMING))
             if autopilot is Autopilot.ARDUPILOT and (begun := item_begun(text)):
                 found.said.append((number, begun))
         case AutopilotVersion(_, version):
@@ -141,29 +142,36 @@ def _note_transfer(found: _Gathered, number: int, message: Message, by_vehicle: 
 
 
 def _is_armed(found: _Gathered) -> bool:
+    if found.changes:
+        return found.changes[-1][1]
     return found.state is not None and found.state.armed
 
 
-def _tell_of(found: _Gathered, number: int, armed: bool | None) -> None:
+def _tell_of(found: _Gathered, number: int, armed: bool) -> None:
     """Something told that the vehicle is now armed, or not; the first to do so gives the time."""
-    if armed is not None and armed != _is_armed(found) and (found.told_of is None or found.told_of[1] != armed):
-        found.told_of, found.doubted = (number, armed), False
+    if armed != _is_armed(found):
+        found.changes.append((number, armed))
+        found.doubted = False
 
 
 def _beat(found: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
     """A heartbeat: what changed since the last one is dated back to what told of it."""
-    before, told_of = found.state, found.told_of
-    found.state = beat
-    if before and (before.armed, before.custom_mode) == (beat.armed, beat.custom_mode):
-        if told_of and found.doubted:  # two heartbeats know nothing of it
-            found.told_of = None
-        found.doubted = True
-        return
-    if told_of and told_of[1] == beat.armed and (before is None or before.armed != beat.armed):
-        number, found.told_of = told_of[0], None
-        if before is None:
-            found.said.append((number, presence(autopilot, not beat.armed, beat.custom_mode)))
-    found.said.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
+    before = found.state
+    if found.changes and found.changes[-1][1] == beat.armed:
+        _change(found, before.custom_mode if before else 0, autopilot)
+    elif found.doubted:  # two heartbeats know nothing of it
+        found.changes.clear()
+    found.state, found.doubted = beat, bool(found.changes)
+    if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
+        found.said.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
+
+
+def _change(found: _Gathered, mode: int, autopilot: Autopilot) -> None:
+    """Arming changed, as was told since the last heartbeat."""
+    if found.state is None:
+        found.said.append((found.changes[0][0], presence(autopilot, not found.changes[0][1], mode)))
+    found.said += [(number, presence(autopilot, armed, mode)) for number, armed in found.changes]
+    found.changes.clear()
 
 
 def _dated(found: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
