@@ -4,6 +4,8 @@
 
 import importlib
 from collections.abc import Iterator
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +64,7 @@ def _open(path: Path) -> Any:
             f"{path}: reading PX4's logs needs the package pyulog", hint="pip install 'ipoa-mission[logs]'"
         ) from error
     try:
-        with path.open("rb") as file:
+        with path.open("rb") as file, redirect_stdout(StringIO()):  # it prints what it thinks of a broken file
             return pyulog.ULog(file, TOPICS)
     except Exception as error:  # pyulog raises whatever a broken file makes it stumble over
         raise BadInput(f"{path}: cannot be read as a PX4 log: {error}") from error

@@ -8,6 +8,7 @@ as fast as it did then.
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.messages import Attitude, LocalPosition, Message, Position, SystemTime, TimeSync
@@ -16,6 +17,8 @@ from ipoa_mission.link.messages import Attitude, LocalPosition, Message, Positio
 RESTARTED_S = 10.0
 #: As much of the log at each end tells how fast the vehicle's clock goes there [s].
 PACE_S = 2.0
+#: A stamp that is so far from those around it was not written so [s].
+TORN_S = 60.0
 #: A TIMESYNC of more is no time since boot [s].
 LONGEST_S = 1e8
 
@@ -64,6 +67,11 @@ def _pace(known_at: Vector, known: Vector, order: slice) -> float:
 
 
 def growing(stamps: Sequence[float]) -> Vector:
-    """Stamps that tell the order too: each a little later than the one before, counted from the first."""
-    since = np.asarray(stamps, float) - (stamps[0] if len(stamps) else 0.0)
-    return np.asarray(np.maximum.accumulate(since) + 1e-9 * np.arange(len(since)))
+    """Stamps that tell the order too: each a little later than the one before, counted from the first.
+
+    One that is far from those around it is a torn record's, and takes their place.
+    """
+    given = np.asarray(stamps, float)
+    around = np.median(sliding_window_view(np.pad(given, 2, mode="edge"), 5), axis=1)
+    since = np.where(np.abs(given - around) > TORN_S, around, given)
+    return np.asarray(np.maximum.accumulate(since - since[0]) + 1e-9 * np.arange(len(since)))
