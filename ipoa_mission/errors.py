@@ -6,13 +6,17 @@ its `exit_code`. Rooms derive their own beside the code that raises them.
 
 
 class MissionError(Exception):
-    """The job could not be done (exit code 1). `hint`, where there is one, says what to try."""
+    """The job could not be done (exit code 1). `hint`, where there is one, says what to try.
+
+    `known` is what is known all the same, for machines: it stands beside the error.
+    """
 
     exit_code = 1
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         super().__init__(message)
         self.hint = hint
+        self.known: dict[str, object] = {}
 
 
 class BadInput(MissionError):

@@ -19,7 +19,6 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.vehicle import Autopilot
 
 if TYPE_CHECKING:
-    from ipoa_mission.link.flight_log import FlightLog
     from ipoa_mission.mission.items import Mission
     from ipoa_mission.report.compare import ComparedFlight
 
@@ -74,13 +73,14 @@ def compare(
         _draw(held[numbers[0]], picture, (file or log).stem)
     remarks = [*flown.remarks]
     remarks += [f"flight {n}: {_no_mission(flown.autopilot, log)}; left out" for n in found if n not in held]
-    name = log.name if file is None else f"{file.name}, {log.name}"
+    on = f"{flown.autopilot} {flown.version}".strip()
+    title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
     if as_json:
         flights = [{"flight": n, **_as_json(one)} for n, one in held.items()]
         about = {"autopilot": flown.autopilot.value, "version": flown.version, "remarks": remarks}
         tell_json({**flights[0], **about, "flights": flights})
         return
-    _tell(held, flown, name, remarks)
+    _tell(held, title, remarks)
 
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> "Mission":
@@ -120,6 +120,7 @@ def _as_json(one: "ComparedFlight") -> dict[str, Any]:
     return {
         "armed_s": round(one.armed_s, 3),
         "completed": one.record.completed,
+        "why_not": one.record.why_not,
         "estimated_s": round(held.estimated_total_s, 3),
         "flown_s": _known(held.flown_total_s),
         "route_error": _known(held.route_error),
@@ -138,11 +139,10 @@ def _as_json(one: "ComparedFlight") -> dict[str, Any]:
     }
 
 
-def _tell(held: dict[int, "ComparedFlight"], flown: "FlightLog", name: str, remarks: list[str]) -> None:
-    on = f"{flown.autopilot} {flown.version}".strip()
+def _tell(held: dict[int, "ComparedFlight"], title: str, remarks: list[str]) -> None:
     if len(held) > 1:
         columns = ["flight", "armed at\ns", "items", "estimated\ns", "flown\ns", "total", "route"]
-        tell_table(f"{name}, on {on}", columns, [_row(n, one) for n, one in held.items()])
+        tell_table(title, columns, [_row(n, one) for n, one in held.items()])
     for n, one in held.items():
         comparison = one.comparison
         rows = [
@@ -154,7 +154,7 @@ def _tell(held: dict[int, "ComparedFlight"], flown: "FlightLog", name: str, rema
             )
             for leg in comparison.legs
         ]
-        which = f"flight {n}" if len(held) > 1 else f"{name}, on {on}"
+        which = f"flight {n}" if len(held) > 1 else title
         tell_table(which, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
         tell(f"estimated {comparison.estimated_total_s:.1f} s, flown {_flown(one)}")
         if math.isfinite(comparison.route_error):
@@ -169,12 +169,23 @@ def _row(number: int, one: "ComparedFlight") -> tuple[str, ...]:
     held = one.comparison
     errors = (f"{error:+.1%}" if math.isfinite(error) else "" for error in (held.total_error, held.route_error))
     items = f"{len(one.record.item_reached_s)} of {len(one.mission.items)}"
-    return (str(number), f"{one.armed_s:.1f}", items, f"{held.estimated_total_s:.1f}", _flown(one), *errors)
+    return (
+        str(number),
+        f"{one.armed_s:.1f}",
+        items,
+        f"{held.estimated_total_s:.1f}",
+        _seconds(held.flown_total_s),
+        *errors,
+    )
+
+
+def _seconds(value: float) -> str:
+    return f"{value:.1f}" if math.isfinite(value) else ""
 
 
 def _flown(one: "ComparedFlight") -> str:
     total = one.comparison.flown_total_s
-    return f"{total:.1f} s" if math.isfinite(total) else "not to its end"
+    return f"{total:.1f} s" if math.isfinite(total) else f"not to its end: {one.record.why_not}"
 
 
 def _known(value: float) -> float | None:

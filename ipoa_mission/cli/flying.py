@@ -16,6 +16,7 @@ from ipoa_mission.cli.options import (
     DelayOption,
     DuplicateOption,
     FileOrScenario,
+    FromOption,
     JsonOption,
     KeyOption,
     LossOption,
@@ -27,6 +28,7 @@ from ipoa_mission.cli.options import (
     ReorderOption,
     ReportOption,
     SeedOption,
+    SetParametersOption,
     SystemOption,
     TimeoutOption,
     VehicleOption,
@@ -35,7 +37,7 @@ from ipoa_mission.cli.options import (
     read_wind_option,
 )
 from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_table
-from ipoa_mission.cli.vehicles import Backend, connect_to, put
+from ipoa_mission.cli.vehicles import Backend, connect_to, states_firmware
 
 if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
@@ -59,6 +61,8 @@ def fly(
     timeout: TimeoutOption = None,
     backend: BackendOption = Backend.BUILTIN,
     anyway: AnywayOption = False,
+    begin: FromOption = 1,
+    set_params: SetParametersOption = False,
     loss: LossOption = 0.0,
     duplicate: DuplicateOption = 0.0,
     delay: DelayOption = 0.0,
@@ -68,12 +72,14 @@ def fly(
     """Fly a mission from upload to landing, and hold the flown time against the estimate.
 
     A scenario is planned first and its mission files are written. Without `--link` the built-in autopilot flies it, as
-    fast as it goes. Every frame goes to NAME.tlog. Exit code 1 when the mission was not flown to its end.
+    fast as it goes. With `--link` a vehicle on the ground is waited for until it is ready, armed, started at its first
+    item, and watched. Every frame goes to NAME.tlog. Exit code 0: it landed and was disarmed where its mission ends.
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
     from ipoa_mission.cli.checking import route_in_words
     from ipoa_mission.cli.job import PlannedJob, prepare
+    from ipoa_mission.cli.real_flight import RealFlight
     from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
     from ipoa_mission.cli.writing import write_files
     from ipoa_mission.errors import BadInput
@@ -83,11 +89,16 @@ def fly(
     faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
     if report and source.suffix != ".toml":
         raise BadInput(f"--report: expected a scenario, not {source}", hint="the page shows the map of a scenario")
+    if link is None and (begin != 1 or set_params):
+        raise BadInput(
+            "--from, --set-params: expected with --link", hint="the built-in autopilot begins at the first item"
+        )
     if link is not None and not (faults.is_none and nak_at is None):
         raise BadInput("--link: expected without --loss, --duplicate, --delay, --reorder and --nak-at")
     expect_folder(out)
     air = read_wind_option(wind)
-    job = prepare(source, seed, autopilot, optimizer, read_parameter_options(param, param_file), air)
+    parameters = read_parameter_options(param, param_file)
+    job = prepare(source, seed, autopilot, optimizer, parameters, air)
     if nak_at is not None and nak_at >= (sent := len(to_wire(job.mission))):
         raise BadInput(f"--nak-at: expected a number from 0 to {sent - 1}, not {nak_at}: {sent} items are sent")
     make_folder(out)
@@ -108,12 +119,10 @@ def fly(
             record = fly_here(job.mission, job.parameters, seed, faults, log, flying=bar, wind=blown)
     else:
         with connect_to(link, system, key, backend, None, log, timeout) as vehicle:
-            remarks = put(job.mission, vehicle, anyway)
-            with left_behind("the vehicle may be armed, or flying already", hint="look at it"):
-                vehicle.arm()
-                vehicle.start()
-            with left_behind("nobody watches, and the vehicle flies on"), _flight_bar(len(job.mission.items)) as bar:
-                record = vehicle.watch(bar)
+            if not states_firmware(source, autopilot):
+                job = prepare(source, autopilot=vehicle.autopilot, parameters=parameters, wind=air)
+            flight = RealFlight(job, vehicle, begin - 1, anyway, set_params)
+            remarks, record = flight.fly(_flight_bar)
     if report and isinstance(job, PlannedJob):
         from ipoa_mission.report.page import write_report
 
@@ -121,7 +130,8 @@ def fly(
         write_report(written[-1], job.scenario, job.plan, job.mission, job.estimate, record, job.remarks)
     if as_json:
         files = [str(path) for path in (*written, log) if path.exists()]
-        tell_json(flight_as_json(job.estimate, record) | {"remarks": list(remarks), "written": files})
+        known = flight_as_json(job.estimate, record) | {"remarks": list(remarks), "written": files}
+        tell_json(known | ({"error": record.why_not} if record.why_not else {}))
     else:
         tell(*notes(remarks), *(() if record.completed else record.messages))
         columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
@@ -133,7 +143,9 @@ def fly(
             f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s; "
             f"QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
         )
-    if not record.completed:
+    if record.why_not:
+        if not as_json:
+            tell(f"not complete: {record.why_not}")
         raise typer.Exit(1)
 
 
@@ -143,10 +155,11 @@ def flight_as_json(found: "Estimate", record: "FlightRecord") -> dict[str, Any]:
 
     return {
         "completed": record.completed,
+        "armed": record.armed,
+        "in_air": record.in_air,
         "flown_s": round(record.total_s, 3),
-        "flown_items": [
-            {"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())
-        ],
+        "time_zero": "armed",
+        "items": [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())],
         "estimate": estimate_as_json(found),
         "messages": list(record.messages),
     }

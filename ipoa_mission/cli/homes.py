@@ -2,11 +2,9 @@
 
 import math
 
-from pyproj import Geod
-
 from ipoa_mission.errors import MissionError
 from ipoa_mission.mission.items import Frame, Mission, plain_frame
-from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.world.frame import Geodetic, apart
 
 FAR = 100.0  # [m] over the ground
 HIGHER = 5.0  # [m]
@@ -23,13 +21,10 @@ def compare_homes(mission: Mission, there: Geodetic, anyway: bool = False) -> tu
         FarFromHome: it is over 100 m away, heights count from home, and `anyway` does not say to send it all the same.
     """
     here = mission.home
-    _, _, apart = Geod(ellps="WGS84").inv(
-        here.longitude_deg, here.latitude_deg, there.longitude_deg, there.latitude_deg
-    )
-    higher = there.altitude - here.altitude
-    if apart > FAR:
+    aside, higher = apart(here, there), there.altitude - here.altitude
+    if aside > FAR:
         words = (
-            f"the vehicle's home is {_distance(apart)} from the mission's: "
+            f"the vehicle's home is {_distance(aside)} from the mission's: "
             f"it is at {_place(there)}, and the mission takes off at {_place(here)}"
         )
         if counts_from_home(mission) and not anyway:

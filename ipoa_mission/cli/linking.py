@@ -19,7 +19,7 @@ from ipoa_mission.cli.options import (
     TimeoutOption,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.cli.vehicles import Backend, connect_to, get, patience_of, put
+from ipoa_mission.cli.vehicles import Backend, connect_to, get, patience_of, put, states_firmware
 
 
 def upload(
@@ -44,6 +44,8 @@ def upload(
 
     mission = read_mission(file, autopilot)
     with connect_to(link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog"), timeout) as vehicle:
+        if not states_firmware(file, autopilot):
+            mission = read_mission(file, vehicle.autopilot)
         remarks = put(mission, vehicle, anyway)
         name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}

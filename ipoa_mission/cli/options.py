@@ -171,6 +171,25 @@ AnywayOption: TypeAlias = Annotated[
         help="Send what fails the checks, or takes off somewhere else. You have been told.",
     ),
 ]
+FromOption: TypeAlias = Annotated[
+    int,
+    typer.Option(
+        "--from",
+        metavar="N",
+        min=1,
+        rich_help_panel=ON_THE_LINK,
+        help="Begin at item N instead of the first, as `show` numbers it; the way there is checked.",
+    ),
+]
+SetParametersOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--set-params",
+        metavar="",
+        rich_help_panel=ON_THE_LINK,
+        help="Write the scenario's parameters, and those of --param, that the vehicle has otherwise.",
+    ),
+]
 LossOption: TypeAlias = Annotated[
     float,
     typer.Option("--loss", metavar="SHARE", min=0, max=1, rich_help_panel=BAD_LINK, help="Of frames that get lost."),

@@ -63,7 +63,7 @@ def tell_error(error: MissionError, as_json: bool = False) -> None:
     from rich.markup import escape
 
     if as_json:
-        tell_json({"error": str(error), "hint": error.hint, "exit_code": error.exit_code})
+        tell_json({"error": str(error), "hint": error.hint, "exit_code": error.exit_code} | error.known)
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     for line in str(error).splitlines():
         console.print(f"[bold red]error:[/] {escape(line)}")

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.telling import progress_bar
+from ipoa_mission.vehicle import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.link.dialogue import Patience
-    from ipoa_mission.link.mavsdk_backend import MavsdkVehicle
     from ipoa_mission.link.vehicle import Vehicle
     from ipoa_mission.mission.items import Mission
 
-    AnyVehicle: TypeAlias = Vehicle | MavsdkVehicle
+AnyVehicle: TypeAlias = "Vehicle"
 
 log = logging.getLogger(__name__)
 
@@ -77,9 +77,11 @@ def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, .
     Raises:
         Unsafe, FarFromHome: it would crash or be refused, and `anyway` does not say to send it all the same.
     """
+    from ipoa_mission.link.set_up import idle_fence
     from ipoa_mission.mission.check import check_mission
     from ipoa_mission.mission.unsafe import refuse_errors
 
+    _expect_firmware(mission, vehicle, anyway)
     findings = check_mission(replace(mission, autopilot=vehicle.autopilot))
     warnings = findings if anyway else refuse_errors(findings)
     with left_behind("nothing was sent"):
@@ -87,7 +89,25 @@ def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, .
     with left_behind("the mission on the vehicle may be the old or the new one"), progress_bar("upload") as show:
         vehicle.upload(mission, lambda done, total: show(done / max(total, 1), f"{done} of {total}"))
     log.info("%d items on system %d, read back and equal", len(mission.items), vehicle.system)
-    return (*homes, *(finding.message for finding in warnings))
+    with left_behind("the new mission is on the vehicle"):
+        idle = idle_fence(vehicle, mission)
+    return (*homes, *(finding.message for finding in warnings), *([idle] if idle else []))
+
+
+def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
+    """Whether it is known what a mission file is for: `.waypoints` does not say, and serves whoever is there."""
+    return autopilot is not None or file.suffix != ".waypoints"
+
+
+def _expect_firmware(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> None:
+    from ipoa_mission.errors import MissionError
+
+    if mission.autopilot is not vehicle.autopilot and not anyway:
+        raise MissionError(
+            f"the mission was made for {mission.autopilot}, and the vehicle is {vehicle.autopilot}: "
+            "its path and its time would be others",
+            hint=f"make it for {vehicle.autopilot} (--autopilot {vehicle.autopilot}), or send it with --anyway",
+        )
 
 
 def get(vehicle: "AnyVehicle") -> "Mission":

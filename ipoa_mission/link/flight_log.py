@@ -10,10 +10,10 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.copter_log import read_copter_log
-from ipoa_mission.link.logbook import FlightRecord, Logbook, brings_down
+from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.logged import Begun, Held, Log, told
 from ipoa_mission.link.messages import Current, Heartbeat, HomePosition, Message, ParamValue, Position, SystemTime
-from ipoa_mission.link.orders import mission_custom_mode
+from ipoa_mission.link.modes import MISSION_MODE
 from ipoa_mission.link.telemetry_log import read_telemetry_log
 from ipoa_mission.link.ulog import read_ulog
 from ipoa_mission.mission.firmware import from_wire, home_item
@@ -43,13 +43,9 @@ class LoggedFlight:
 
     def record(self, mission: Mission) -> FlightRecord:
         """This flight as one of `mission`: when its items were done, and where it was."""
-        first = int(FIRMWARE[mission.autopilot].home_is_item_0)
-        lands = bool(mission.items) and brings_down(mission.items[-1].command)
-        logbook = Logbook(len(mission.items), first, lands)
+        logbook = Logbook(mission.items, mission.autopilot)
         for message in self.messages:
             logbook.note(message)
-            if isinstance(message, Heartbeat) and message.armed and not logbook.begun:
-                logbook.begin()
         return logbook.record()
 
 
@@ -93,7 +89,7 @@ def read_flights(path: str | Path) -> FlightLog:
             log = read_ulog(path)
         case _:
             raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
-    mode = mission_custom_mode(log.autopilot)
+    mode = MISSION_MODE[log.autopilot]
     stretches = list(_stretches(log))
     flights = [stretch for stretch in stretches if stretch.flew_in(mode)]
     whole = tuple(stretch.flight(log) for stretch in flights if stretch.is_whole)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from ipoa_mission.link.channel import Channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, frames
@@ -23,6 +23,25 @@ NOTICE_S = 0.1  # how soon Ctrl-C is noticed
 MAV_TYPE_GCS = 6
 
 
+class Carrier(Protocol):
+    """What carries messages to vehicles and back, whoever speaks MAVLink there, and the clock that goes with it."""
+
+    def now(self) -> float:
+        """Seconds on a clock that never goes back."""
+
+    def send(self, message: Message, target: Target = EVERYONE) -> None:
+        """Say something to one vehicle, or to all."""
+
+    def receive(self, until: float) -> list[Heard]:
+        """What was said to us up to this moment, at the latest; returns at once when something came."""
+
+    def prepare(self, message: Message, target: Target) -> None:
+        """What will probably be said next, so that it can be made ready while one waits."""
+
+    def close(self) -> None:
+        """Give back what was lent."""
+
+
 class Line:
     """A ground station's end of a link; `close` it, or use it with `with`."""
 
@@ -32,6 +51,14 @@ class Line:
         self._log = TlogWriter(log) if log else None
         self._routes = Routes()
         self._next_heartbeat = channel.now()
+
+    def now(self) -> float:
+        """See `Carrier`."""
+        return self.channel.now()
+
+    def prepare(self, message: Message, target: Target) -> None:
+        """See `Carrier`."""
+        self.codec.prepare(message, target)
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
         """Say something to one vehicle, or to all."""
@@ -75,7 +102,7 @@ class Line:
 
 
 def converse(
-    line: Line,
+    line: Carrier,
     target: Target,
     dialogue: Dialogue[T],
     patience: Patience,
@@ -88,7 +115,7 @@ def converse(
     Ctrl-C asks the dialogue to end well (`Cancelled` is raised in it); a second one ends it at once. At `until`
     `TimeUp` is raised in it.
     """
-    now = line.channel.now
+    now = line.now
     with noted_interrupts() as interrupt:
         exchange = Exchange(dialogue, now(), patience, tempo)
         try:
@@ -96,7 +123,7 @@ def converse(
                 for message in exchange.outgoing():
                     line.send(message, target)
                 if exchange.foreseen:
-                    line.codec.prepare(exchange.foreseen, target)
+                    line.prepare(exchange.foreseen, target)
                 for heard in line.receive(min(exchange.deadline, until, now() + NOTICE_S)):
                     if (heard.system, heard.component) == target and heard.message is not None:
                         if overhear:

@@ -1,15 +1,42 @@
 """What happened on a flight, by the vehicle's own clock, gathered from whatever it says."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
-from ipoa_mission.link.messages import Current, Heartbeat, Message, Position, Reached, Text
-from ipoa_mission.mission.items import Command
+from ipoa_mission.link.messages import (
+    Attitude,
+    CommandAck,
+    CommandResult,
+    Current,
+    Heartbeat,
+    LocalPosition,
+    Message,
+    Position,
+    Reached,
+    SystemTime,
+    Text,
+)
+from ipoa_mission.link.modes import MISSION_MODE, RETURN_MODES
+from ipoa_mission.link.orders import COMPONENT_ARM_DISARM
+from ipoa_mission.mission.firmware_facts import FIRMWARE
+from ipoa_mission.mission.items import Command, Item
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic, apart
 
 #: A vehicle that says nothing for so long is lost.
 LOST_S = 10.0
 COMPLETE = 5  # MISSION_STATE
+#: How far from the place of its LAND a flight may end, on the level, and still have ended there [m].
+AT_THE_END = 20.0
+#: An acknowledged arming that no heartbeat confirms within this time was none.
+CONFIRMED_S = 3.0
+#: Words that name the moment of disarming more closely than the next heartbeat does.
+DISARMING = ("Disarming motors", "Disarmed")
+SOON_S = 2.0
+IN_AIR = 0.5  # above home [m]
+LAST_NAV = 95  # MAV_CMD_NAV_LAST
 
 
 @dataclass(frozen=True)
@@ -26,11 +53,11 @@ class Sample:
 
 @dataclass(frozen=True)
 class FlightRecord:
-    """A flight as it was flown. Time zero: armed, in the mission mode, on the ground.
+    """A flight as it was flown. Time zero: the vehicle was armed.
 
-    `item_reached_s` maps an index into `Mission.items` to the time when that item was done; one that the autopilot
-    does not report (PX4: before a DO item) has the time when it turned to the next. An RTL or LAND that ends the
-    mission is done when the motors stop, whatever the autopilot says before (PX4 reports RTL as it begins).
+    `item_reached_s` maps an index into `Mission.items` to the time when that item was done: said so, or flown past. A
+    LAND or RTL that ends the mission is done when the motors stop. `completed`: it landed and was disarmed in the
+    mission, at its end; else `why_not` says what is missing. `armed` and `in_air` are as last told.
     """
 
     item_reached_s: dict[int, float]
@@ -38,6 +65,9 @@ class FlightRecord:
     path: tuple[Sample, ...]
     messages: tuple[str, ...]
     completed: bool
+    why_not: str = ""
+    armed: bool = False
+    in_air: bool = False
 
 
 def brings_down(command: int) -> bool:
@@ -45,98 +75,164 @@ def brings_down(command: int) -> bool:
     return command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH)
 
 
-class Logbook:
-    """Hears everything and remembers what belongs to a flight.
+@dataclass
+class _Flight:
+    """What one flight has come to so far; times since arming [s]."""
 
-    `first` is the sequence number of the first item; `lands`: the last one brings the vehicle to the ground.
+    zero: float
+    first: int
+    reached: dict[int, float] = field(default_factory=dict)
+    path: list[Sample] = field(default_factory=list)
+    current: int = 0
+    state: int = 0
+    confirmed: bool = False
+    mode: int | None = None
+    disarming_s: float = -math.inf
+    disarmed_s: float | None = None
+
+
+class Logbook:
+    """Hears everything and remembers what belongs to a flight of these items (`Mission.items`).
+
+    A flight begins whenever the vehicle is armed.
     """
 
-    def __init__(self, items: int, first: int, lands: bool) -> None:
-        self._items = items
-        self._first = first
-        self.lands = lands
-        self._clock = 0.0
-        self._zero = 0.0
-        self._reached: dict[int, float] = {}
-        self._path: list[Sample] = []
+    def __init__(self, items: Sequence[Item], autopilot: Autopilot) -> None:
+        self._items = tuple(items)
+        self._autopilot = autopilot
+        self._first = int(FIRMWARE[autopilot].home_is_item_0)
+        flown = [index for index, item in enumerate(items) if item.command < LAST_NAV]
+        self._final = flown[-1] if flown else len(items) - 1
         self._texts: list[str] = []
-        self._current = first
-        self._state = 0
-        self._begun = False
+        self._clock = 0.0
+        self._current = self._first
+        self._flight: _Flight | None = None
         self.armed = False
-        self.disarmed_s: float | None = None
 
     @property
-    def begun(self) -> bool:
-        """Whether a flight has begun."""
-        return self._begun
-
-    def begin(self) -> None:
-        """The flight starts now."""
-        self._zero = self._clock
-        self._begun = True
-        self._reached.clear()
-        self._path.clear()
-        self._current = self._first
+    def lands(self) -> bool:
+        """Whether the mission brings the vehicle to the ground."""
+        return bool(self._items) and brings_down(self._items[self._final].command)
 
     @property
     def done(self) -> int:
         """How many items are done."""
-        return max(self._reached, default=-1) + 1
+        return max(self._flight.reached, default=-1) + 1 if self._flight else 0
 
     @property
-    def is_complete(self) -> bool:
-        """Whether the vehicle has said that its mission is complete, or reached the last item."""
-        at_the_end = self.lands and self.disarmed_s is not None and self._current >= self._first + self._items - 1
-        return self._state == COMPLETE or self._items - 1 in self._reached or at_the_end
+    def disarmed_s(self) -> float | None:
+        """When the flight was over [s]; None while it is not."""
+        return self._flight.disarmed_s if self._flight else None
+
+    @property
+    def is_flown(self) -> bool:
+        """Whether the last item was reached, or the vehicle called its mission complete."""
+        flight = self._flight
+        return flight is not None and (flight.state == COMPLETE or self._final in flight.reached)
 
     def note(self, message: Message) -> None:
         """Something was heard."""
+        flight = self._flight
         match message:
-            case Position(time_s=time_s, velocity=v):
-                self._clock = max(time_s, self._clock)
-                if self._begun:
-                    speed = (v[0] ** 2 + v[1] ** 2 + v[2] ** 2) ** 0.5
-                    at = (message.latitude_deg, message.longitude_deg, message.altitude, message.height, speed)
-                    self._path.append(Sample(self._since, *at))
+            case Position(time_s=time_s) | LocalPosition(time_s=time_s) | Attitude(time_s=time_s):
+                self._tell_time(time_s)
+                if flight and isinstance(message, Position) and flight.disarmed_s is None:
+                    flight.path.append(self._sample(message, flight.zero))
+            case SystemTime(boot_s=time_s):
+                self._tell_time(time_s)
+            case CommandAck(number, CommandResult.ACCEPTED) if number == COMPONENT_ARM_DISARM and not self.armed:
+                self._begin()
             case Text(_, text):
                 self._texts.append(text)
+                if flight and text.startswith(DISARMING):
+                    flight.disarming_s = self._clock - flight.zero
             case Heartbeat():
-                if self.armed and not message.armed and self._begun:
-                    self.disarmed_s = self._since
-                self.armed = message.armed
-            case Reached(seq) if self._begun:
-                self._turn_to(seq)
-                self._reached.setdefault(seq - self._first, self._since)
-            case Current(seq, _, state) if self._begun:
-                self._turn_to(seq)
-                self._state = state
-
-    def _turn_to(self, seq: int) -> None:
-        """What lies before item `seq` is done."""
-        if self._current < seq < self._first + self._items:
-            for index in range(self._current - self._first, seq - self._first):
-                self._reached.setdefault(index, self._since)
-        self._current = max(self._current, seq)
+                self._note_heartbeat(message)
+            case Reached(seq) if flight and flight.disarmed_s is None:
+                self._turn_to(flight, seq)
+                flight.reached.setdefault(seq - self._first, self._clock - flight.zero)
+            case Current(seq, _, state):
+                self._current = seq
+                if flight and flight.disarmed_s is None:
+                    self._turn_to(flight, seq)
+                    flight.state = state
 
     def record(self) -> FlightRecord:
         """The flight so far."""
-        reached = dict(sorted((index, t) for index, t in self._reached.items() if 0 <= index < self._items))
-        final = self._items - 1
+        flight = self._flight or _Flight(self._clock, self._first)
+        reached = {index: t for index, t in sorted(flight.reached.items()) if 0 <= index < len(self._items)}
+        why_not = self._why_not(flight)
         if self.lands:
-            reached.pop(final, None)
-            if self.is_complete and self.disarmed_s is not None:
-                reached[final] = self.disarmed_s
-        end = reached.get(final, self.disarmed_s if self.disarmed_s is not None else self._since)
-        return FlightRecord(reached, end, tuple(self._path), tuple(self._texts), self.is_complete)
+            reached.pop(self._final, None)
+            if not why_not and flight.disarmed_s is not None:
+                reached[self._final] = flight.disarmed_s
+        since = self._clock - flight.zero if flight.disarmed_s is None else flight.disarmed_s
+        end = since if self.lands else reached.get(self._final, since)
+        flying = self.armed and bool(flight.path) and flight.path[-1].height > IN_AIR
+        return FlightRecord(
+            reached, end, tuple(flight.path), tuple(self._texts), not why_not, why_not, self.armed, flying
+        )
 
-    @property
-    def _since(self) -> float:
-        return self._clock - self._zero
+    def _tell_time(self, time_s: float) -> None:
+        self._clock = max(time_s, self._clock)
+
+    def _begin(self) -> None:
+        self.armed = True
+        self._texts.clear()
+        self._flight = _Flight(self._clock, self._current, current=self._current)
+
+    def _note_heartbeat(self, heartbeat: Heartbeat) -> None:
+        if heartbeat.armed and not self.armed:
+            self._begin()
+        flight = self._flight
+        if flight is None or flight.disarmed_s is not None:
+            return
+        since = self._clock - flight.zero
+        if heartbeat.armed:
+            flight.confirmed, flight.mode = True, heartbeat.custom_mode
+        elif flight.confirmed:
+            self.armed = False
+            flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < SOON_S else since
+        elif since > CONFIRMED_S:
+            self.armed, self._flight = False, None
+
+    def _turn_to(self, flight: _Flight, seq: int) -> None:
+        """The vehicle is at item `seq`: what lies before is done."""
+        if flight.current < seq < self._first + len(self._items):
+            for index in range(flight.current - self._first, seq - self._first):
+                flight.reached.setdefault(index, self._clock - flight.zero)
+        flight.current = max(flight.current, seq)
+
+    def _sample(self, at: Position, zero: float) -> Sample:
+        speed = math.hypot(*at.velocity)
+        return Sample(at.time_s - zero, at.latitude_deg, at.longitude_deg, at.altitude, at.height, speed)
+
+    def _why_not(self, flight: _Flight) -> str:
+        """Why the flight is not complete; nothing if it is."""
+        if not self.lands:
+            return "the mission ends in the air"
+        if flight.disarmed_s is None:
+            return "the vehicle is not down and disarmed"
+        last = self._items[self._final]
+        if not (self.is_flown or flight.current >= self._final + self._first):
+            return f"it was disarmed at item {flight.current + 1 - self._first} of {len(self._items)}"
+        allowed = {MISSION_MODE[self._autopilot]}
+        if last.command == Command.NAV_RETURN_TO_LAUNCH:
+            allowed |= RETURN_MODES[self._autopilot]
+        if flight.mode not in allowed:
+            return "it left its mission before the landing"
+        if last.command == Command.NAV_LAND and last.has_position and flight.path:
+            end = flight.path[-1]
+            aside = apart(
+                Geodetic(end.latitude_deg, end.longitude_deg), Geodetic(last.latitude_deg, last.longitude_deg)
+            )
+            if aside > AT_THE_END:
+                return f"it landed {aside:.0f} m from the place of its LAND"
+        return ""
 
 
 def watch(logbook: Logbook, progress: Callable[[int], None]) -> Dialogue[FlightRecord]:
-    """Listen until the flight is over: disarmed, or, for a mission that does not land, complete.
+    """Listen until the flight is over: disarmed, or, for a mission that does not land, flown.
 
     The logbook hears the same messages first. `progress` is told how many items are done.
 
@@ -149,9 +245,7 @@ def watch(logbook: Logbook, progress: Callable[[int], None]) -> Dialogue[FlightR
         if logbook.done != told:
             told = logbook.done
             progress(told)
-        if logbook.disarmed_s is not None or (logbook.is_complete and not logbook.lands):
+        if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
         heard = yield Pause(LOST_S)
-    raise NoAnswer(
-        f"the vehicle is not heard any more, after item {told}", hint="the log has what was heard until then"
-    )
+    raise NoAnswer(f"the vehicle has not been heard for {LOST_S:g} s, after item {told}")

@@ -1,14 +1,14 @@
 """What one tells a vehicle besides a mission: commands, the current item, arming, starting, parameters."""
 
 import struct
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import message_number
 from ipoa_mission.link.conversations import Overheard
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Step, Tell
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell
 from ipoa_mission.link.messages import (
-    CUSTOM_MODE_FLAG,
     AutopilotVersion,
     CommandAck,
     CommandLong,
@@ -16,6 +16,7 @@ from ipoa_mission.link.messages import (
     Current,
     HomePosition,
     ParamRequestRead,
+    ParamSet,
     ParamValue,
     SetCurrent,
 )
@@ -29,15 +30,12 @@ COMPONENT_ARM_DISARM = 400
 SET_MESSAGE_INTERVAL = 511
 REQUEST_MESSAGE = 512
 
-#: What custom_mode is while a mission is flown: ArduCopter's AUTO; PX4's main mode AUTO (4) with sub mode MISSION (4).
-ARDUCOPTER_AUTO = 3
-PX4_AUTO_MISSION = (4, 4)
 #: MAV_PROTOCOL_CAPABILITY_FTP.
 FILE_TRANSFER = 32
 #: MAV_PARAM_TYPE of whole numbers, which PX4 sends bit by bit.
 INT_TYPES = frozenset({1, 2, 3, 4, 5, 6})
-#: An autopilot may need this long after its start before it lets itself be armed (ArduPilot: about 45 s).
-ARMING_S = 60
+#: A parameter that does not exist is met with silence: how often one asks, and how long one listens each time [s].
+PARAMETER_ROUNDS, PARAMETER_ROUND_S = 6, 0.7
 
 
 class CommandRefused(MissionError):
@@ -47,12 +45,6 @@ class CommandRefused(MissionError):
         self.result = result
         name = CommandResult(result).name if result in set(CommandResult) else str(result)
         super().__init__(f"{what}: the vehicle answered {name}" + (f": {words}" if words else ""))
-
-
-def mission_custom_mode(autopilot: Autopilot) -> int:
-    """HEARTBEAT.custom_mode of a vehicle that flies its mission."""
-    main, sub = PX4_AUTO_MISSION
-    return ARDUCOPTER_AUTO if autopilot is Autopilot.ARDUPILOT else main << 16 | sub << 24
 
 
 def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
@@ -79,48 +71,16 @@ def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
                 overheard.note(heard)
 
 
-def arm(attempts: int = ARMING_S) -> Dialogue[None]:
-    """Let the motors run; a vehicle that is still starting up is asked once a second.
-
-    Raises:
-        CommandRefused: it will not, and says why.
-    """
-    while True:
-        attempts -= 1
-        result, words = yield from command(COMPONENT_ARM_DISARM, 1.0)
-        if result == CommandResult.ACCEPTED:
-            return
-        if attempts <= 0:
-            raise CommandRefused("arm", result, words)
-        heard = yield Pause(1.0)
-        while heard is not None:
-            heard = yield None
-
-
-def start(autopilot: Autopilot) -> Dialogue[None]:
-    """Fly the mission: the mission mode, and for ArduPilot MISSION_START.
-
-    Raises:
-        CommandRefused: it will not, and says why.
-    """
-    if autopilot is Autopilot.ARDUPILOT:
-        result, words = yield from command(DO_SET_MODE, CUSTOM_MODE_FLAG, ARDUCOPTER_AUTO)
-        if result == CommandResult.ACCEPTED:
-            result, words = yield from command(MISSION_START)
-    else:
-        result, words = yield from command(DO_SET_MODE, CUSTOM_MODE_FLAG, *PX4_AUTO_MISSION)
-    if result != CommandResult.ACCEPTED:
-        raise CommandRefused("start the mission", result, words)
-
-
-def set_current(seq: int) -> Dialogue[None]:
+def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
     """Go on with the item at `seq`: by command 224, or by the older message where that is unknown (PX4).
+
+    `restart`: jumps are counted anew, and a mission that was complete is no more.
 
     Raises:
         CommandRefused: there is no such item.
         NoAnswer: nothing shows that the vehicle took it.
     """
-    result, words = yield from command(DO_SET_MISSION_CURRENT, float(seq))
+    result, words = yield from command(DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == CommandResult.ACCEPTED:
         return
     if result != CommandResult.UNSUPPORTED:
@@ -181,26 +141,61 @@ def capabilities() -> Dialogue[int]:
                 return 0
 
 
-def parameters(names: Iterable[str], autopilot: Autopilot) -> Dialogue[Mapping[str, float]]:
-    """The vehicle's values of these parameters; those that it does not have are left out."""
-    found: dict[str, float] = {}
-    for name in names:
-        step: Step = Ask(ParamRequestRead(name))
-        while name not in found:
-            try:
-                heard = yield step
-            except NoAnswer:
-                if not found:
-                    raise
-                break
-            step = None
-            match heard:
-                case ParamValue(told, value, kind):
-                    found[told] = _number(value, kind, autopilot)
-    return {name: found[name] for name in names if name in found}
+def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:
+    """The vehicle's values; each of `wanted` is one parameter by all its names, of which the first known will do.
+
+    What the vehicle does not answer to is left out: a name that it does not have meets with silence.
+
+    Raises:
+        NoAnswer: it answers to none.
+    """
+    known: dict[str, ParamValue] = {}
+    for _ in range(PARAMETER_ROUNDS):
+        missing = [names for names in wanted if not any(name in known for name in names)]
+        if not missing:
+            break
+        for names in missing:
+            for name in names:
+                yield Remark(ParamRequestRead(name))
+        heard = yield Pause(PARAMETER_ROUND_S)
+        while heard is not None:
+            if isinstance(heard, ParamValue):
+                known[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
+                if all(any(name in known for name in names) for names in missing):
+                    break
+            heard = yield None
+    if wanted and not known:
+        raise NoAnswer(f"the vehicle does not answer when asked for {wanted[0][0]}")
+    return {name: known[name] for names in wanted for name in names if name in known}
 
 
-def _number(value: float, kind: int, autopilot: Autopilot) -> float:
+def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[None]:
+    """Give a parameter another value, in the type that the vehicle has it in, and see that it took it.
+
+    Raises:
+        NoAnswer: there is no such parameter.
+        MissionError: it keeps another value.
+    """
+    kind = (yield from parameters([(name,)], autopilot))[name].param_type
+    step: Step = Ask(ParamSet(name, _spelled(value, kind, autopilot), kind))
+    while True:
+        heard = yield step
+        step = None
+        match heard:
+            case ParamValue(told) if told == name:
+                if abs((now := parameter_value(heard, autopilot)) - value) > 1e-6 * max(1.0, abs(value)):
+                    raise MissionError(f"{name}: the vehicle was to have {value:g}, and keeps {now:g}")
+                return
+
+
+def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
+    """The value that was told: PX4 sends the bits of a whole number in the place of a float's."""
+    if heard.param_type not in INT_TYPES or autopilot is not Autopilot.PX4:
+        return heard.param_value
+    return float(struct.unpack("<i", struct.pack("<f", heard.param_value))[0])
+
+
+def _spelled(value: float, kind: int, autopilot: Autopilot) -> float:
     if kind not in INT_TYPES or autopilot is not Autopilot.PX4:
         return value
-    return float(struct.unpack("<i", struct.pack("<f", value))[0])
+    return float(struct.unpack("<f", struct.pack("<i", round(value)))[0])

@@ -4,7 +4,6 @@ A heartbeat comes once a second. So the motors were armed, or disarmed, where so
 heartbeat that knew nothing of it: the answer to the order, the autopilot's words, PX4's event.
 """
 
-import struct
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -34,7 +33,7 @@ from ipoa_mission.link.messages import (
     Reached,
     Text,
 )
-from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, INT_TYPES
+from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, parameter_value
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.link.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
@@ -128,8 +127,8 @@ def _note_vehicle(found: _Gathered, number: int, message: Message, autopilot: Au
                 found.said.append((number, begun))
         case AutopilotVersion(_, version):
             found.version = version_name(version)
-        case ParamValue(_, value, kind) if kind in INT_TYPES and autopilot is Autopilot.PX4:
-            message = replace(message, param_value=float(struct.unpack("<i", struct.pack("<f", value))[0]))
+        case ParamValue():
+            message = replace(message, param_value=parameter_value(message, autopilot))
     if isinstance(message, KEPT):
         found.said.append((number, message))
     _note_transfer(found, number, message, by_vehicle=True)

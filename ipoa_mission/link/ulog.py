@@ -16,11 +16,12 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.logged import Fixes, Log, presence, version_name
 from ipoa_mission.link.messages import Current, HomePosition, Message, ParamValue, Reached, Text
+from ipoa_mission.link.modes import px4_mode
 from ipoa_mission.vehicle import Autopilot
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state, as HEARTBEAT.custom_mode has it: main and sub mode.
-MODES = {3: 4 << 16 | 4 << 24, 4: 4 << 16 | 3 << 24, 5: 4 << 16 | 5 << 24, 18: 4 << 16 | 6 << 24}
+MODES = {3: px4_mode(4, 4), 4: px4_mode(4, 3), 5: px4_mode(4, 5), 18: px4_mode(4, 6)}
 ROTARY_WING = 1  # vehicle_status.vehicle_type
 FLOAT, INFO = 9, 6  # MAV_PARAM_TYPE_REAL32, MAV_SEVERITY_INFO
 TOPICS = ["vehicle_global_position", "vehicle_local_position", "vehicle_status", "mission_result", "home_position"]

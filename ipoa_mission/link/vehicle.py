@@ -1,12 +1,13 @@
-"""The client's verbs: `connect` to a vehicle, then upload, download, clear, set_current, arm, start, watch.
+"""The client's verbs: `connect` to a vehicle, then upload, download, clear, set_current, prepare, start, watch.
 
 Each verb is one dialogue, held by `converse`; nothing here knows about bytes or timers.
 """
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import TypeVar
@@ -16,10 +17,18 @@ from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, Heard, Target
 from ipoa_mission.link.conversations import Progress, silent
+from ipoa_mission.link.departure import (
+    READY_S,
+    Departure,
+    depart,
+    expect_on_ground,
+    prepare,
+    unsubscribe,
+)
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.line import Line, converse
-from ipoa_mission.link.logbook import FlightRecord, Logbook, brings_down, watch
+from ipoa_mission.link.line import Carrier, Line, converse
+from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STANDBY,
@@ -33,7 +42,9 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
 from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
+from ipoa_mission.mission.check_start import begun_at, check_start
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
 from ipoa_mission.mission.items import Item, Mission
@@ -45,7 +56,7 @@ T = TypeVar("T")
 PRESENCE_S = 10.0
 OTHERS_S = 1.2
 STARTUP_S = 60.0
-POSITION_INTERVAL_S = 0.05
+LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 
 @dataclass(frozen=True)
@@ -66,8 +77,8 @@ class Found:
 def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
     """The autopilots that are heard within so many seconds, by system id."""
     found: dict[int, Found] = {}
-    until = line.channel.now() + seconds
-    while line.channel.now() < until:
+    until = line.now() + seconds
+    while line.now() < until:
         found |= _autopilots(line.receive(until))
     return tuple(found[system] for system in sorted(found))
 
@@ -112,17 +123,17 @@ def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED, 
     """
     found: dict[int, Found] = {}
     trips: dict[int, float] = {}
-    until = line.channel.now() + PRESENCE_S
-    while line.channel.now() < until:
+    until = line.now() + PRESENCE_S
+    while line.now() < until:
         was_alone = not found
         heard = line.receive(until)
         found |= _autopilots(heard)
-        trips |= _round_trips(heard, line.channel.now())
+        trips |= _round_trips(heard, line.now())
         if system is not None and system in found:
             return Vehicle(line, found[system], patience, fast)
         if system is None and found and was_alone:
-            until = line.channel.now() + OTHERS_S
-            line.send(Ping(round(line.channel.now() * 1e6), 0))
+            until = line.now() + OTHERS_S
+            line.send(Ping(round(line.now() * 1e6), 0))
     if system is not None:
         others = f"; heard: {', '.join(map(str, sorted(found)))}" if found else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
@@ -160,7 +171,7 @@ class Vehicle:
 
     def __init__(
         self,
-        line: Line,
+        line: Carrier,
         found: Found,
         patience: Patience = SPECIFIED,
         fast: bool = True,
@@ -169,14 +180,15 @@ class Vehicle:
         self.line = line
         self.system = found.system
         self.autopilot = found.autopilot
-        self._ready = found.is_ready
+        self.state = VehicleState(found.autopilot, found.is_ready, found.armed)
         self._fast = fast
         self._capabilities: int | None = None
         self._patience = patience
         self._tempo = Tempo(patience)
         if round_trip_s is not None:
             self._tempo.sample(round_trip_s)
-        self._logbook = Logbook(0, self._first, lands=True)
+        self._mission: Mission | None = None
+        self._logbook = Logbook((), found.autopilot)
         self._until = math.inf
 
     # --- missions ---------------------------------------------------------------------------------------------------
@@ -198,7 +210,7 @@ class Vehicle:
                 raise Cancelled(f"{cancelled}; its mission is the new one", cancelled.hint) from None
             if interrupt.take():
                 raise Cancelled("cancelled too late: the vehicle holds everything that was sent")
-        self._expect(mission.items)
+        self._expect(mission)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
         """Put one list on the vehicle as it stands on the wire, and verify it."""
@@ -219,7 +231,7 @@ class Vehicle:
             fence = fence_from_wire(self.download_items(MissionType.FENCE))
             rally = rally_from_wire(self.download_items(MissionType.RALLY))
             mission = from_wire(items, self.autopilot, self.home())
-        self._expect(mission.items)
+        self._expect(mission)
         return replace(mission, fence=fence, rally=rally)
 
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
@@ -229,9 +241,11 @@ class Vehicle:
             return self._hold(conversations.download(kind, progress))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
-        """Have the vehicle forget a list (255: all three)."""
+        """Have the vehicle forget a list. 255: all three, one by one, because ArduPilot knows no "all"."""
+        kinds = LISTS if kind == MissionType.ALL else (kind,)
         with self._in_time():
-            self._hold(conversations.clear(kind))
+            for one in kinds:
+                self._hold(conversations.clear(one))
 
     # --- flying -----------------------------------------------------------------------------------------------------
 
@@ -240,31 +254,82 @@ class Vehicle:
         with self._in_time():
             self._hold(orders.set_current(index + self._first))
 
-    def arm(self) -> None:
-        """Let the motors run."""
-        self._hold(orders.arm())
+    def expect_on_ground(self) -> None:
+        """Raise NotReady for a vehicle that is armed already."""
+        expect_on_ground(self.state)
 
-    def start(self) -> None:
-        """Fly the mission: time zero of the flight record."""
-        self._hold(orders.stream("GLOBAL_POSITION_INT", POSITION_INTERVAL_S))
-        self._hold(orders.start(self.autopilot))
-        self._logbook.begin()
+    def prepare(
+        self,
+        first: int = 0,
+        report: Callable[[str], None] = lambda words: None,
+        permit: Callable[[Geodetic], object] | None = None,
+    ) -> None:
+        """Bring a vehicle on the ground to where it can be armed and will begin with item `first` of `Mission.items`.
 
-    def watch(self, progress: Callable[[int], None] = lambda done: None) -> FlightRecord:
-        """Wait until the mission is flown; `progress` is told how many items are done.
+        `report` is told what is waited for. `permit` is told where the vehicle stands, and raises an error if no flight
+        may begin there; left out, that is `check_start` without a scenario.
 
         Raises:
-            NoAnswer: the vehicle is not heard any more.
+            NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
+            CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled.
         """
-        return self._hold(watch(self._logbook, progress))
+        mission = self._mission
+        climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
+        self._departure = Departure(self.state, first + self._first, climb, report)
+        with self._in_time():
+            self._hold(prepare(self._departure, min(READY_S, self._patience.total_s)))
+        if permit is None and mission is not None:
+            permit = partial(check_start, mission, first, scenario=None)
+        if permit is not None and (at := self.state.position) is not None:
+            permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
+
+    def start(self) -> None:
+        """Arm a prepared vehicle and let it fly its mission; time zero of the flight is the vehicle's arming.
+
+        Raises:
+            CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
+                disarmed again if it was still on the ground.
+        """
+        with self._known_state():
+            self._hold(depart(self._departure))
+
+    def watch(self, progress: Callable[[int], None] = lambda done: None) -> FlightRecord:
+        """Wait until the flight is over; `progress` is told how many items are done.
+
+        Raises:
+            NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
+        """
+        with self._known_state():
+            record = self._hold(watch(self._logbook, progress))
+        with suppress(MissionError):  # the flight is over and known; a stream too many hurts nobody
+            self._hold(unsubscribe())
+        return record
+
+    def record(self) -> FlightRecord:
+        """The flight so far."""
+        return self._logbook.record()
 
     def home(self) -> Geodetic | None:
         """Where the vehicle's home is; None while it does not know."""
         return self._hold(orders.home())
 
-    def parameters(self, names: Iterable[str]) -> Mapping[str, float]:
-        """The vehicle's values of these parameters; those that it does not have are left out."""
-        return self._hold(orders.parameters(tuple(names), self.autopilot))
+    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
+        """The vehicle's values of these parameters; those that it does not have are left out.
+
+        A parameter that goes by several names is asked for by all of them at once.
+        """
+        names = [(one,) if isinstance(one, str) else tuple(one) for one in wanted]
+        known = self._hold(orders.parameters(names, self.autopilot))
+        return {name: value.param_value for name, value in known.items()}
+
+    def set_parameter(self, name: str, value: float) -> None:
+        """Give a parameter another value, and see that the vehicle took it.
+
+        Raises:
+            NoAnswer: there is no such parameter.
+            MissionError: it keeps another value.
+        """
+        self._hold(orders.set_parameter(name, value, self.autopilot))
 
     # --- the rest ---------------------------------------------------------------------------------------------------
 
@@ -291,7 +356,7 @@ class Vehicle:
     def _in_time(self) -> Iterator[None]:
         """What is said in here must be over when the user's patience is."""
         before = self._until
-        self._until = min(before, self.line.channel.now() + self._patience.total_s)
+        self._until = min(before, self.line.now() + self._patience.total_s)
         try:
             yield
         finally:
@@ -299,8 +364,16 @@ class Vehicle:
 
     def _overhear(self, message: Message) -> None:
         self._logbook.note(message)
-        if isinstance(message, Heartbeat):
-            self._ready = message.system_status >= STANDBY
+        self.state.note(message)
+
+    @contextmanager
+    def _known_state(self) -> Iterator[None]:
+        """What breaks off in here says what is known of the vehicle."""
+        try:
+            yield
+        except MissionError as error:
+            error.hint = f"when last heard, {self.state}"
+            raise
 
     def _takes_file(self, job: Upload) -> bool:
         """Whether the vehicle offers the fast path for this list; it is asked once."""
@@ -318,16 +391,17 @@ class Vehicle:
             return False
         return True
 
-    def _expect(self, items: Sequence[Item]) -> None:
+    def _expect(self, mission: Mission) -> None:
         armed = self._logbook.armed
-        self._logbook = Logbook(len(items), self._first, lands=bool(items) and brings_down(items[-1].command))
+        self._mission = mission
+        self._logbook = Logbook(mission.items, self.autopilot)
         self._logbook.armed = armed
 
     def _await_ready(self) -> None:
         """An ArduPilot that is still starting up answers every COUNT with NO_SPACE."""
-        until = self.line.channel.now() + STARTUP_S
-        while not self._ready and self.autopilot is Autopilot.ARDUPILOT:
-            if self.line.channel.now() >= until:
+        until = self.line.now() + STARTUP_S
+        while not self.state.booted and self.autopilot is Autopilot.ARDUPILOT:
+            if self.line.now() >= until:
                 raise NoAnswer(f"the vehicle has not finished its start-up within {STARTUP_S:g} s")
             for found in _autopilots(self.line.receive(until)).values():
-                self._ready = self._ready or (found.system == self.system and found.is_ready)
+                self.state.booted |= found.system == self.system and found.is_ready

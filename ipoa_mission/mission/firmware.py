@@ -211,7 +211,8 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
     for name, letter, was, kept, now in zip(FIELDS, letters, *map(_values, (sent, stored, got)), strict=True):
         if not (_agree(letter, kept, now) or _agree(letter, was, now)):
             return name, f"{was:.10g}", f"{now:.10g}"
-    if firmware.keeps_autocontinue and sent.autocontinue != got.autocontinue:
+    is_flown = sent.command not in firmware.fence and sent.command not in firmware.rally
+    if is_flown and firmware.keeps_autocontinue and sent.autocontinue != got.autocontinue:
         return "autocontinue", str(sent.autocontinue), str(got.autocontinue)
     return None
 

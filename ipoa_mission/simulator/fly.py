@@ -39,7 +39,7 @@ def fly(
     """
     with board(mission, parameters, seed, faults, log, wind) as vehicle:
         vehicle.upload(mission, uploading)
-        vehicle.arm()
+        vehicle.prepare()
         vehicle.start()
         return vehicle.watch(flying)
 

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from pyproj import Transformer
+from pyproj import Geod, Transformer
 
 from ipoa_mission.geometry import Points, Vector
 
+_ELLIPSOID = Geod(ellps="WGS84")
 REACH = 100_000.0  # what is farther from home than this is a mistake [m]
 
 
@@ -23,6 +24,12 @@ class Geodetic:
     latitude_deg: float
     longitude_deg: float
     altitude: float = 0.0
+
+
+def apart(one: Geodetic, other: Geodetic) -> float:
+    """How far two places are from each other over the ground [m]."""
+    ends = (one.longitude_deg, one.latitude_deg, other.longitude_deg, other.latitude_deg)
+    return float(_ELLIPSOID.inv(*ends)[2])
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ def steps(mission: Path) -> int:
 @pytest.mark.parametrize("family", Autopilot)
 def test_a_mission_goes_up_comes_down_and_goes_away(run, autopilot, mission: Path, family: Autopilot) -> None:
     with autopilot(family=family) as link:
-        sent = json.loads(run(f"upload {mission} --link {link} --log up.tlog --json").out)
+        sent = json.loads(run(f"upload {mission} --autopilot {family} --link {link} --log up.tlog --json").out)
         assert sent["items"] == len(read_mission(mission).items)
         assert sent["autopilot"] == family
         assert run(f"download back.plan --link {link}").code == 0
@@ -45,13 +45,24 @@ def test_a_mission_goes_up_comes_down_and_goes_away(run, autopilot, mission: Pat
         assert Path(f"{log}.tlog").stat().st_size > 100
 
 
+def test_a_mission_made_for_the_other_firmware_is_refused(run, autopilot, mission: Path) -> None:
+    with autopilot(family=Autopilot.ARDUPILOT) as link:
+        ended = run(f"upload {mission} --link {link}")
+        assert ended.code == 1
+        assert "the mission was made for px4, and the vehicle is ardupilot" in ended.err
+        assert run(f"upload {mission} --link {link} --anyway").code == 0
+        whoever = mission.with_suffix(".waypoints")  # it does not say whom it was made for
+        assert run(f"upload {whoever} --link {link}").code == 0
+
+
 def test_fly_flies_a_vehicle_at_a_link(run, autopilot, mission: Path, steps: int) -> None:
     with autopilot() as link:
         ended = run(f"fly {mission} --out out --link {link} --json")
     assert ended.code == 0, ended.err
     found = json.loads(ended.out)
     assert found["completed"]
-    assert found["flown_items"][-1]["seq"] >= steps - 1
+    assert [item["seq"] for item in found["items"]][-1] == steps
+    assert (found["armed"], found["in_air"], found["time_zero"]) == (False, False, "armed")
     assert found["written"] == ["out/sitl.tlog"]
 
 

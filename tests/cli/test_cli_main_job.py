@@ -30,7 +30,7 @@ def test_fly_tells_machines_when_each_item_was_done(run, planned) -> None:
     mission = planned("sitl")[1] / "sitl.plan"
     found = json.loads(run(f"fly {mission} --out out --autopilot ardupilot --json").out)
     assert found["completed"]
-    assert 1 < found["flown_items"][-1]["seq"] <= len(read_mission(mission).items)
+    assert 1 < found["items"][-1]["seq"] <= len(read_mission(mission).items)
     assert found["flown_s"] > found["estimate"]["qgroundcontrol_s"]
     assert found["written"] == ["out/sitl.tlog"]
 

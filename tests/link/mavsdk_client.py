@@ -49,7 +49,7 @@ def main(url: str) -> None:
         sent = Mission(HOME, items, vehicle.autopilot, fence=fence, rally=rally)
         vehicle.upload(sent)
         read = vehicle.download()
-        vehicle.arm()
+        vehicle.prepare()
         vehicle.start()
         record = vehicle.watch()
         result = {

@@ -7,7 +7,6 @@ import pytest
 
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
@@ -74,18 +73,21 @@ def test_fence_and_rally_points_come_back_as_they_were_sent(autopilot: Autopilot
 
 
 @pytest.mark.parametrize("autopilot", Autopilot)
-def test_the_vehicle_goes_on_with_the_item_it_is_told(autopilot: Autopilot) -> None:
+def test_a_flight_begins_at_the_first_item_whatever_the_vehicle_was_told(autopilot: Autopilot) -> None:
     with board(mission(autopilot)) as vehicle:
         vehicle.upload(mission(autopilot))
         vehicle.set_current(3)
-        vehicle.arm()
-        if autopilot is Autopilot.ARDUPILOT:  # on the ground it wants a take-off, and none is to come
-            with pytest.raises(CommandRefused, match="Auto: Missing Takeoff Cmd"):
-                vehicle.start()
-            return
+        vehicle.prepare()
         vehicle.start()
-        record = vehicle.watch()
-        assert min(record.item_reached_s) <= 3
+        assert 0 in vehicle.watch().item_reached_s
+
+
+def test_a_flight_begins_with_another_item_where_that_is_asked_for() -> None:
+    with board(mission(Autopilot.PX4)) as vehicle:
+        vehicle.upload(mission(Autopilot.PX4))
+        vehicle.prepare(3)
+        vehicle.start()
+        assert min(vehicle.watch().item_reached_s) == 3
 
 
 def test_a_dead_radio_is_an_error_that_says_so() -> None:

@@ -1,0 +1,79 @@
+"""A flight on a vehicle at the other end of a link, from the first look at it until it stands again."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.job import Job, PlannedJob
+from ipoa_mission.cli.telling import progress_bar
+from ipoa_mission.cli.vehicles import AnyVehicle, put
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.set_up import other_values
+from ipoa_mission.mission.check_start import NotAtStart, begun_at, check_start
+from ipoa_mission.world.frame import Geodetic
+
+if TYPE_CHECKING:
+    from ipoa_mission.link.logbook import FlightRecord
+
+FlightBar: TypeAlias = Callable[[int], AbstractContextManager[Callable[[int], None]]]
+
+
+@dataclass
+class RealFlight:
+    """`first`: index of the item to begin with; `anyway`: what fails a check is said, and done all the same."""
+
+    job: Job
+    vehicle: AnyVehicle
+    first: int = 0
+    anyway: bool = False
+    set_params: bool = False
+    remarks: tuple[str, ...] = ()
+
+    def fly(self, flight_bar: FlightBar) -> tuple[tuple[str, ...], "FlightRecord"]:
+        """Upload, make ready, arm, start, watch: what the user should know, and the flight.
+
+        Raises:
+            MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
+        """
+        job, vehicle = self.job, self.vehicle
+        try:
+            vehicle.expect_on_ground()
+            begun_at(job.mission, self.first)
+            self.remarks += self._parameters()
+            self.remarks += put(job.mission, vehicle, self.anyway)
+            with left_behind("the vehicle was not armed"), progress_bar("getting ready") as show:
+                vehicle.prepare(self.first, lambda words: show(0.0, words), self._permit)
+            with left_behind("see the hint", hint="look at it"):
+                vehicle.start()
+            with left_behind("nobody watches, and the vehicle flies on"), flight_bar(len(job.mission.items)) as bar:
+                return self.remarks, vehicle.watch(bar)
+        except MissionError as error:
+            from ipoa_mission.cli.flying import flight_as_json
+
+            state = vehicle.state
+            error.known = flight_as_json(job.estimate, vehicle.record())
+            error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air}
+            error.known |= {"remarks": list(self.remarks)}
+            raise
+
+    def _permit(self, there: Geodetic) -> None:
+        scenario = self.job.scenario if isinstance(self.job, PlannedJob) else None
+        try:
+            self.remarks += check_start(self.job.mission, self.first, there, scenario)
+        except NotAtStart as elsewhere:
+            if not self.anyway:
+                elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"
+                raise
+            self.remarks += (str(elsewhere),)
+
+    def _parameters(self) -> tuple[str, ...]:
+        """Hold the vehicle's parameters against those that the mission was made for, and set them if that is wished."""
+        others, missing = other_values(self.vehicle, self.job.parameters)
+        remarks = tuple(f"the vehicle has no parameter {name}" for name in missing)
+        if not self.set_params:
+            return remarks + tuple(f"{other}: --set-params writes it" for other in others)
+        for other in others:
+            self.vehicle.set_parameter(other.name, other.wanted)
+        return remarks + tuple(f"{other.name} set to {other.wanted:g} (it was {other.has:g})" for other in others)

@@ -1,0 +1,228 @@
+"""From standing on the ground to flying a mission from a known item: the order that each firmware wants.
+
+Nothing turns before the vehicle tells that it stands disarmed, will begin at the right item, and could be armed in the
+mode in which it is armed; and what is refused after that disarms it again.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, TimeUp
+from ipoa_mission.link.messages import (
+    CUSTOM_MODE_FLAG,
+    CommandResult,
+    Current,
+    Position,
+    SystemStatus,
+)
+from ipoa_mission.link.modes import ARMING_MODE, MISSION_MODE, mode_name
+from ipoa_mission.link.orders import (
+    COMPONENT_ARM_DISARM,
+    DO_SET_MODE,
+    MISSION_START,
+    CommandRefused,
+    command,
+    set_current,
+    stream,
+)
+from ipoa_mission.link.state import VehicleState
+from ipoa_mission.vehicle import Autopilot
+
+NAV_TAKEOFF, RUN_PREARM_CHECKS = 22, 401
+#: What a flight is watched by, and how often it is wanted [s]; ArduPilot sends none of it unasked.
+STREAMS_S = {
+    "HEARTBEAT": 0.1,
+    "GLOBAL_POSITION_INT": 0.05,
+    "MISSION_CURRENT": 0.1,
+    "SYS_STATUS": 0.5,
+    "EXTENDED_SYS_STATE": 0.2,
+}
+NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
+#: How long to wait for a stream that was asked for, for a mode to be shown, and between two looks at what hinders.
+STREAM_S, SHOWN_S, LOOK_S = 8.0, 5.0, 3.0
+#: A vehicle that says it could be armed may still need a moment.
+ARMING_ATTEMPTS = 5
+READY_S = 180.0
+#: A climb counts as done so far below its height [m], and is waited for so long [s].
+CLIMBED, CLIMB_S = 0.5, 120.0
+
+
+class NotReady(MissionError):
+    """The vehicle is not in a state from which the flight can begin; the message says what hinders."""
+
+
+@dataclass(frozen=True)
+class Departure:
+    """A flight about to begin at item `first` (as numbered on the wire); `report` is told what is waited for.
+
+    `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that by itself.
+    """
+
+    state: VehicleState
+    first: int
+    climb: float = 0.0
+    report: Callable[[str], None] = lambda words: None
+
+    @property
+    def autopilot(self) -> Autopilot:
+        """Which firmware it is."""
+        return self.state.autopilot
+
+
+def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
+    """Listen until it holds, for so many seconds at most; whether it does."""
+    if condition():
+        return True
+    heard = yield Pause(seconds)
+    while heard is not None:
+        if condition():
+            return True
+        heard = yield None
+    return condition()
+
+
+def subscribe(state: VehicleState) -> Dialogue[None]:
+    """Ask for every stream that a flight is watched by, and see that what is needed comes.
+
+    Raises:
+        NotReady: something needed does not come.
+    """
+    refused = []
+    for name, interval_s in STREAMS_S.items():
+        if not (yield from stream(name, interval_s)):
+            refused.append(name)
+    state.heard -= set(NEEDED.values())
+    if not (yield from until(lambda: state.heard >= set(NEEDED.values()), STREAM_S)):
+        silent = [name for name, kind in NEEDED.items() if kind not in state.heard]
+        said = f"; it refused to send {', '.join(refused)}" if refused else ""
+        raise NotReady(f"the vehicle does not send {', '.join(silent)}{said}", hint="without it no flight is watched")
+
+
+def unsubscribe() -> Dialogue[None]:
+    """Give every stream its usual rate again."""
+    for name in STREAMS_S:
+        yield from stream(name, 0.0)
+
+
+def expect_on_ground(state: VehicleState) -> None:
+    """Raise NotReady for a vehicle that is armed already."""
+    if state.armed:
+        raise NotReady(f"a flight begins disarmed and on the ground, but {state}", hint="land and disarm it first")
+
+
+def prepare(departure: Departure, ready_s: float = READY_S) -> Dialogue[None]:
+    """Bring a vehicle that stands on the ground to where it can be armed for its mission.
+
+    Its current item is set and seen; then it is put into the mode in which it is armed, and waited for until it has a
+    position and says that it could be armed.
+
+    Raises:
+        NotReady: armed already, or not ready in time; with the vehicle's own reasons.
+        NoAnswer, CommandRefused: it does not take the order for its current item.
+    """
+    state = departure.state
+    yield from until(lambda: state.armed is not None, SHOWN_S)
+    expect_on_ground(state)
+    yield from subscribe(state)
+    yield from _set_first(departure)
+    mode = ARMING_MODE[departure.autopilot]
+    waited_s = 0.0
+    while True:
+        state.warnings.clear()
+        hinders = yield from _set_mode(state, mode)
+        if not hinders:
+            if (yield from until(lambda: state.may_arm is not False and _has_position(state), LOOK_S)):
+                break
+            yield from command(RUN_PREARM_CHECKS)
+            yield from until(lambda: bool(state.warnings), 0.5)
+            hinders = "; ".join(dict.fromkeys(state.warnings)) or "its pre-arm checks do not pass, without a reason"
+        waited_s += LOOK_S
+        departure.report(hinders)
+        if waited_s > ready_s:
+            raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
+        yield from until(lambda: False, 1.0)
+    expect_on_ground(state)
+    yield from _set_first(departure)
+
+
+def depart(departure: Departure) -> Dialogue[None]:
+    """Arm a prepared vehicle and let it fly its mission.
+
+    Raises:
+        CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
+            was still on the ground.
+    """
+    state = departure.state
+    try:
+        yield from _arm()
+        if departure.autopilot is Autopilot.ARDUPILOT:
+            if departure.climb > 0.0:
+                yield from _order("take off", NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
+                yield from until(lambda: _height(state) > departure.climb - CLIMBED, CLIMB_S)
+            yield from _order("start the mission", MISSION_START)
+        mode = MISSION_MODE[departure.autopilot]
+        if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
+            raise NotReady(f"the vehicle did not begin its mission: {state}")
+    except MissionError as broken_off:
+        yield from _disarm_on_ground(state)
+        broken_off.hint = str(state)
+        raise
+
+
+def _set_first(departure: Departure) -> Dialogue[None]:
+    """The flight begins at its first item: said, and seen in MISSION_CURRENT."""
+    state, first = departure.state, departure.first
+    state.current = None
+    yield from set_current(first, restart=True)
+    if not (yield from until(lambda: state.current is not None and state.current.seq == first, SHOWN_S)):
+        stands = "it does not tell where" if state.current is None else f"at item {state.current.seq}"
+        raise NotReady(f"the mission was set to begin at item {first}, but it stands {stands}")
+
+
+def _set_mode(state: VehicleState, mode: int) -> Dialogue[str]:
+    """Ask for a mode and see it in the heartbeat; what hinders, or nothing."""
+    if state.custom_mode == mode:
+        return ""
+    numbers = (mode,) if state.autopilot is Autopilot.ARDUPILOT else (mode >> 16 & 0xFF, mode >> 24)
+    result, words = yield from command(DO_SET_MODE, CUSTOM_MODE_FLAG, *numbers)
+    if result != CommandResult.ACCEPTED:
+        return words or str(CommandRefused(f"change to {mode_name(state.autopilot, mode)}", result))
+    if (yield from until(lambda: state.custom_mode == mode, SHOWN_S)):
+        return ""
+    return f"it accepted {mode_name(state.autopilot, mode)} but does not show it"
+
+
+def _has_position(state: VehicleState) -> bool:
+    at = state.position
+    return at is not None and (at.latitude_deg, at.longitude_deg) != (0.0, 0.0)
+
+
+def _height(state: VehicleState) -> float:
+    return -1.0 if state.position is None else state.position.height
+
+
+def _order(what: str, number: int, *params: float) -> Dialogue[None]:
+    result, words = yield from command(number, *params)
+    if result != CommandResult.ACCEPTED:
+        raise CommandRefused(what, result, words)
+
+
+def _arm() -> Dialogue[None]:
+    for attempt in range(1, ARMING_ATTEMPTS + 1):
+        result, words = yield from command(COMPONENT_ARM_DISARM, 1.0)
+        if result == CommandResult.ACCEPTED:
+            return
+        if attempt == ARMING_ATTEMPTS:
+            raise CommandRefused("arm", result, words)
+        yield from until(lambda: False, 1.0)
+
+
+def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
+    """A vehicle in the air refuses this by itself; its state is heard once more either way."""
+    try:
+        yield from command(COMPONENT_ARM_DISARM, 0.0)
+        state.armed = None
+        yield from until(lambda: state.armed is not None, SHOWN_S)
+    except (NoAnswer, Cancelled, TimeUp):
+        return

@@ -1,0 +1,81 @@
+"""What a vehicle has last said of itself: all that is known of it when something goes wrong."""
+
+from dataclasses import dataclass, field
+
+from ipoa_mission.link.messages import (
+    STANDBY,
+    Current,
+    ExtendedState,
+    Heartbeat,
+    Message,
+    Position,
+    SystemStatus,
+    Text,
+)
+from ipoa_mission.link.modes import does_next, mode_name
+from ipoa_mission.vehicle import Autopilot
+
+ON_GROUND = 1  # MAV_LANDED_STATE
+#: MAV_SYS_STATUS_PREARM_CHECK: the vehicle could be armed in its present mode.
+PREARM_CHECK = 0x10000000
+IN_AIR_M = 0.5  # above home, where nothing better tells whether it flies
+MOST_WORDS = 50
+WARNING = 4  # MAV_SEVERITY
+
+
+@dataclass
+class VehicleState:
+    """Hears everything that one vehicle says; None is what it has not said yet."""
+
+    autopilot: Autopilot
+    booted: bool = False
+    armed: bool | None = None
+    custom_mode: int | None = None
+    landed_state: int | None = None
+    position: Position | None = None
+    current: Current | None = None
+    may_arm: bool | None = None  # None: it does not tell
+    heard: set[type[Message]] = field(default_factory=set)
+    warnings: list[str] = field(default_factory=list)
+
+    def note(self, message: Message) -> None:
+        """Something was heard."""
+        self.heard.add(type(message))
+        match message:
+            case Heartbeat():
+                self.booted = message.system_status >= STANDBY
+                self.armed, self.custom_mode = message.armed, message.custom_mode
+            case ExtendedState(landed_state) if landed_state:
+                self.landed_state = landed_state
+            case Position():
+                self.position = message
+            case Current():
+                self.current = message
+            case SystemStatus(present, _, health):
+                self.may_arm = bool(health & PREARM_CHECK) if present & PREARM_CHECK else None
+            case Text(severity, text) if severity <= WARNING:
+                self.warnings = [*self.warnings[1 - MOST_WORDS :], text.rstrip("\t ")]
+
+    @property
+    def in_air(self) -> bool | None:
+        """Whether it flies, as far as it tells."""
+        if self.armed is False:
+            return False
+        if self.landed_state is not None:
+            return self.landed_state != ON_GROUND
+        return None if self.position is None else self.position.height > IN_AIR_M
+
+    def __str__(self) -> str:
+        """Armed or not, in the air or not, and what it does next."""
+        if self.armed is None or self.custom_mode is None:
+            return "the vehicle has told nothing of its state"
+        mode = mode_name(self.autopilot, self.custom_mode)
+        if not self.armed:
+            return f"the vehicle is disarmed, in {mode}"
+        if not self.in_air:
+            where = "on the ground" if self.in_air is False else "perhaps in the air"
+            return f"the vehicle is armed, {where}, in {mode}"
+        height = "" if self.position is None else f" {self.position.height:.0f} m above home"
+        item = "" if self.current is None else f", at item {self.current.seq}"
+        after = does_next(self.autopilot, self.custom_mode)
+        return f"the vehicle is armed and in the air{height}, in {mode}{item}: {after}"
