@@ -120,7 +120,7 @@ def compare_logged(flight: LoggedFlight, mission: Mission | None, parameters: Pa
     found = estimate(flown, used)
     record = flight.record(flown)
     comparison = compare_flight(flown, found, record)
-    remarks = (*_other_mission(flown, flight), *_other_place(flown, record))
+    remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
     return ComparedFlight(flight.armed_s, flown, found, record, comparison, _changed(used, flight.autopilot), remarks)
 
 
@@ -143,6 +143,12 @@ def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
     east, north, _ = track.points[0]
     away = math.hypot(east, north)
     return (f"it was armed {away:.0f} m from the mission's home, where the estimate begins",) if away > AT_HOME else ()
+
+
+def _begun_later(record: FlightRecord) -> tuple[str, ...]:
+    """With which item it began, if not with the first."""
+    first = min(record.item_reached_s, default=0) + 1
+    return (f"it began at item {first}",) if first > 1 else ()
 
 
 def _changed(parameters: Parameters, autopilot: Autopilot) -> dict[str, float]:

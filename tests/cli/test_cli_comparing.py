@@ -71,6 +71,10 @@ def test_another_mission_than_the_log_s_is_remarked(run, px4_mission: Path) -> N
     assert "another mission was flown: number of items: 6 in the log, not 8" in said
 
 
+def test_a_flight_that_began_in_the_middle_is_remarked(run) -> None:
+    assert "note: it began at item 6" in run(f"compare {LOGS / 'again-px4.tlog'}").out
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [

@@ -126,9 +126,10 @@ def test_the_log_has_the_parameters_and_the_version(name: str, parameter: str, v
     assert log.version == ("1.17.0-dev" if "px4" in name else "4.7.0-dev")
 
 
-def test_a_mission_begun_in_its_middle_is_told_by_the_items_that_were_flown() -> None:
+def test_items_before_the_one_at_which_it_began_are_not_done() -> None:
     """PX4 flew again from where it had stopped: straight to its sixth item."""
     _, record = flight_in("again-px4.tlog")
+    assert sorted(record.item_reached_s) == [5, 6]
     assert record.item_reached_s[5] == pytest.approx(42.4, abs=CLOSE)
     assert record.total_s == pytest.approx(65.6, abs=CLOSE)
 
