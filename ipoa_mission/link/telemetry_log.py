@@ -89,7 +89,7 @@ def read_telemetry_log(path: Path) -> Log:
         stamps.append(record.unix_s)
         if (heard.system, heard.component) == (system, AUTOPILOT_COMPONENT):
             _note_vehicle(found, number, heard.message, autopilot)
-        elif heard.system != system and heard.target.system in (0, system):
+        elif heard.target.system in (0, system):
             _note_station(found, number, heard.message)
     if system is None:
         raise BadInput(f"{path}: expected a .tlog with an autopilot's heartbeat, but there is none")
