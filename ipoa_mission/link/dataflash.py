@@ -1,102 +1,106 @@
-"""ArduPilot's own log (`.bin`): where it was, what it did, which item it turned to. Read by pymavlink's DFReader."""
+"""ArduPilot's own log (`.bin`): what its records say, by the layouts that the log itself begins with.
 
-from collections.abc import Iterator
+A record is two bytes of head, its kind, and packed values; the kind FMT tells of every other how it is laid out. Read
+here rather than by pymavlink, whose reader takes a second for a megabyte and hours for a file of zeros.
+"""
+
+import struct
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from pymavlink import DFReader
+from ipoa_mission.errors import BadInput
 
-from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.link.logged import Events, Fixes, presence
-from ipoa_mission.link.messages import Current, Message, Text
-from ipoa_mission.link.modes import MISSION_MODE
-from ipoa_mission.vehicle import Autopilot
-from ipoa_mission.world.frame import Geodetic, LocalFrame
-
-ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1
-INFO = 6
-HEAD = b"\xa3\x95\x80\x80"  # a log begins with the format of the record of formats
+HEAD = b"\xa3\x95"
+FMT = 0x80
+_FMT = struct.Struct("<BB4s16s64s")
 
 
-def read_dataflash(path: Path) -> tuple[Fixes, Events]:
-    """Positions (POS) and events of a log: arming, modes, items begun (MISE; before 4.5 the words in MSG).
+def _words(raw: bytes) -> str:
+    return raw.split(b"\0")[0].decode("utf-8", "replace")
+
+
+def _centi(value: float) -> float:
+    return value / 100
+
+
+#: By the letter of a format: how struct reads it, and what is made of it.
+_AS_IT_IS: Callable[[Any], Any] = lambda value: value  # noqa: E731
+_LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
+    **{letter: (letter, _AS_IT_IS) for letter in "bBhHiIfd"},
+    "q": ("q", _AS_IT_IS),
+    "Q": ("Q", _AS_IT_IS),
+    "g": ("e", _AS_IT_IS),
+    "M": ("B", _AS_IT_IS),
+    "a": ("64s", _AS_IT_IS),
+    "n": ("4s", _words),
+    "N": ("16s", _words),
+    "Z": ("64s", _words),
+    "c": ("h", _centi),
+    "C": ("H", _centi),
+    "e": ("i", _centi),
+    "E": ("I", _centi),
+    "L": ("i", lambda value: value / 1e7),
+}
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of record: its name, its bytes, and what each column is made of."""
+
+    name: str
+    layout: struct.Struct
+    columns: tuple[str, ...]
+    made_by: tuple[Callable[[Any], Any], ...]
+
+    def read(self, data: bytes, at: int) -> dict[str, Any]:
+        """The values by column, in degrees, metres and the format's other plain units."""
+        values = self.layout.unpack_from(data, at)
+        return {name: make(value) for name, make, value in zip(self.columns, self.made_by, values, strict=True)}
+
+
+def read_records(path: Path, wanted: frozenset[str]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """The records of the kinds that are wanted, as (kind, values by column), in their order.
+
+    What is broken is passed over, as far as the next head.
 
     Raises:
-        BadInput: the file cannot be read, or holds no positions.
+        BadInput: the file cannot be read, or does not begin as such a log.
     """
-    fixes: list[tuple[float, ...]] = []
-    velocities: list[tuple[float, ...]] = []
-    times: list[float] = []
-    events: list[Message] = []
-    armed = in_mission = False
-    for record in _records(path):
-        kind, time = record.get_type(), getattr(record, "TimeUS", 0) / 1e6
-        said: Message | None = None
-        match kind:
-            case "POS":
-                fixes.append((time, record.Lat, record.Lng, record.Alt, record.RelHomeAlt))
-            case "XKF1" if record.C == 0:
-                velocities.append((time, record.VN, record.VE, record.VD))
-            case "MODE":
-                in_mission = record.ModeNum == MISSION_MODE[Autopilot.ARDUPILOT]
-                said = presence(Autopilot.ARDUPILOT, armed, in_mission)
-            case "ARM":
-                armed = bool(record.ArmState)
-                said = presence(Autopilot.ARDUPILOT, armed, in_mission)
-            case "EV" if record.Id in (ARMED_EVENT, DISARMED_EVENT):
-                armed = record.Id == ARMED_EVENT
-                said = presence(Autopilot.ARDUPILOT, armed, in_mission)
-            case "MISE":
-                said = Current(record.CNum, record.CTot)
-            case "MSG":
-                said = _words(record.Message)
-        if said is not None:
-            times.append(time)
-            events.append(said)
-    if len(fixes) < 2:
-        raise BadInput(f"{path}: expected an ArduPilot log with positions (POS), but there are none")
-    return _fixes(np.array(fixes), np.array(velocities)), Events(tuple(times), tuple(events))
-
-
-def _records(path: Path) -> Iterator[Any]:
-    reader = None
     try:
-        with path.open("rb") as file:
-            if file.read(len(HEAD)) != HEAD:
-                raise BadInput(f"{path}: expected an ArduPilot log, but it does not begin as one")
-        reader = DFReader.DFReader_binary(str(path), zero_time_base=True)
-        while (record := reader.recv_msg()) is not None:
-            yield record
-    except MissionError:
-        raise
-    except Exception as error:  # DFReader raises whatever a broken file makes it stumble over
-        raise BadInput(f"{path}: cannot be read as an ArduPilot log: {error}") from error
-    finally:
-        if reader is not None:
-            reader.close()
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read as an ArduPilot log: {error.strerror}") from error
+    if not data.startswith(HEAD + bytes((FMT,))):
+        raise BadInput(f"{path}: expected an ArduPilot log, but it does not begin as one")
+    lengths: dict[int, int] = {FMT: 3 + _FMT.size}
+    kinds: dict[int, Kind] = {}
+    at = 0
+    while (at := data.find(HEAD, at)) >= 0 and at + 3 <= len(data):
+        number = data[at + 2]
+        length = lengths.get(number)
+        if length is None or at + length > len(data):
+            at += 1
+            continue
+        if number == FMT:
+            told, size, *texts = _FMT.unpack_from(data, at + 3)
+            name, letters, columns = map(_words, texts)
+            kind = _kind(name, letters, columns)
+            if size >= 3 and told != FMT:
+                lengths[told] = size
+                kinds.pop(told, None)
+                if kind is not None and name in wanted and kind.layout.size == size - 3:
+                    kinds[told] = kind
+        elif number in kinds:
+            yield kinds[number].name, kinds[number].read(data, at + 3)
+        at += length
 
 
-def _words(text: str) -> Message:
-    """A text of the log; "Mission: 4 WP" says that item 4 begins."""
-    parts = text.split()
-    if len(parts) >= 2 and parts[0] == "Mission:" and parts[1].isdigit():
-        return Current(int(parts[1]))
-    return Text(INFO, text)
-
-
-def _fixes(rows: Points, velocities: Points) -> Fixes:
-    times, latitude, longitude, altitude, height = rows.T
-    if len(velocities) > 1:
-        velocity = np.column_stack([np.interp(times, velocities[:, 0], axis) for axis in velocities[:, 1:].T])
-    else:
-        velocity = _differences(times, latitude, longitude, altitude)
-    return Fixes(times, latitude, longitude, altitude, height, velocity)
-
-
-def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:
-    """Velocity north, east, down out of positions, where the log has no estimate of it."""
-    start = Geodetic(float(latitude[0]), float(longitude[0]), float(altitude[0]))
-    east, north, up = np.gradient(LocalFrame(start).to_local(latitude, longitude, altitude), times, axis=0).T
-    return np.column_stack([north, east, -up])
+def _kind(name: str, letters: str, columns: str) -> Kind | None:
+    """A kind by what FMT says of it; None where that makes no sense."""
+    names = tuple(columns.split(","))
+    if len(names) != len(letters) or not set(letters) <= set(_LETTERS):
+        return None
+    made = [_LETTERS[letter] for letter in letters]
+    return Kind(name, struct.Struct("<" + "".join(code for code, _ in made)), names, tuple(make for _, make in made))

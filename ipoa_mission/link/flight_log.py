@@ -4,34 +4,76 @@ All three are told to one `Logbook`, as a live link would tell it, so that a fli
 from. What an autopilot writes down more finely than it sends is told at its own time.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.link.codec import Codec
-from ipoa_mission.link.dataflash import read_dataflash
+from ipoa_mission.link.copter_log import read_copter_log
 from ipoa_mission.link.logbook import FlightRecord, Logbook
-from ipoa_mission.link.logged import told
-from ipoa_mission.link.messages import (
-    AUTOPILOT_COMPONENT,
-    STATION_COMPONENT,
-    STATION_SYSTEM,
-    CommandAck,
-    CommandResult,
-    Firmware,
-    Heartbeat,
-    Message,
-)
+from ipoa_mission.link.logged import Begun, Held, Log, told
+from ipoa_mission.link.messages import Current, Heartbeat, HomePosition, Message, ParamValue, Position, SystemTime
 from ipoa_mission.link.modes import MISSION_MODE
-from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, DO_SET_MODE, MISSION_START
-from ipoa_mission.link.tlog import read_tlog
+from ipoa_mission.link.telemetry_log import read_telemetry_log
 from ipoa_mission.link.ulog import read_ulog
+from ipoa_mission.mission.firmware import from_wire, home_item
 from ipoa_mission.mission.firmware_facts import FIRMWARE
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+#: Home is set anew by the arming; it is told within this time [s].
+HOME_SET_S = 2.0
+
+
+@dataclass(frozen=True)
+class LoggedFlight:
+    """One flight in a log: from armed until disarmed, some of it in the mission mode.
+
+    `mission` is what the log says that the vehicle held, None where it does not say; `parameters` are those that the
+    log has of it; `armed_s` is the autopilot's clock at time zero.
+    """
+
+    autopilot: Autopilot
+    version: str
+    armed_s: float
+    mission: Mission | None
+    parameters: Mapping[str, float]
+    messages: tuple[Message, ...] = field(repr=False)
+
+    def record(self, mission: Mission) -> FlightRecord:
+        """This flight as one of `mission`: when its items were done, and where it was."""
+        logbook = Logbook(mission.items, mission.autopilot)
+        for message in self.messages:
+            logbook.note(message)
+        return logbook.record()
+
+
+@dataclass(frozen=True)
+class FlightLog:
+    """All flights of a log, and what the user should know of it."""
+
+    autopilot: Autopilot
+    version: str
+    flights: tuple[LoggedFlight, ...]
+    remarks: tuple[str, ...]
 
 
 def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
-    """The first flight of `mission` in a `.tlog`, `.bin` or `.ulg`: from armed in the mission mode until disarmed.
+    """The first flight in a `.tlog`, `.bin` or `.ulg`, as one of `mission`; time zero is the arming.
+
+    Raises:
+        BadInput: another ending, or not a log of that kind.
+        MissionError: nothing in it was flown in the mission mode, or a package to read it is missing.
+    """
+    log = read_flights(path)
+    if log.autopilot is not mission.autopilot:
+        raise MissionError(f"{path}: expected a log of {FIRMWARE[mission.autopilot].name}, as the mission is for")
+    return log.flights[0].record(mission)
+
+
+def read_flights(path: str | Path) -> FlightLog:
+    """The flights in a `.tlog`, `.bin` or `.ulg`, one at least.
 
     Raises:
         BadInput: another ending, or not a log of that kind.
@@ -40,67 +82,122 @@ def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
     path = Path(path)
     match path.suffix.lower():
         case ".tlog":
-            return flight_of(_heard(path), mission, path)
+            log = read_telemetry_log(path)
         case ".bin":
-            return flight_of(told(*read_dataflash(path)), mission, path)
+            log = read_copter_log(path)
         case ".ulg":
-            return flight_of(told(*read_ulog(path)), mission, path)
-    raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
+            log = read_ulog(path)
+        case _:
+            raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
+    mode = MISSION_MODE[log.autopilot]
+    stretches = list(_stretches(log))
+    flights = [stretch for stretch in stretches if stretch.flew_in(mode)]
+    whole = tuple(stretch.flight(log) for stretch in flights if stretch.is_whole)
+    remarks = [*log.remarks]
+    if len(whole) < len(flights):
+        remarks.append("the log begins in flight: when that one was armed is not known, and it is left out")
+    if len(flights) < len(stretches):
+        others = len(stretches) - len(flights)
+        remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
+    if not whole:
+        name = FIRMWARE[log.autopilot].name
+        words = [f"nothing in it was flown in {name}'s mission mode", *remarks]
+        raise MissionError(f"{path}: {'; '.join(words)}", hint="is it the log of this flight?")
+    return FlightLog(log.autopilot, log.version, whole, tuple(remarks))
 
 
-def flight_of(messages: Iterable[Message], mission: Mission, path: Path) -> FlightRecord:
-    """The first flight in what a vehicle said.
+@dataclass
+class _Known:
+    """What the log has told of the vehicle by now."""
 
-    A heartbeat comes once a second. So the flight begins where, since the last heartbeat that knew nothing of it, the
-    vehicle agreed to arm, to change its mode or to start; and only failing that with the heartbeat that shows it.
-    """
-    mode = MISSION_MODE[mission.autopilot]
-    logbook = Logbook(mission.items, mission.autopilot)
-    coming = iter(messages)
-    since_beat: list[Message] = []
-    for message in coming:
-        since_beat.append(message)
-        if not isinstance(message, Heartbeat):
-            continue
-        begins = message.armed and message.custom_mode == mode
-        agreed = [n for n, said in enumerate(since_beat) if _agrees(said)]
-        first = agreed[-1] + 1 if agreed and begins else len(since_beat)
-        _note(logbook, since_beat[:first])
-        if begins:
-            _note(logbook, since_beat[first:])
-            for later in coming:
-                logbook.note(later)
-                if logbook.disarmed_s is not None:
-                    break
-            return logbook.record()
-        since_beat.clear()
-    raise MissionError(
-        f"{path}: nothing in it was flown in {FIRMWARE[mission.autopilot].name}'s mission mode",
-        hint="is it the log of this flight, and of this autopilot?",
-    )
+    items: tuple[Item, ...] = ()
+    home: Geodetic | None = None
+    parameters: dict[str, float] = field(default_factory=dict)
+
+    def note(self, message: Message) -> None:
+        match message:
+            case Held(items):
+                self.items = items
+            case HomePosition(latitude, longitude, altitude):
+                self.home = Geodetic(latitude, longitude, altitude)
+            case ParamValue(name, value):
+                self.parameters[name] = value
 
 
-def _note(logbook: Logbook, messages: Iterable[Message]) -> None:
-    for message in messages:
-        logbook.note(message)
+@dataclass
+class _Stretch:
+    """From armed until disarmed, or to the end of the log; `at_arming` is what was known then, `later` what came."""
+
+    is_whole: bool  # the log has its arming
+    armed_s: float
+    at_arming: _Known
+    messages: list[Message]
+    later: _Known = field(default_factory=_Known)
+    begun: dict[int, Begun] = field(default_factory=dict)
+
+    def note(self, message: Message, now: float) -> None:
+        self.messages.append(message)
+        by_the_arming = self.later.home is None and now - self.armed_s < HOME_SET_S
+        if by_the_arming or not isinstance(message, HomePosition):
+            self.later.note(message)
+        if isinstance(message, Begun):
+            self.begun[message.seq] = message
+
+    def flew_in(self, mode: int) -> bool:
+        return any(isinstance(said, Heartbeat) and said.armed and said.custom_mode == mode for said in self.messages)
+
+    def flight(self, log: Log) -> LoggedFlight:
+        parameters = self.later.parameters | self.at_arming.parameters
+        mission = self._mission(log.autopilot)
+        return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, tuple(self.messages))
+
+    def _mission(self, autopilot: Autopilot) -> Mission | None:
+        """The list that was held; a log opened by the arming tells it just after.
+
+        ArduPilot does not write down a list that came as a file: what it flew then tells of it, item by item.
+        """
+        home = self.later.home or self.at_arming.home or self._first_place()
+        items = self.at_arming.items or self.later.items
+        if self.begun:
+            total = max(begun.total for begun in self.begun.values())
+            agrees = len(items) == total and all(items[seq] == begun.item for seq, begun in self.begun.items())
+            if not agrees:
+                flown = [self.begun[seq].item for seq in range(1, total) if seq in self.begun]
+                items = (home_item(home), *flown) if home and len(flown) == total - 1 else ()
+        if len(items) <= int(FIRMWARE[autopilot].home_is_item_0) or home is None:
+            return None
+        return from_wire(items, autopilot, home)
+
+    def _first_place(self) -> Geodetic | None:
+        first = next((said for said in self.messages if isinstance(said, Position)), None)
+        if first is None:
+            return None
+        return Geodetic(first.latitude_deg, first.longitude_deg, first.altitude - first.height)
 
 
-def _agrees(message: Message) -> bool:
-    return (
-        isinstance(message, CommandAck)
-        and message.command in (COMPONENT_ARM_DISARM, DO_SET_MODE, MISSION_START)
-        and message.result == CommandResult.ACCEPTED
-    )
-
-
-def _heard(path: Path) -> Iterator[Message]:
-    """What the first autopilot that is heard in a `.tlog` said."""
-    codec, system = Codec(STATION_SYSTEM, STATION_COMPONENT), None
-    for record in read_tlog(path):
-        heard = codec.decode(record.frame)
-        if heard is None or heard.message is None or heard.component != AUTOPILOT_COMPONENT:
-            continue
-        if system is None and isinstance(heard.message, Heartbeat) and heard.message.autopilot != Firmware.INVALID:
-            system = heard.system
-        if heard.system == system:
-            yield heard.message
+def _stretches(log: Log) -> Iterator[_Stretch]:
+    """Every time that the vehicle was armed."""
+    known = _Known()
+    current: Current | None = None
+    stretch: _Stretch | None = None
+    seen, now = False, 0.0
+    clock: Message | None = None
+    for message in told(log):
+        if isinstance(message, Position | SystemTime):
+            clock, now = message, message.time_s if isinstance(message, Position) else message.boot_s
+        if stretch is not None:
+            stretch.note(message, now)
+        elif isinstance(message, Current):
+            current = message
+        if isinstance(message, Heartbeat):
+            if message.armed and stretch is None:
+                at_arming = _Known(known.items, known.home, dict(known.parameters))
+                before = [said for said in (current, clock, message) if said is not None]
+                stretch = _Stretch(seen, now, at_arming, before)
+            elif not message.armed and stretch is not None:
+                yield stretch
+                stretch, current = None, None
+            seen = True
+        known.note(message)
+    if stretch is not None:
+        yield stretch

@@ -1,22 +1,34 @@
-"""What an autopilot's own log tells, whoever wrote it: where it was, and what happened when."""
+"""What a log tells, whoever wrote it: where the vehicle was, what happened when, what it held and how it was set."""
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Firmware, Heartbeat, Message, Position
-from ipoa_mission.link.modes import MISSION_MODE
+from ipoa_mission.link.messages import (
+    ARMED_FLAG,
+    CUSTOM_MODE_FLAG,
+    Current,
+    Firmware,
+    Heartbeat,
+    Message,
+    Position,
+    SystemTime,
+)
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicle import Autopilot
 
 MAV_TYPE_QUADROTOR = 2
+#: What ArduPilot says when an item begins: "Mission: 4 WP".
+ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
 
 
 @dataclass(frozen=True)
 class Fixes:
     """Positions of a log by the autopilot's clock [s]: degrees, altitude AMSL and height above home [m], each (n,),
-    and velocity north, east, down (n, 3) [m/s].
+    and velocity north, east, down (n, 3) [m/s]. Times grow.
     """
 
     times: Vector
@@ -26,40 +38,88 @@ class Fixes:
     height: Vector
     velocity: Points
 
+    @classmethod
+    def of(cls, rows: Points) -> "Fixes":
+        """Out of rows (n, 8) with these columns, in any order of time; of two at the same time the first counts."""
+        rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
+        times, latitude, longitude, altitude, height = rows.T[:5]
+        return cls(times, latitude, longitude, altitude, height, rows[:, 5:])
+
 
 @dataclass(frozen=True)
-class Events:
-    """What else a log tells, each at its time [s], in any order."""
+class Held(Message):
+    """No message of the link: from now on the vehicle holds these items, as on the wire."""
 
-    times: tuple[float, ...]
-    messages: tuple[Message, ...]
-
-
-def told(fixes: Fixes, events: Events) -> Iterator[Message]:
-    """Positions and events in the order of time; before an event comes the position at its own time."""
-    order = np.argsort(np.array(events.times), kind="stable")
-    at = 0
-    for n in order:
-        time = events.times[n]
-        while at < len(fixes.times) and fixes.times[at] < time:
-            yield _position(fixes, float(fixes.times[at]))
-            at += 1
-        yield _position(fixes, time)
-        yield events.messages[n]
-    for time in fixes.times[at:]:
-        yield _position(fixes, float(time))
+    items: tuple[Item, ...]
 
 
-def presence(autopilot: Autopilot, armed: bool, in_mission: bool) -> Heartbeat:
+@dataclass(frozen=True)
+class Begun(Message):
+    """No message of the link: the item at `seq` of `total`, as the vehicle itself holds it, begins."""
+
+    seq: int
+    total: int
+    item: Item
+
+
+@dataclass(frozen=True)
+class Log:
+    """A whole log. `events` are messages at their times by the autopilot's clock [s], in any order.
+
+    A heartbeat among the events stands where arming or mode changed, to the time when it did. `remarks` are for the
+    user: what of this log is not as one would wish.
+    """
+
+    autopilot: Autopilot
+    fixes: Fixes
+    events: tuple[tuple[float, Message], ...]
+    version: str = ""
+    remarks: tuple[str, ...] = field(default=())
+
+
+def told(log: Log) -> Iterator[Message]:
+    """All that a log holds in the order of time; before an event comes the position at its own time."""
+    events = sorted(log.events, key=lambda event: event[0])
+    fixes = log.fixes
+    at = np.concatenate([fixes.times, np.array([time for time, _ in events])])
+    order = np.argsort(at, kind="stable")
+    clock = _clock(fixes, at[order])
+    last = None
+    for n, now in zip(order, clock, strict=True):
+        if at[n] != last:
+            yield now
+            last = at[n]
+        if n >= len(fixes.times):
+            yield events[n - len(fixes.times)][1]
+
+
+def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
+    """The position at each of these times; where there is none, the time alone."""
+    if not len(fixes.times):
+        return (SystemTime(0.0, float(time)) for time in times)
+    columns = (fixes.latitude_deg, fixes.longitude_deg, fixes.altitude, fixes.height, *fixes.velocity.T)
+    rows = np.column_stack([times, *(np.interp(times, fixes.times, column) for column in columns)]).tolist()
+    return (Position(t, lat, lon, alt, up, (north, east, down)) for t, lat, lon, alt, up, north, east, down in rows)
+
+
+def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
     """The heartbeat of a vehicle in this state."""
     firmware = Firmware.ARDUPILOT if autopilot is Autopilot.ARDUPILOT else Firmware.PX4
-    mode = MISSION_MODE[autopilot] if in_mission else 0
-    return Heartbeat(MAV_TYPE_QUADROTOR, firmware, CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0), mode)
+    flags = CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0)
+    return Heartbeat(MAV_TYPE_QUADROTOR, firmware, flags, custom_mode)
 
 
-def _position(fixes: Fixes, time: float) -> Position:
-    columns = (fixes.latitude_deg, fixes.longitude_deg, fixes.altitude, fixes.height, *fixes.velocity.T)
-    latitude, longitude, altitude, height, north, east, down = (
-        float(np.interp(time, fixes.times, column)) for column in columns
-    )
-    return Position(time, latitude, longitude, altitude, height, (north, east, down))
+def item_begun(text: str) -> Current | None:
+    """The item that begins by ArduPilot's words; None where they say nothing of that."""
+    found = ITEM_BEGINS.match(text)
+    return Current(int(found[1])) if found else None
+
+
+#: FIRMWARE_VERSION_TYPE, the last byte of a version: how far the version is from its release.
+STAGES = {0: "-dev", 64: "-alpha", 128: "-beta", 192: "-rc", 255: ""}
+
+
+def version_name(flight_sw_version: int) -> str:
+    """The version in AUTOPILOT_VERSION in words, like 4.7.0-dev; nothing where the autopilot does not tell."""
+    major, minor, patch, stage = flight_sw_version.to_bytes(4, "big")
+    return f"{major}.{minor}.{patch}{STAGES.get(stage, '')}" if flight_sw_version else ""

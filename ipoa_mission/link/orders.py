@@ -160,7 +160,7 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
         heard = yield Pause(PARAMETER_ROUND_S)
         while heard is not None:
             if isinstance(heard, ParamValue):
-                known[heard.param_id] = replace(heard, param_value=_number(heard, autopilot))
+                known[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
                 if all(any(name in known for name in names) for names in missing):
                     break
             heard = yield None
@@ -183,12 +183,13 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
         step = None
         match heard:
             case ParamValue(told) if told == name:
-                if abs((now := _number(heard, autopilot)) - value) > 1e-6 * max(1.0, abs(value)):
+                if abs((now := parameter_value(heard, autopilot)) - value) > 1e-6 * max(1.0, abs(value)):
                     raise MissionError(f"{name}: the vehicle was to have {value:g}, and keeps {now:g}")
                 return
 
 
-def _number(heard: ParamValue, autopilot: Autopilot) -> float:
+def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
+    """The value that was told: PX4 sends the bits of a whole number in the place of a float's."""
     if heard.param_type not in INT_TYPES or autopilot is not Autopilot.PX4:
         return heard.param_value
     return float(struct.unpack("<i", struct.pack("<f", heard.param_value))[0])

@@ -1,6 +1,6 @@
 """A flown mission held against its estimate, leg by leg.
 
-Both count from being armed in the mission mode on the ground. An autopilot does not report every item: a leg is what
+Both count from the arming. An autopilot does not report every item: a leg is what
 lies between two items that both the estimate and the flight know.
 """
 
@@ -9,14 +9,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.link.flight_log import LoggedFlight
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Command, Mission
-from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.prediction import Track
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters, by_old_names
 from ipoa_mission.world.frame import LocalFrame
 
 #: Items that fly somewhere; the route is what lies between the first and the last of them.
 ROUTE = frozenset({Command.NAV_TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
+
+#: A vehicle so far from the mission's home does not begin there [m].
+AT_HOME = 5.0
 
 
 @dataclass(frozen=True)
@@ -83,6 +89,77 @@ def compare_flight(mission: Mission, estimate: Estimate, flight: FlightRecord) -
         estimated_route_s=route[-1].estimated_done_s - route[0].estimated_done_s if route else math.nan,
         flown_route_s=route[-1].flown_done_s - route[0].flown_done_s if route else math.nan,
     )
+
+
+@dataclass(frozen=True)
+class ComparedFlight:
+    """A flight out of a log held against its estimate.
+
+    `armed_s` is the autopilot's clock at time zero; `parameters` are those that the estimate was made with and that
+    are not the firmware's defaults.
+    """
+
+    armed_s: float
+    mission: Mission
+    estimate: Estimate
+    record: FlightRecord
+    comparison: Comparison
+    parameters: Parameters
+    remarks: tuple[str, ...]
+
+
+def compare_logged(flight: LoggedFlight, mission: Mission | None, parameters: Parameters) -> ComparedFlight | None:
+    """A flight of a log against the estimate of `mission`; without one, of what the log says that was flown.
+
+    `parameters` go before those of the log. None where nothing says which mission it was.
+    """
+    flown = mission or flight.mission
+    if flown is None:
+        return None
+    used = {**flight.parameters, **parameters}
+    found = estimate(flown, used)
+    record = flight.record(flown)
+    comparison = compare_flight(flown, found, record)
+    remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
+    return ComparedFlight(flight.armed_s, flown, found, record, comparison, _changed(used, flight.autopilot), remarks)
+
+
+def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
+    """What of the mission is not as the log says that it was flown."""
+    if flight.mission is None:
+        return ()
+    found = compare(to_wire(mission), to_wire(flight.mission), flight.autopilot)
+    if found is None:
+        return ()
+    place = "" if found.seq is None else f"item {found.seq}: "
+    return (f"another mission was flown: {place}{found.field}: {found.got} in the log, not {found.sent}",)
+
+
+def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
+    """How far from the mission's home it was armed."""
+    track = flown_track(mission, record)
+    if track is None:
+        return ()
+    east, north, _ = track.points[0]
+    away = math.hypot(east, north)
+    return (f"it was armed {away:.0f} m from the mission's home, where the estimate begins",) if away > AT_HOME else ()
+
+
+def _begun_later(record: FlightRecord) -> tuple[str, ...]:
+    """With which item it began, if not with the first."""
+    first = min(record.item_reached_s, default=0) + 1
+    return (f"it began at item {first}",) if first > 1 else ()
+
+
+def _changed(parameters: Parameters, autopilot: Autopilot) -> dict[str, float]:
+    """Those of the parameters that the models know, and that are not the defaults; by the names of before 4.7."""
+    defaults = DEFAULT_PARAMETERS[autopilot]
+    known = by_old_names(parameters)
+    return {
+        name: known[name]
+        for name in defaults
+        if name in known and not math.isclose(known[name], defaults[name], rel_tol=1e-5)
+    }
 
 
 def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:

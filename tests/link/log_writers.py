@@ -134,7 +134,11 @@ def write_ulog(flown: Flown, path: Path) -> None:
             "<QiHHB",
             [(_us(t), *seqs, len(flown.done), False) for t, seqs in reached],
         ),
-        "home_position": ("float alt;uint8_t[4] _padding0;", "<Qf", [(_us(-1.0), flown.home_altitude)]),
+        "home_position": (
+            "double lat;double lon;float alt;uint8_t[4] _padding0;",
+            "<Qddf",
+            [(_us(-1.0), flown.latitude_deg[0], flown.longitude_deg[0], flown.home_altitude)],
+        ),
     }
     data = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", _us(-2.0))
     data += _ulog_record(b"B", bytes(40))

@@ -1,0 +1,150 @@
+"""A log that ArduPilot itself wrote (`.bin`): where it was, what it did, which item it turned to, how it was set."""
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.link.dataflash import read_records
+from ipoa_mission.link.logged import Begun, Fixes, Held, Log, item_begun, presence
+from ipoa_mission.link.messages import Current, HomePosition, Message, ParamValue, Text
+from ipoa_mission.mission.items import Frame, Item
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1
+HOME = 1  # ORGN.Type
+FLOAT, INFO = 9, 6  # MAV_PARAM_TYPE_REAL32, MAV_SEVERITY_INFO
+KINDS = frozenset({"POS", "XKF1", "NKF1", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
+#: What flew, in the log's own words: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
+NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
+
+
+@dataclass
+class _Gathered:
+    """What the records have told so far; times by the autopilot's clock [s]."""
+
+    fixes: list[tuple[float, ...]] = field(default_factory=list)
+    velocities: list[tuple[float, ...]] = field(default_factory=list)
+    events: list[tuple[float, Message]] = field(default_factory=list)
+    arming: list[tuple[float, bool]] = field(default_factory=list)
+    modes: list[tuple[float, int]] = field(default_factory=list)
+    items: dict[int, Item] = field(default_factory=dict)
+    begins: float | None = None
+    opened_by_arming: bool = True
+    vehicle: str = ""
+    version: str = ""
+
+
+def read_copter_log(path: Path) -> Log:
+    """Positions (POS) and events: arming, modes, items begun (MISE; before 4.5 the words in MSG), mission, parameters.
+
+    Raises:
+        BadInput: the file cannot be read, holds no positions, or is of another vehicle than a copter.
+    """
+    found = _Gathered()
+    for kind, values in read_records(path, KINDS):
+        _note(found, kind, values)
+    if found.vehicle and found.vehicle != "Copter":
+        raise BadInput(f"{path}: expected the log of a copter, not of ArduPilot's {found.vehicle}")
+    if len(found.fixes) < 2:
+        raise BadInput(f"{path}: expected an ArduPilot log with positions (POS), but there are none")
+    fixes = _fixes(np.array(found.fixes), np.array(found.velocities))
+    return Log(Autopilot.ARDUPILOT, fixes, (*_states(found), *found.events), found.version)
+
+
+def _note(found: _Gathered, kind: str, values: dict[str, Any]) -> None:
+    """One record."""
+    time = values["TimeUS"] / 1e6
+    if found.begins is None:
+        found.begins = time
+    said: list[Message] = []
+    match kind:
+        case "POS":
+            found.fixes.append((time, *(values[name] for name in ("Lat", "Lng", "Alt", "RelHomeAlt"))))
+        case "XKF1" | "NKF1" if values.get("C", 0) == 0:
+            found.velocities.append((time, values["VN"], values["VE"], values["VD"]))
+        case "MODE":
+            found.modes.append((time, values["ModeNum"]))
+        case "ARM":
+            found.arming.append((time, bool(values["ArmState"])))
+        case "EV" if values["Id"] in (ARMED_EVENT, DISARMED_EVENT):
+            found.arming.append((time, values["Id"] == ARMED_EVENT))
+        case "MISE":
+            begins = Begun(values["CNum"], values["CTot"], _item(values))
+            said = [begins, Current(begins.seq, begins.total)]
+        case "CMD":
+            said = _list(found.items, values)
+        case "ORGN" if values["Type"] == HOME:
+            said = [HomePosition(values["Lat"], values["Lng"], values["Alt"])]
+        case "PARM":
+            said = [ParamValue(values["Name"], values["Value"], FLOAT, 0, 0)]
+            if values["Name"] == "LOG_DISARMED":
+                found.opened_by_arming = values["Value"] == 0
+        case "MSG":
+            text = values["Message"]
+            begun, named = item_begun(text), NAMED.match(text)
+            said = [*([begun] if begun else []), Text(INFO, text)]
+            if named:
+                found.vehicle, found.version = named.groups()
+    found.events += [(time, message) for message in said]
+
+
+def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
+    """One item of the vehicle's list: it writes them all, from home on, when it takes or opens a list."""
+    seq = values["CNum"]
+    if seq == 0:
+        items.clear()
+    items[seq] = _item(values)
+    whole = [items[n] for n in range(values["CTot"]) if n in items]
+    return [Held(tuple(whole))] if len(whole) == values["CTot"] == seq + 1 else []
+
+
+def _item(values: dict[str, Any]) -> Item:
+    """An item; before 4.1 its record had no frame, and altitudes are taken to be above home."""
+    frame = values.get("Frame", Frame.GLOBAL if values["CNum"] == 0 else Frame.GLOBAL_RELATIVE_ALT)
+    params = (values["Prm1"], values["Prm2"], values["Prm3"], values["Prm4"])
+    return Item(values["CId"], frame, params, values["Lat"], values["Lng"], values["Alt"])
+
+
+def _states(found: _Gathered) -> list[tuple[float, Message]]:
+    """A heartbeat at every change of arming or mode.
+
+    With LOG_DISARMED 0 a log is opened by the arming, and has no record of it.
+    """
+    begins = found.begins or 0.0
+    armed = not found.arming[0][1] if found.arming else found.opened_by_arming
+    mode = 0
+    said: list[tuple[float, Message]] = []
+    if not armed or found.opened_by_arming:
+        said.append((begins, presence(Autopilot.ARDUPILOT, False, mode)))
+    if armed:
+        said.append((begins, presence(Autopilot.ARDUPILOT, True, mode)))
+    changes: list[tuple[float, bool | None, int | None]] = [(time, to, None) for time, to in found.arming]
+    changes += [(time, None, to) for time, to in found.modes]
+    for time, arming, turned in sorted(changes, key=lambda change: change[0]):
+        armed = armed if arming is None else arming
+        mode = mode if turned is None else turned
+        said.append((time, presence(Autopilot.ARDUPILOT, armed, mode)))
+    return said
+
+
+def _fixes(rows: Points, velocities: Points) -> Fixes:
+    rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
+    times, latitude, longitude, altitude, _ = rows.T
+    if len(velocities) > 1:
+        velocity = np.column_stack([np.interp(times, velocities[:, 0], axis) for axis in velocities[:, 1:].T])
+    else:
+        velocity = _differences(times, latitude, longitude, altitude)
+    return Fixes.of(np.column_stack([rows, velocity]))
+
+
+def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:
+    """Velocity north, east, down out of positions, where the log has no estimate of it."""
+    start = Geodetic(float(latitude[0]), float(longitude[0]), float(altitude[0]))
+    east, north, up = np.gradient(LocalFrame(start).to_local(latitude, longitude, altitude), times, axis=0).T
+    return np.column_stack([north, east, -up])

@@ -1,0 +1,186 @@
+"""A ground station's log (`.tlog`): what one vehicle said and was told, set right in time.
+
+A heartbeat comes once a second. So the motors were armed, or disarmed, where something told it first since the last
+heartbeat that knew nothing of it: the answer to the order, the autopilot's words, PX4's event.
+"""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Vector
+from ipoa_mission.link.codec import Codec, Heard
+from ipoa_mission.link.logged import Fixes, Held, Log, item_begun, presence, version_name
+from ipoa_mission.link.messages import (
+    AUTOPILOT_COMPONENT,
+    STATION_COMPONENT,
+    STATION_SYSTEM,
+    AutopilotVersion,
+    CommandAck,
+    CommandInt,
+    CommandLong,
+    CommandResult,
+    Current,
+    Event,
+    Firmware,
+    Heartbeat,
+    HomePosition,
+    Message,
+    ParamValue,
+    Position,
+    Reached,
+    Text,
+)
+from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, parameter_value
+from ipoa_mission.link.tlog import read_tlog
+from ipoa_mission.link.transfers import Transfers
+from ipoa_mission.link.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
+from ipoa_mission.vehicle import Autopilot
+
+ARMING = ("Arming motors", "Armed by", "ARMED by")
+DISARMING = ("Disarming motors", "Disarmed by", "DISARMED by")
+#: PX4's events commander_armed_by and commander_disarmed_by: of component 1, and 24 bits of the FNV-1a of the name.
+ARMED_BY, DISARMED_BY = 0x190CAF3, 0x1F46777
+MULTICOPTERS = frozenset({2, 3, 4, 13, 14, 15, 29, 35})  # MAV_TYPE, helicopters among them
+KEPT = (Position, Reached, Current, HomePosition, ParamValue, Text)
+NO_CLOCK = "nothing in the log tells the vehicle's clock: its times are those of the ground station"
+
+
+@dataclass
+class _Gathered:
+    """What one vehicle said so far, each with the number of its record."""
+
+    transfers: Transfers = field(default_factory=Transfers)
+    said: list[tuple[int, Message]] = field(default_factory=list)
+    times: list[tuple[int, float]] = field(default_factory=list)
+    state: Heartbeat | None = None
+    ordered: bool | None = None  # the last order to arm or disarm
+    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, told of since the last heartbeat
+    doubted: bool = False  # a heartbeat since knew nothing of them
+    version: str = ""
+
+
+def read_telemetry_log(path: Path) -> Log:
+    """Positions and events of the first autopilot in a log.
+
+    Raises:
+        BadInput: the file cannot be read, holds no autopilot, or is not of a multicopter.
+    """
+    codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
+    found = _Gathered()
+    stamps: list[float] = []
+    system, autopilot = None, Autopilot.PX4
+    for record in read_tlog(path):
+        heard = codec.decode(record.frame)
+        if heard is None or heard.message is None:
+            continue
+        if system is None and _is_autopilot(heard):
+            beat = heard.message
+            assert isinstance(beat, Heartbeat)
+            system = heard.system
+            autopilot = Autopilot.ARDUPILOT if beat.autopilot == Firmware.ARDUPILOT else Autopilot.PX4
+            if beat.type not in MULTICOPTERS:
+                raise BadInput(f"{path}: expected the log of a multicopter, not of a vehicle of MAV_TYPE {beat.type}")
+        if system is None:
+            continue
+        number = len(stamps)
+        stamps.append(record.unix_s)
+        if (heard.system, heard.component) == (system, AUTOPILOT_COMPONENT):
+            _note_vehicle(found, number, heard.message, autopilot)
+        elif heard.target.system in (0, system):
+            _note_station(found, number, heard.message)
+    if system is None:
+        raise BadInput(f"{path}: expected a .tlog with an autopilot's heartbeat, but there is none")
+    if found.state and found.changes and not found.changes[-1][1]:  # the log ends before the next heartbeat
+        _change(found, found.state.custom_mode, autopilot)
+    return _dated(found, growing(stamps), autopilot)
+
+
+def _is_autopilot(heard: Heard) -> bool:
+    beat = heard.message
+    return isinstance(beat, Heartbeat) and heard.component == AUTOPILOT_COMPONENT and beat.autopilot != Firmware.INVALID
+
+
+def _note_station(found: _Gathered, number: int, message: Message) -> None:
+    match message:
+        case CommandLong(command, params) | CommandInt(command, _, params) if command == COMPONENT_ARM_DISARM:
+            found.ordered = params[0] >= 0.5
+    _note_transfer(found, number, message, by_vehicle=False)
+
+
+def _note_vehicle(found: _Gathered, number: int, message: Message, autopilot: Autopilot) -> None:
+    if (time := vehicle_time(message)) is not None:
+        found.times.append((number, time))
+    match message:
+        case Heartbeat():
+            _beat(found, number, message, autopilot)
+        case CommandAck(command, CommandResult.ACCEPTED) if command == COMPONENT_ARM_DISARM:
+            _tell_of(found, number, not _is_armed(found) if found.ordered is None else found.ordered)
+        case Event(event) if event in (ARMED_BY, DISARMED_BY):
+            _tell_of(found, number, event == ARMED_BY)
+        case Text(_, text):
+            if text.startswith((*ARMING, *DISARMING)) and not found.changes:  # else an echo of what was told
+                _tell_of(found, number, text.startswith(ARMING))
+            if autopilot is Autopilot.ARDUPILOT and (begun := item_begun(text)):
+                found.said.append((number, begun))
+        case AutopilotVersion(_, version):
+            found.version = version_name(version)
+        case ParamValue():
+            message = replace(message, param_value=parameter_value(message, autopilot))
+    if isinstance(message, KEPT):
+        found.said.append((number, message))
+    _note_transfer(found, number, message, by_vehicle=True)
+
+
+def _note_transfer(found: _Gathered, number: int, message: Message, by_vehicle: bool) -> None:
+    held = found.transfers.note(message, by_vehicle)
+    if held is not None:
+        found.said.append((number, Held(held)))
+
+
+def _is_armed(found: _Gathered) -> bool:
+    if found.changes:
+        return found.changes[-1][1]
+    return found.state is not None and found.state.armed
+
+
+def _tell_of(found: _Gathered, number: int, armed: bool) -> None:
+    """Something told that the vehicle is now armed, or not; the first to do so gives the time."""
+    if armed != _is_armed(found):
+        found.changes.append((number, armed))
+        found.doubted = False
+
+
+def _beat(found: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
+    """A heartbeat: what changed since the last one is dated back to what told of it."""
+    before = found.state
+    if found.changes and found.changes[-1][1] == beat.armed:
+        _change(found, before.custom_mode if before else 0, autopilot)
+    elif found.doubted:  # two heartbeats know nothing of it
+        found.changes.clear()
+    found.state, found.doubted = beat, bool(found.changes)
+    if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
+        found.said.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
+
+
+def _change(found: _Gathered, mode: int, autopilot: Autopilot) -> None:
+    """Arming changed, as was told since the last heartbeat."""
+    if found.state is None:
+        found.said.append((found.changes[0][0], presence(autopilot, not found.changes[0][1], mode)))
+    found.said += [(number, presence(autopilot, armed, mode)) for number, armed in found.changes]
+    found.changes.clear()
+
+
+def _dated(found: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
+    """The same by the vehicle's clock."""
+    known_at = stamps[[number for number, _ in found.times]] if found.times else np.empty(0)
+    known = unwrapped(known_at, np.array([time for _, time in found.times]))
+    times = vehicle_times(stamps, known_at, known)
+    placed = [(float(times[n]), said) for n, said in found.said if isinstance(said, Position)]
+    rows = [(time, p.latitude_deg, p.longitude_deg, p.altitude, p.height, *p.velocity) for time, p in placed]
+    fixes = Fixes.of(np.array(rows).reshape(-1, 8))
+    events = tuple((float(times[n]), said) for n, said in found.said if not isinstance(said, Position))
+    remarks = () if len(known) else (NO_CLOCK,)
+    return Log(autopilot, fixes, events, found.version, remarks)

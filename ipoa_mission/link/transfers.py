@@ -1,0 +1,92 @@
+"""Mission transfers overheard on a link: which items the vehicle holds, whoever sent them to whom."""
+
+from dataclasses import dataclass, field
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.mavftp import Opcode, unpack
+from ipoa_mission.link.messages import (
+    Ack,
+    ClearAll,
+    Count,
+    FileTransfer,
+    ItemAt,
+    Message,
+    MissionType,
+    Result,
+    WritePartialList,
+)
+from ipoa_mission.link.mission_file import MISSION_FILE, unpack_mission
+from ipoa_mission.mission.items import Item
+
+Items = tuple[Item, ...]
+BURST_READ = 15  # a MAVFTP opcode that our own client does without
+
+
+@dataclass
+class _List:
+    """A list on its way: as many items as were announced, or fewer so far."""
+
+    count: int
+    to_vehicle: bool
+    items: dict[int, Item] = field(default_factory=dict)
+
+    @property
+    def whole(self) -> Items | None:
+        """All items, once all are there."""
+        return tuple(self.items[n] for n in range(self.count)) if len(self.items) == self.count else None
+
+
+class Transfers:
+    """Hears both ends; `note` returns the items that the vehicle is then known to hold."""
+
+    def __init__(self) -> None:
+        self._held: Items = ()
+        self._list: _List | None = None
+        self._file: dict[int, bytes] | None = None  # of mission.dat: data by offset
+        self._written = False
+
+    def note(self, message: Message, by_vehicle: bool) -> Items | None:
+        """Something was said; the items of the mission if the vehicle is known by it to hold them."""
+        held = self._note_file(message, by_vehicle) if isinstance(message, FileTransfer) else None
+        match message:
+            case Count(count, MissionType.MISSION):
+                if self._list is None or (self._list.count, self._list.to_vehicle) != (count, not by_vehicle):
+                    self._list = _List(count, not by_vehicle)
+                held = () if by_vehicle and not count else None
+            case WritePartialList(first, _, MissionType.MISSION) if first < len(self._held):
+                self._list = _List(len(self._held), True, dict(enumerate(self._held)))
+            case ClearAll(MissionType.MISSION | MissionType.ALL):
+                self._list = _List(0, True)
+            case ItemAt(seq, item, MissionType.MISSION) if self._list and seq < self._list.count:
+                if by_vehicle != self._list.to_vehicle:
+                    self._list.items[seq] = item
+                    held = self._list.whole if by_vehicle else None
+            case Ack(result, MissionType.MISSION | MissionType.ALL) if by_vehicle and self._list:
+                held = self._list.whole if self._list.to_vehicle and result == Result.ACCEPTED else None
+        if held is not None:
+            self._held, self._list = held, None
+        return held
+
+    def _note_file(self, message: FileTransfer, by_vehicle: bool) -> Items | None:
+        """ArduPilot's list as one file: written by a station, or read by it."""
+        said = unpack(message)
+        match said.opcode:
+            case Opcode.OPEN_FILE_RO | Opcode.CREATE_FILE | Opcode.OPEN_FILE_WO:
+                ours = said.data.rstrip(b"\0").decode("utf-8", "replace") == MISSION_FILE
+                self._file = {} if ours else None
+                self._written = said.opcode != Opcode.OPEN_FILE_RO
+            case Opcode.WRITE_FILE if self._file is not None:
+                self._file[said.offset] = said.data
+            case Opcode.ACK if self._file is not None and said.request in (Opcode.READ_FILE, BURST_READ):
+                self._file[said.offset] = said.data
+                return None if self._written else self._whole_file()
+            case Opcode.ACK if self._written and said.request == Opcode.TERMINATE_SESSION:
+                return self._whole_file()
+        return None
+
+    def _whole_file(self) -> Items | None:
+        data = b"".join(chunk for _, chunk in sorted((self._file or {}).items()))
+        try:
+            return unpack_mission(data)
+        except MissionError:
+            return None

@@ -1,0 +1,77 @@
+"""The autopilot's clock behind the stamps of whoever wrote a log down.
+
+Most messages say nothing of time, and a simulation may run ten times as fast as its ground station's clock. So the
+vehicle's time at a stamp lies between the messages around it that tell it, and before the first of them it goes on
+as fast as it did then.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from ipoa_mission.geometry import Vector
+from ipoa_mission.link.messages import Attitude, LocalPosition, Message, Position, SystemTime, TimeSync
+
+#: A clock that falls back by more has begun anew; by less, frames have overtaken each other [s].
+RESTARTED_S = 10.0
+#: As much of the log at each end tells how fast the vehicle's clock goes there [s].
+PACE_S = 2.0
+#: A stamp that is so far from those around it was not written so [s].
+TORN_S = 60.0
+#: A TIMESYNC of more is no time since boot [s].
+LONGEST_S = 1e8
+
+
+def vehicle_time(message: Message) -> float | None:
+    """The vehicle's time since boot [s] that a message of its own tells, if it does."""
+    match message:
+        case Position() | Attitude() | LocalPosition():
+            return message.time_s
+        case SystemTime():
+            return message.boot_s
+        case TimeSync(0, nanoseconds) if 0 < nanoseconds < LONGEST_S * 1e9:
+            return nanoseconds / 1e9
+    return None
+
+
+def unwrapped(stamps: Vector, times: Vector) -> Vector:
+    """The same times where they go on over a restart of the autopilot, by the stamps between."""
+    times = times.copy()
+    for n in np.flatnonzero(np.diff(times) < -RESTARTED_S):
+        if times[n + 1] < times[n] - RESTARTED_S:
+            times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]
+    return np.asarray(np.maximum.accumulate(times))
+
+
+def vehicle_times(stamps: Vector, known_at: Vector, known: Vector) -> Vector:
+    """The vehicle's time at each of `stamps`, by those `known` at others; all stamps grow. Without any, the stamps."""
+    if not len(known):
+        return stamps
+    first, last = known_at[0], known_at[-1]
+    begins = known[0] + (stamps - first) * _pace(known_at, known, slice(None))
+    ends = known[-1] + (stamps - last) * _pace(known_at, known, slice(None, None, -1))
+    between = np.interp(stamps, known_at, known)
+    return np.where(stamps < first, begins, np.where(stamps > last, ends, between))
+
+
+def _pace(known_at: Vector, known: Vector, order: slice) -> float:
+    """How fast the vehicle's clock goes at the end of the log from which `order` counts."""
+    at, times = known_at[order], known[order]
+    near = np.abs(at - at[0]) <= PACE_S
+    span = at[near][-1] - at[0]
+    if not span:
+        near = np.ones(len(at), bool)
+        span = at[-1] - at[0]
+    return float((times[near][-1] - times[0]) / span) if span else 1.0
+
+
+def growing(stamps: Sequence[float]) -> Vector:
+    """Stamps that tell the order too: each a little later than the one before, counted from the first.
+
+    One that is far from those around it is a torn record's, and takes their place.
+    """
+    given = np.asarray(stamps, float)
+    around = np.median(sliding_window_view(np.pad(given, 2, mode="edge"), 5), axis=1)
+    since = np.where(np.abs(given - around) > TORN_S, around, given)
+    return np.asarray(np.maximum.accumulate(since - since[0]) + 1e-9 * np.arange(len(since)))

@@ -1,0 +1,93 @@
+"""Which mission a vehicle holds, overheard on a link; and its clock, behind a station's."""
+
+import numpy as np
+import pytest
+
+from ipoa_mission.link.mavftp import FileMessage, Opcode
+from ipoa_mission.link.messages import Ack, ClearAll, Count, ItemAt, Message, MissionType, Result, WritePartialList
+from ipoa_mission.link.mission_file import MISSION_FILE, pack_mission
+from ipoa_mission.link.transfers import Items, Transfers
+from ipoa_mission.link.vehicle_clock import growing, unwrapped, vehicle_times
+from ipoa_mission.mission.items import Item
+
+OLD = tuple(Item(16, 3, latitude_deg=47.0 + n / 100, longitude_deg=8.5, altitude=10.0) for n in range(3))
+NEW = tuple(Item(16, 3, latitude_deg=46.0 + n / 100, longitude_deg=8.5, altitude=10.0) for n in range(3))
+ACCEPTED = Ack(Result.ACCEPTED)
+
+
+def held(*said: tuple[Message, bool]) -> list[Items]:
+    """What the vehicle is known to hold, each time that it becomes known."""
+    transfers = Transfers()
+    return [found for message, by_vehicle in said if (found := transfers.note(message, by_vehicle)) is not None]
+
+
+def sent(items: Items, by_vehicle: bool) -> list[tuple[Message, bool]]:
+    return [(Count(len(items)), by_vehicle), *((ItemAt(n, item), by_vehicle) for n, item in enumerate(items))]
+
+
+def test_an_upload_counts_when_the_vehicle_has_accepted_it() -> None:
+    assert held(*sent(OLD, False)) == []
+    assert held(*sent(OLD, False), (ACCEPTED, True)) == [OLD]
+    assert held(*sent(OLD, False), (Ack(Result.ERROR), True)) == []
+    assert held(*sent(OLD, False)[:-1], (ACCEPTED, True)) == []
+
+
+def test_a_download_counts_when_the_last_item_is_there_in_any_order() -> None:
+    count, *items = sent(OLD, True)
+    assert held(count, items[2], items[0], items[0], items[1]) == [OLD]
+    assert held((Count(0), True)) == [()]
+
+
+def test_a_count_that_is_repeated_begins_nothing_anew() -> None:
+    count, first, *rest = sent(OLD, False)
+    assert held(count, first, count, *rest, (ACCEPTED, True)) == [OLD]
+
+
+def test_lists_of_another_kind_are_not_the_mission() -> None:
+    fence = [(Count(1, MissionType.FENCE), False), (ItemAt(0, OLD[0], MissionType.FENCE), False)]
+    assert held(*fence, (Ack(Result.ACCEPTED, MissionType.FENCE), True)) == []
+
+
+def test_a_part_that_is_written_over_and_a_list_that_is_cleared() -> None:
+    upload = [*sent(OLD, False), (ACCEPTED, True)]
+    part = [(WritePartialList(1, 1), False), (ItemAt(1, NEW[1]), False), (ACCEPTED, True)]
+    assert held(*upload, *part) == [OLD, (OLD[0], NEW[1], OLD[2])]
+    assert held(*upload, (ClearAll(), False), (ACCEPTED, True)) == [OLD, ()]
+
+
+@pytest.mark.parametrize("written", [True, False])
+def test_a_mission_that_goes_as_a_file(written: bool) -> None:
+    data = pack_mission(OLD)
+    pieces = [(at, data[at : at + 60]) for at in range(0, len(data), 60)]
+    if written:
+        said = [(FileMessage(2, Opcode.CREATE_FILE, data=MISSION_FILE.encode()).pack(), False)]
+        said += [(FileMessage(4, Opcode.WRITE_FILE, offset=at, data=piece).pack(), False) for at, piece in pieces]
+        said += [(FileMessage(9, Opcode.ACK, request=Opcode.TERMINATE_SESSION).pack(), True)]
+        assert held(*said[:-1]) == []
+    else:
+        said = [(FileMessage(2, Opcode.OPEN_FILE_RO, data=MISSION_FILE.encode()).pack(), False)]
+        said += [
+            (FileMessage(4, Opcode.ACK, request=Opcode.READ_FILE, offset=at, data=piece).pack(), True)
+            for at, piece in pieces
+        ]
+    (found,) = held(*said)
+    assert [item.latitude_deg for item in found] == pytest.approx([item.latitude_deg for item in OLD])
+
+
+def test_before_the_first_telemetry_the_clock_goes_as_fast_as_then() -> None:
+    known_at = np.arange(10.0, 14.0, 0.1)
+    known = 100.0 + 8.0 * (known_at - 10.0)
+    stamps = np.array([9.5, 10.0, 10.05, 14.0])
+    assert vehicle_times(stamps, known_at, known) == pytest.approx([96.0, 100.0, 100.4, 132.0])
+    assert vehicle_times(stamps, np.empty(0), np.empty(0)) == pytest.approx(stamps)
+
+
+def test_a_restart_of_the_autopilot_does_not_turn_the_clock_back() -> None:
+    times = unwrapped(np.array([0.0, 1.0, 2.0, 5.0, 6.0]), np.array([200.0, 201.0, 200.9, 3.0, 4.0]))
+    assert times == pytest.approx([200.0, 201.0, 201.0, 204.0, 205.0], abs=0.11)
+
+
+def test_a_torn_stamp_is_between_its_neighbours() -> None:
+    stamps = growing([1.7e9, 1.7e9 + 1, 9.9e12, 1.7e9 + 2, 1.7e9 + 2, 1.7e9 + 3])
+    assert stamps == pytest.approx([0, 1, 2, 2, 2, 3], abs=1e-6)
+    assert (np.diff(stamps) > 0).all()
