@@ -435,3 +435,7 @@ class RadioStatus(Message):
 
     rssi: int
     remrssi: int
+
+
+#: What the two ends of one transfer say to each other, of a list or of a file: nobody else's business.
+TRANSFER = (Count, Request, ItemAt, Ack, RequestList, ClearAll, WritePartialList, FileTransfer)

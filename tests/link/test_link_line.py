@@ -245,30 +245,57 @@ def test_keys_are_read_as_ground_stations_write_them(tmp_path: Path) -> None:
 # --- routes and logs ------------------------------------------------------------------------------------------------
 
 
+ALICE, BOB = Target(245, 190), Target(255, 230)
+
+
 def test_an_answer_goes_only_where_the_question_came_from() -> None:
     routes = Routes()
-    assert routes.learn(245, 190, "alice", 0.0)
-    assert routes.learn(255, 230, "bob", 0.0)
-    assert routes.to(Target(255, 230)) == {"bob"}
+    routes.learn(ALICE, "alice", 0.0)
+    routes.learn(BOB, "bob", 0.0)
+    assert routes.to(BOB) == {"bob"}
     assert routes.to(EVERYONE) == {"alice", "bob"}
 
 
-def test_a_stranger_cannot_take_over_an_id_that_is_in_use() -> None:
+def test_two_stations_with_the_same_ids_are_both_answered_until_one_falls_silent() -> None:
     routes = Routes()
-    routes.learn(245, 190, "alice", 0.0)
-    assert not routes.learn(245, 190, "mallory", 1.0)
-    assert routes.to(Target(245, 190)) == {"alice"}
-    assert routes.learn(245, 190, "alice moved", CLAIM_S + 0.1)
-    assert routes.to(Target(245, 190)) == {"alice moved"}
+    routes.learn(ALICE, "alice", 0.0)
+    routes.learn(ALICE, "her twin", 1.0)
+    assert routes.to(ALICE) == {"alice", "her twin"}
+    routes.learn(ALICE, "her twin", CLAIM_S)
+    routes.learn(ALICE, "alice moved", CLAIM_S)
+    assert routes.to(ALICE) == {"her twin", "alice moved"}
+
+
+def test_a_stranger_cannot_take_over_a_name_that_is_claimed() -> None:
+    routes = Routes()
+    assert routes.claim(ALICE, "alice", 0.0)
+    assert not routes.claim(ALICE, "mallory", 1.0)
+    assert routes.claim(ALICE, "alice", 2.0)
+    assert routes.holder(ALICE) == "alice"
+    assert routes.claim(ALICE, "alice moved", 2.0 + CLAIM_S)
+    routes.release(ALICE)
+    assert routes.claim(ALICE, "bob", 2.1 + CLAIM_S)
 
 
 def test_a_flood_of_peers_does_not_grow_without_bound() -> None:
     routes = Routes()
     for n in range(1000):
-        routes.learn(n % 256, n // 256, f"peer {n}", float(n))
+        routes.learn(Target(n % 256, n // 256), f"peer {n}", float(n))
         routes.framer(f"peer {n}")
     assert len(routes.to(EVERYONE)) == MOST_PEERS
     assert len(routes._framers) == MOST_PEERS
+
+
+def test_made_up_ids_do_not_evict_whom_we_speak_to() -> None:
+    routes = Routes()
+    routes.learn(BOB, "bob", 0.0)
+    routes.speak_to(BOB)
+    for n in range(400):
+        routes.learn(Target(1 + n % 40, 1), "mallory", 0.01 * n)
+    assert routes.to(BOB) == {"bob"}
+    for n in range(100):  # nor by taking the name itself
+        routes.learn(BOB, f"mallory {n}", 4.0 + 0.001 * n)
+    assert "bob" in routes.to(BOB)
 
 
 def test_a_log_is_read_back_and_a_torn_record_is_passed_over(tmp_path: Path) -> None:
