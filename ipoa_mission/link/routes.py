@@ -32,8 +32,9 @@ class Routes:
     def learn(self, name: Target, peer: Peer, now: float) -> None:
         """A frame of this name came from `peer`.
 
-        A new peer takes the place of those of its name who have fallen silent: it has moved. In a full house whoever was silent for `CLAIM_S` goes first, then the longest silent of those whom nobody
-        speaks to; where all are spoken to, there is no room for another.
+        A new peer takes the place of those of its name who have fallen silent: it has moved. In a full house whoever
+        was silent for `CLAIM_S` goes first, then the longest silent of those whom nobody speaks to; where all are
+        spoken to, there is no room for another.
         """
         if self._heard.pop((name, peer), None) is None:
             for one in [one for one, when in self._heard.items() if one[0] == name and now - when >= CLAIM_S]:
