@@ -129,7 +129,10 @@ class Line:
     def _is_known(self, one: Heard, peer: Peer, now: float) -> bool:
         """Whether this frame comes from whom we know by its name; who else uses the name is a rival."""
         name = Target(one.system, one.component)
+        before = self._routes.holder(name)
         if self._routes.claim(name, peer, now):
+            if before != peer:
+                self._rivals.pop(name, None)
             self._routes.learn(name, peer, now)
             self._is_old[name] = is_old(one.raw) and self._is_old.get(name, True)
             return True

@@ -51,10 +51,6 @@ class Routes:
         self._claims[name] = (peer, now)
         return True
 
-    def release(self, name: Target) -> None:
-        """Anybody may claim this name again."""
-        self._claims.pop(name, None)
-
     def heard_s(self, name: Target) -> float | None:
         """When this name was heard last, if it ever was."""
         return max((when for (one, _), when in self._heard.items() if one == name), default=None)

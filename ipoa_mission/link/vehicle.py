@@ -79,6 +79,7 @@ def connect(
     signer: Signer | None = None,
     patience: Patience = SPECIFIED,
     fast: bool = True,
+    anyway: bool = False,
 ) -> "Vehicle":
     """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
 
@@ -86,10 +87,11 @@ def connect(
         BadInput, LinkDown: the link cannot be opened.
         NoAnswer: there is no vehicle.
         MissionError: there are several, and `system` does not say which.
+        Contested: there are two with this system id; `anyway` takes the first.
     """
     line = open_line(url, log, signer)
     try:
-        return meet(line, system, patience, fast)
+        return meet(line, system, patience, fast, anyway)
     except NoAnswer as silence:
         line.close()
         raise NoAnswer(
@@ -105,34 +107,42 @@ def open_line(url: str, log: str | Path | None = None, signer: Signer | None = N
     return Line(open_channel(url), Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
 
 
-def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True) -> "Vehicle":
+def meet(
+    line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True, anyway: bool = False
+) -> "Vehicle":
     """The vehicle on a line: the one with this system id, or the only one.
+
+    Raises:
+        NoAnswer: there is none.
+        MissionError: there are several, and `system` does not say which.
+        Contested: there are two with this system id; `anyway` takes the first.
 
     While it listens for others it pings, so that the first timers already know how slow the link is.
     """
     found: dict[int, Found] = {}
     trips: dict[int, float] = {}
     until = line.channel.now() + PRESENCE_S
+    is_met = False
     while line.channel.now() < until:
-        was_alone = not found
         heard = line.receive(until)
         found |= _autopilots(heard)
         trips |= _round_trips(heard, line.channel.now())
-        if system is not None and system in found:
-            return Vehicle(line, found[system], patience, fast)
-        if system is None and found and was_alone:
+        if not is_met and (system in found if system is not None else found):
+            is_met = True
             until = line.channel.now() + OTHERS_S
             line.send(Ping(round(line.channel.now() * 1e6), 0))
-    if system is not None:
+    if system is not None and system not in found:
         others = f"; heard: {', '.join(map(str, sorted(found)))}" if found else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
     if not found:
         raise NoAnswer("no autopilot is heard")
-    if len(found) > 1:
+    if system is None and len(found) > 1:
         raise MissionError(
             f"several vehicles are heard: {', '.join(map(str, sorted(found)))}", hint="choose one by its system id"
         )
-    one = found.popitem()[1]
+    one = found[system] if system is not None else found.popitem()[1]
+    if not anyway:
+        line.expect_alone(one.system)
     return Vehicle(line, one, patience, fast, trips.get(one.system))
 
 

@@ -3,8 +3,7 @@
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.loopback import EPOCH_S
-from ipoa_mission.link.mavftp import Opcode, unpack
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, TRANSFER, Ack, FileTransfer, Message, Result
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, TRANSFER
 from ipoa_mission.link.routes import Routes
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.simulator.autopilot import Autopilot
@@ -42,8 +41,6 @@ class Station:
             if isinstance(message, TRANSFER) and not self._routes.claim(name, peer, now):
                 continue
             self.autopilot.receive(message, name, now)
-            if isinstance(message, Ack):
-                self._routes.release(name)
 
     def tick(self, now: float) -> None:
         """Time has passed."""
@@ -60,18 +57,9 @@ class Station:
             if isinstance(message, TRANSFER) and holder is not None:
                 peers = {holder}
             sent += [(frame, peer) for peer in peers or {None}]
-            if _is_last(message):
-                self._routes.release(target)
         return sent
 
     @property
     def deadline(self) -> float:
         """When `tick` is next needed."""
         return self.autopilot.deadline
-
-
-def _is_last(message: Message) -> bool:
-    """Whether this answer ends a transfer."""
-    if isinstance(message, FileTransfer):
-        return unpack(message).request in (Opcode.TERMINATE_SESSION, Opcode.RESET_SESSIONS)
-    return isinstance(message, Ack) and message.result == Result.ACCEPTED
