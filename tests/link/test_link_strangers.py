@@ -189,9 +189,6 @@ def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_
         return []
 
     vehicle = meet(line_on(net), fast=False)
-    assert not disturb(net.now())
-    for _ in range(100):
-        net.receive(net.now() + 0.05)
     opened = vehicle.line.codec.encode(Count(31), VEHICLE, 0.0)
     net.ends["one"].receive(opened, "us", net.now())
     net.strangers.append(disturb)
