@@ -7,7 +7,7 @@ a corrupt length, and records the timestamp of a signature before it has checked
 import re
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -117,7 +117,21 @@ _EVENT = Definition(
     (1,) * 7,
     160,
 )
-_DEFINITIONS: dict[int, Definition] = {number: _definition(kind) for number, kind in dialect.mavlink_map.items()}
+#: Fields that MAVLink has added behind messages since the stable dialects: 32-bit numbers.
+_ADDED = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
+
+
+def _extended(definition: Definition) -> Definition:
+    new = tuple(name for name in _ADDED.get(definition.name, ()) if name not in definition.names)
+    return replace(
+        definition,
+        layout=struct.Struct(definition.layout.format + "I" * len(new)),
+        names=definition.names + new,
+        lengths=definition.lengths + (1,) * len(new),
+    )
+
+
+_DEFINITIONS = {number: _extended(_definition(kind)) for number, kind in dialect.mavlink_map.items()}
 _DEFINITIONS.setdefault(_EVENT.number, _EVENT)
 _NUMBERS = {definition.name: definition.number for definition in _DEFINITIONS.values()}
 

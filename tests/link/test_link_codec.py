@@ -31,6 +31,8 @@ def example(kind: type[m.Message]) -> m.Message:
         m.LocalPosition: m.LocalPosition(1.0, (1.0, 2.0, -3.0), (0.5, 0.25, -0.125)),
         m.FileTransfer: m.FileTransfer(bytes(range(251))),
         m.SystemTime: m.SystemTime(NOW, 5.0),
+        m.Ack: m.Ack(1, 1),  # without the ids that pymavlink does not know
+        m.Current: m.Current(1, 1, 1, 1),
     }
     if kind in special:
         return special[kind]
@@ -98,6 +100,21 @@ def test_fields_that_a_newer_autopilot_adds_are_passed_over() -> None:
     heard = Codec(245, 190).decode(frame)
     assert heard is not None
     assert heard.message == m.Count(5)
+
+
+def test_ids_of_missions_are_read_as_px4_sends_them() -> None:
+    # As PX4 1.17 sent them after an upload of seven items (payloads of a recording).
+    for number, crc_extra, payload, message in (
+        (47, 153, "f5be00008e66bf40", m.Ack(0, 0, 0x40BF668E)),
+        (42, 28, "0000070002028e66bf40", m.Current(0, 7, 2, 2, 0x40BF668E)),
+    ):
+        body = bytes((len(payload) // 2, 0, 0, 0, 1, 1, number, 0, 0)) + bytes.fromhex(payload)
+        (frame,) = frames(b"\xfd" + body + dialect.x25crc(body + bytes((crc_extra,))).crc.to_bytes(2, "little"))
+        heard = Codec(245, 190).decode(frame)
+        assert heard is not None
+        assert heard.message == message
+        (ours,) = frames(Codec(1, 1).encode(message, Target(245, 190), NOW))
+        assert Codec(245, 190).decode(ours).message == message  # type: ignore[union-attr]
 
 
 @given(st.integers(-1_800_000_000, 1_800_000_000), st.sampled_from([0, 3, 5, 6, 10, 11]))
