@@ -21,6 +21,7 @@ from ipoa_mission.link.conversations import (
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType, Request, Result
+from ipoa_mission.link.wire import expect_items
 from ipoa_mission.mission.firmware import Difference, compare
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicle import Autopilot
@@ -61,11 +62,18 @@ class Unflyable(MissionError):
 
 @dataclass(frozen=True)
 class Upload:
-    """One list for one vehicle, as it goes over the wire."""
+    """One list for one vehicle, as it goes over the wire.
+
+    Raises:
+        BadInput: MAVLink cannot carry it.
+    """
 
     items: Sequence[Item]
     autopilot: Autopilot
     kind: int = MissionType.MISSION
+
+    def __post_init__(self) -> None:
+        expect_items(self.items)
 
     @property
     def truncates(self) -> bool:
