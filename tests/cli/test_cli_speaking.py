@@ -302,9 +302,6 @@ def test_a_bar_shows_what_a_terminal_would_obey(monkeypatch: pytest.MonkeyPatch)
 
 def test_names_in_files_do_not_reach_the_terminal_as_commands(run, missions: Path) -> None:
     scenario = (missions / "sitl.toml").read_text()
-    Path("wicked.toml").write_text(scenario.replace('"mast"', '"mast\\u001b[2J"').replace("up = 15.0", "up = -15.0"))
-    ended = run("plan wicked.toml")
-    assert ended.code != 0
     Path("keys.toml").write_text('"\\u001b[2J" = 1\n' + scenario)
     ended = run("plan keys.toml")
     assert ended.code == 2
