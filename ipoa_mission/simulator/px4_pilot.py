@@ -315,7 +315,7 @@ class PX4Pilot:
             if now.mode is FlightMode.MISSION:
                 now.done(now.current)
                 now.mission = MissionState.COMPLETE
-        waits = 0.0 if now.mode is FlightMode.MISSION else self._p.get("COM_DISARM_LAND", 2.0)
+        waits = NAVIGATOR_S if now.mode is FlightMode.MISSION else self._p.get("COM_DISARM_LAND", 2.0)  # (as recorded)
         if now.time_s - self._since_s >= waits:
             now.disarm()
             now.mode = FlightMode.HOLD
