@@ -1,4 +1,4 @@
-"""How the two autopilots leave the ground and how they know that they are back on it: facts that both models of each share.
+"""How the autopilots leave the ground and know that they are back on it: facts that both models of each share.
 
 Read from the autopilots' land detectors and measured on their simulated flights; docs/flight-time.md says which.
 """

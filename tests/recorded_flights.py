@@ -1,8 +1,9 @@
 """The recorded flights as truth: what was flown, by whom, with which parameters, and how long each part took.
 
 A flight is judged from the first item that its autopilot reports done (the take-off, or the waypoint over it) to its
-last waypoint; what follows (RTL, LAND) apart. `LANDINGS` are flights armed as `fly` arms, from 8 to 60 m high, slow and
-fast: by them take-off and landing are judged, to which nothing of them was fitted. PX4 was flown several times where it is noisy: its truth is the mean.
+last waypoint; what follows (RTL, LAND) apart. PX4 was flown several times where it is noisy: its truth is the mean.
+`LANDINGS` are flights armed as `fly` arms, from 8 to 60 m high, slow and fast: take-off and landing are judged by them,
+and nothing of them was fitted.
 """
 
 import json

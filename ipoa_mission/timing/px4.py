@@ -427,7 +427,7 @@ def _crawl(senses: Senses | None, limits: Px4Limits) -> tuple[float, float]:
 
 
 def _standing(senses: Senses | None, known: Px4Touchdown) -> tuple[float, ...]:
-    """What is taken for a landing: seen late by, thrust that is low, speed that is none, stages with and without ground."""
+    """What is taken for a landing: seen late by, low thrust, a speed that is none, stages with and without ground."""
     low, seen = GRAVITY * (known.low_thrust - 1.0), senses is not None and senses.sees_ground
     return (RANGE_LAG_S if seen else 0.0, low, known.most_speed, known.stage_s(False), known.stage_s(seen))
 
