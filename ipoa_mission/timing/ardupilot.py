@@ -38,10 +38,9 @@ from ipoa_mission.vehicle import Parameters
 STEP = 0.02  # [s]
 SAMPLE_STEPS = 5  # a sample of the track every so many steps
 JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
-#: LAND flies to its place at the height where the vehicle is, cut to whole centimetres: more often than not that is one
-#: below the waypoint's, and a leg of one takes a second. The share is that of 48 landings; before a flight nothing
-#: tells which it will be.
-LAND_BELOW = 0.62
+#: LAND flies to its place at the height where the vehicle is, cut to whole centimetres: that is the waypoint's, or one
+#: centimetre below, and a leg of one takes a second. Before a flight nothing tells which: half of it is counted.
+LAND_BELOW = 0.5
 #: RTL begins with a leg to where the vehicle would stop, its height and place cut likewise: by so much on average [m].
 RETURN_ROUNDING = 0.7 * CENTIMETRE
 #: What rounding leaves to climb when a take-off counts as done: up to half a millimetre, for which the leg over the
