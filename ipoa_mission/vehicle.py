@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 Parameters: TypeAlias = Mapping[str, float]
+SINGLE_MAX = 3.4e38  # what MAVLink's floats can carry
 
 
 class Autopilot(StrEnum):

@@ -11,6 +11,12 @@ settings.register_profile("steady", deadline=None, derandomize=True)  # CI's mac
 settings.load_profile("steady")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Simulations to fly on: see tests/sitl."""
+    for name in ("ardupilot", "px4"):
+        parser.addoption(f"--{name}", metavar='LINK|"COMMAND @ LINK"', help=f"a simulated {name} for the sitl tests")
+
+
 @pytest.fixture
 def missions() -> Path:
     """The folder of scenarios that ship with the repository."""

@@ -2,6 +2,8 @@
 
 A flight is judged from the first item that its autopilot reports done (the take-off, or the waypoint over it) to its
 last waypoint; what follows (RTL, LAND) apart. PX4 was flown several times where it is noisy: its truth is the mean.
+`LANDINGS` are flights armed as `fly` arms, from 8 to 60 m high, slow and fast: take-off and landing are judged by them,
+and nothing of them was fitted.
 """
 
 import json
@@ -16,7 +18,8 @@ from ipoa_mission.mission.items import Command, Mission
 from ipoa_mission.mission.waypoints_file import read_waypoints
 from ipoa_mission.vehicle import Autopilot, Parameters
 
-FLIGHTS = Path(__file__).resolve().parent / "flights"
+HERE = Path(__file__).resolve().parent
+FLIGHTS, LANDINGS = HERE / "flights", HERE / "landings"
 WAYPOINTS = (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
 
 
@@ -24,11 +27,16 @@ WAYPOINTS = (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
 class Recorded:
     """One mission as flown: `runs` holds, for each time it was flown, when each item was done [s]."""
 
-    name: str
+    folder: Path
     mission: Mission
     parameters: Parameters
     runs: tuple[dict[int, float], ...]
     end_s: float
+
+    @property
+    def name(self) -> str:
+        """The mission and its autopilot, as in `survey-px4`."""
+        return self.folder.name
 
     @property
     def first(self) -> int:
@@ -48,11 +56,11 @@ class Recorded:
     @property
     def trace(self) -> NDArray[np.float64]:
         """About once a second: time, latitude, longitude, height over home, velocity north, east, down."""
-        return np.loadtxt(FLIGHTS / self.name / "trace.csv", delimiter=",", skiprows=1)
+        return np.loadtxt(self.folder / "trace.csv", delimiter=",", skiprows=1)
 
 
 def read_flight(folder: Path) -> Recorded:
-    """Read one folder of tests/flights."""
+    """Read one folder of tests/flights or tests/landings."""
     flight = json.loads((folder / "flight.json").read_text())
     mission = read_waypoints(folder / "mission.waypoints", Autopilot(flight["autopilot"]))
     last = max(n for n, item in enumerate(mission.items, 1) if item.command in WAYPOINTS)
@@ -61,12 +69,12 @@ def read_flight(folder: Path) -> Recorded:
         flight.get("repeats_item_done_s", ()), flight.get("repeats_complete_s", ()), strict=True
     ):
         runs.append(_run(items, complete, mission, last))
-    return Recorded(folder.name, mission, flight["params"], tuple(runs), flight["end_s"])
+    return Recorded(folder, mission, flight["params"], tuple(runs), flight["end_s"])
 
 
-def read_flights(autopilot: Autopilot) -> tuple[Recorded, ...]:
+def read_flights(autopilot: Autopilot, folder: Path = FLIGHTS) -> tuple[Recorded, ...]:
     """All flights of one autopilot, by name."""
-    return tuple(read_flight(folder) for folder in sorted(FLIGHTS.glob(f"*-{autopilot}")))
+    return tuple(read_flight(one) for one in sorted(folder.glob(f"*-{autopilot}")))
 
 
 def _run(items: dict[str, Any], complete: float | None, mission: Mission, last: int) -> dict[int, float]:

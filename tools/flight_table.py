@@ -13,7 +13,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))  # where the flights are read, for the tests and here
 
-from recorded_flights import Recorded, read_flights  # noqa: E402
+from recorded_flights import LANDINGS, Recorded, read_flights  # noqa: E402
 
 from ipoa_mission.geometry import Points  # noqa: E402
 from ipoa_mission.mission.items import Mission  # noqa: E402
@@ -127,11 +127,32 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
+def landing_table() -> str:
+    """Take-off and landing of the flights that were armed as `fly` arms, in Markdown."""
+    lines = [
+        "| flight | take-off flown, s | estimated, s | error | LAND flown, s | estimated, s | error |",
+        "|---|--:|--:|--:|--:|--:|--:|",
+    ]
+    for autopilot in NAMES:
+        for flight in read_flights(autopilot, LANDINGS):
+            done = {item.seq: item.done_s for item in estimate(flight.mission, flight.parameters, fast=True).items}
+            land = len(flight.mission.items)
+            cells = [flight.name]
+            for begin, end in ((0, flight.first), (flight.last, land)):
+                flown = np.array([run[end] - run.get(begin, 0.0) for run in flight.runs if end in run])
+                ours = done[end] - done.get(begin, 0.0)
+                spread = f" ± {flown.std(ddof=1):.1f} ({len(flown)})" if len(flown) > 1 else ""
+                cells += [f"{flown.mean():.1f}{spread}", f"{ours:.1f}", f"{100 * (ours / flown.mean() - 1):+.1f} %"]
+            lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def main() -> None:
     parts = []
     for autopilot, name in NAMES.items():
         rows = [compare(flight) for flight in read_flights(autopilot)]
         parts.append(f"### {name}\n\n{table(rows)}")
+    parts.append(f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}")
     text = "\n\n".join(parts)
     if "--write" not in sys.argv[1:]:
         print(text)

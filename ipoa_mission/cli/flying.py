@@ -118,7 +118,7 @@ def fly(
             blown = (air.east, air.north)
             record = fly_here(job.mission, job.parameters, seed, faults, log, flying=bar, wind=blown)
     else:
-        with connect_to(link, system, key, backend, None, log, timeout) as vehicle:
+        with connect_to(link, system, key, backend, None, log, timeout, anyway) as vehicle:
             if not states_firmware(source, autopilot):
                 job = prepare(source, autopilot=vehicle.autopilot, parameters=parameters, wind=air)
             flight = RealFlight(job, vehicle, begin - 1, anyway, set_params)

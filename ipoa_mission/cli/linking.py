@@ -43,7 +43,9 @@ def upload(
     from ipoa_mission.mission.files import read_mission
 
     mission = read_mission(file, autopilot)
-    with connect_to(link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog"), timeout) as vehicle:
+    with connect_to(
+        link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog"), timeout, anyway
+    ) as vehicle:
         if not states_firmware(file, autopilot):
             mission = read_mission(file, vehicle.autopilot)
         remarks = put(mission, vehicle, anyway)

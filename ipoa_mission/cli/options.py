@@ -10,7 +10,7 @@ import typer
 
 from ipoa_mission.cli.vehicles import Backend
 from ipoa_mission.errors import BadInput
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.vehicle import SINGLE_MAX, Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.timing.wind import Wind
@@ -272,7 +272,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
     for text in given or ():
         name, equals, value = text.partition("=")
         try:
-            if not (name.strip() and equals and math.isfinite(number := float(value))):
+            if not (name.strip() and equals and abs(number := float(value)) <= SINGLE_MAX):
                 raise ValueError
             parameters[_known(name.strip().upper())] = number
         except ValueError:

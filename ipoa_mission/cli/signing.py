@@ -1,6 +1,8 @@
 """Who signs what we say: a key in a file, or a passphrase in the environment, which is never printed.
 
-A signature's timestamps must only grow, from one run to the next: the last is kept in the user's folder for state.
+A key is 64 hexadecimal digits, 32 bytes that are no text, or a passphrase without the line end behind it: the same in a
+file and in the environment. A signature's timestamps must only grow, from one run to the next: the last is kept in the
+user's folder for state.
 """
 
 import os

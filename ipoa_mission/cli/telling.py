@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -9,13 +10,20 @@ from typing import Any, Literal
 
 from ipoa_mission.errors import MissionError
 
+#: What a terminal obeys instead of showing it: control characters, and those that turn the direction of writing.
+_OBEYED = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
 OFF_A_TERMINAL = 200  # characters: wide enough that no table is folded in a file
+
+
+def shown(text: str) -> str:
+    """Words of a vehicle or a file for one line of a terminal: what would be obeyed stands there as in `\\x1b`."""
+    return _OBEYED.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 def tell(*lines: str) -> None:
     """Print lines of a result."""
     for line in lines:
-        print(line, flush=True)
+        print(shown(line), flush=True)
 
 
 def notes(remarks: Iterable[str]) -> list[str]:
@@ -25,7 +33,9 @@ def notes(remarks: Iterable[str]) -> list[str]:
 
 def tell_json(result: Any, indent: int | None = 2) -> None:
     """Print a result for machines at once: JSON, without NaN; without an indent it is one line."""
-    print(json.dumps(result, indent=indent, ensure_ascii=False, allow_nan=False), flush=True)
+    text = json.dumps(result, indent=indent, ensure_ascii=False, allow_nan=False)
+    lines = (_OBEYED.sub(lambda found: json.dumps(found[0])[1:-1], line) for line in text.split("\n"))
+    print("\n".join(lines), flush=True)
 
 
 def tell_table(
@@ -50,11 +60,12 @@ def tell_table(
         side: Literal["left", "right"] = "right" if numbers else "left"
         table.add_column(Align(columns[i], side, vertical="bottom"), justify=side, no_wrap=not is_last)
     for row in rows:
-        table.add_row(*(Text(row[i]) for i in kept))
+        table.add_row(*(Text(shown(row[i])) for i in kept))
     console = Console(highlight=False, width=None if sys.stdout.isatty() else width)
     with console.capture() as drawn:
         console.print(table)
-    tell(title, "", *(line.rstrip() for line in drawn.get().splitlines()), "")
+    tell(title, "")
+    print("\n".join(line.rstrip() for line in drawn.get().splitlines()) + "\n", flush=True)
 
 
 def tell_error(error: MissionError, as_json: bool = False) -> None:
@@ -64,11 +75,11 @@ def tell_error(error: MissionError, as_json: bool = False) -> None:
 
     if as_json:
         tell_json({"error": str(error), "hint": error.hint, "exit_code": error.exit_code} | error.known)
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
-    for line in str(error).splitlines():
-        console.print(f"[bold red]error:[/] {escape(line)}")
+    console = Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
+    for line in str(error).split("\n"):
+        console.print(f"[bold red]error:[/] {escape(shown(line))}")
     if error.hint:
-        console.print(f"[bold]hint:[/] {escape(error.hint)}")
+        console.print(f"[bold]hint:[/] {escape(shown(error.hint))}")
 
 
 def speak_anywhere() -> None:
@@ -90,8 +101,8 @@ def progress_bar(words: str) -> Iterator[Callable[[float, str], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    what = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}"))
+    what = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}", markup=False))
     when = (TimeElapsedColumn(), TextColumn("·"), TimeRemainingColumn(), TextColumn("left"))
     with Progress(*what, *when, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(words, total=1.0, words="")
-        yield lambda fraction, said: progress.update(task, completed=fraction, words=said)
+        yield lambda fraction, said: progress.update(task, completed=fraction, words=shown(said))

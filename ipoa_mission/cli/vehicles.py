@@ -35,6 +35,7 @@ def connect_to(
     record: Path | None,
     usual_record: Path,
     timeout: float | None = None,
+    anyway: bool = False,
 ) -> "AnyVehicle":
     """The vehicle on a link. Every frame goes to `record` (left out: to `usual_record`), unless MAVSDK speaks for us.
 
@@ -59,7 +60,7 @@ def connect_to(
     else:
         from ipoa_mission.link.vehicle import connect
 
-        vehicle = connect(link, system, record or usual_record, signer, patience_of(timeout))
+        vehicle = connect(link, system, record or usual_record, signer, patience_of(timeout), anyway=anyway)
     log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, backend)
     return vehicle
 

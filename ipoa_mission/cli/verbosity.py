@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.telling import tell
+from ipoa_mission.cli.telling import shown, tell
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
 
@@ -45,7 +45,7 @@ def listen_to_log(level: int) -> None:
     """Send what the package logs, from this level upwards, to standard error."""
     handler = logging.StreamHandler()
     detailed = "%(relativeCreated)6d ms  %(levelname)-7s %(name)s: %(message)s"
-    handler.setFormatter(_Plain() if level == logging.WARNING else logging.Formatter(detailed))
+    handler.setFormatter(_Plain() if level == logging.WARNING else _Detailed(detailed))
     ours = logging.getLogger("ipoa_mission")
     ours.handlers[:] = [handler]
     ours.setLevel(level)
@@ -55,4 +55,11 @@ class _Plain(logging.Formatter):
     """`warning: words`, beside the `error:` and `hint:` of the command line."""
 
     def format(self, record: logging.LogRecord) -> str:
-        return f"{record.levelname.lower()}: {record.getMessage()}"
+        return shown(f"{record.levelname.lower()}: {record.getMessage()}")
+
+
+class _Detailed(logging.Formatter):
+    """When, where and what."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return shown(super().format(record))

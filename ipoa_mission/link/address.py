@@ -11,8 +11,8 @@ from ipoa_mission.errors import BadInput
 
 LOOPBACK = "127.0.0.1"
 DEFAULT_BAUD = 57600
-_NETWORK = re.compile(r"(?P<kind>\w+):(//)?(?P<host>\[[0-9a-fA-F:.]+\]|[^:/\[\]]*):(?P<port>\d+)/?")
-_SERIAL = re.compile(r"serial:(//)?(?P<device>[^:]+)(:(?P<baud>\d+))?")
+_NETWORK = re.compile(r"(?P<kind>\w+):(//)?(?P<host>\[[0-9a-fA-F:.]+\]|[^:/\[\]]*):(?P<port>\d{1,9})/?", re.ASCII)
+_SERIAL = re.compile(r"serial:(//)?(?P<device>[^:]+)(:(?P<baud>\d{1,9}))?", re.ASCII)
 
 
 class Transport(StrEnum):

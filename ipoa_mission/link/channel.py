@@ -5,10 +5,12 @@ beyond the moment it is told; writing never blocks at all (a full buffer loses, 
 """
 
 import importlib
+import os
 import select
 import socket
 import time
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
@@ -18,6 +20,7 @@ from ipoa_mission.link.address import Address, Transport, parse_address
 Peer: TypeAlias = Hashable
 LONGEST_READ = 65536
 MOST_CONNECTIONS = 16
+MOST_UNSENT = 2048  # bytes that wait for a serial line: a third of a second at 57600 baud
 
 
 class LinkDown(MissionError):
@@ -62,11 +65,15 @@ def open_channel(url: str) -> Channel:
                 return TcpChannel(address)
             case Transport.SERIAL:
                 return SerialChannel(address)
-    except OSError as error:
-        raise LinkDown(f"{address}: cannot be opened: {error.strerror or error}", hint=_hint(error)) from error
+    except (OSError, ValueError) as error:  # ValueError: a host, a device or a baud rate that cannot be one
+        raise LinkDown(f"{address}: cannot be opened: {_reason(error)}", hint=_hint(error)) from error
 
 
-def _hint(error: OSError) -> str | None:
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error)
+
+
+def _hint(error: Exception) -> str | None:
     if isinstance(error, ConnectionRefusedError):
         return "nobody listens there: is the autopilot (or the simulation) running?"
     return "is another ground station using it?" if "in use" in str(error) else None
@@ -108,7 +115,7 @@ class UdpChannel(_RealTime):
                 self._socket.bind(("", 0) if not _is_loopback(self._remote[0]) else (self._remote[0], 0))
             else:
                 self._socket.bind((address.host, address.port))
-        except OSError:
+        except (OSError, ValueError):
             self._socket.close()
             raise
 
@@ -124,9 +131,11 @@ class UdpChannel(_RealTime):
             return [self._socket.recvfrom(LONGEST_READ)]
         except (BlockingIOError, ConnectionError):  # nothing; or an earlier datagram met a closed port
             return []
+        except OSError as error:
+            raise LinkDown(f"the link broke: {_reason(error)}") from error
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """See `Channel`."""
+        """See `Channel`: what does not reach a peer is lost, whatever address it claims to have."""
         to: Any = peer or self._remote
         if to is None:
             return
@@ -135,7 +144,8 @@ class UdpChannel(_RealTime):
         except (BlockingIOError, ConnectionError):
             return
         except OSError as error:
-            raise LinkDown(f"the link broke: {error.strerror}") from error
+            if peer is None:
+                raise LinkDown(f"the link broke: {_reason(error)}") from error
 
     def close(self) -> None:
         """See `Channel`."""
@@ -258,22 +268,46 @@ class SerialChannel(_RealTime):
         if not Path(address.device).exists() and not address.device.upper().startswith("COM"):
             raise LinkDown(f"{address}: there is no such device")
         self._port = serial.Serial(address.device, address.baud, timeout=0, write_timeout=0)
+        self._unsent = b""
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         """See `Channel`."""
-        data: bytes = self._port.read(LONGEST_READ)
+        data = self._move()
         while not data and (left := until - self.now()) > 0:
             time.sleep(min(left, 0.002))
-            data = self._port.read(LONGEST_READ)
+            data = self._move()
         return [(data, "serial")] if data else []
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """See `Channel`."""
-        try:
-            self._port.write(data)
-        except OSError as error:
-            raise LinkDown(f"the link broke: {error}") from error
+        """See `Channel`: a line that does not drain takes no more frames, but never half of one."""
+        if len(self._unsent) + len(data) <= MOST_UNSENT:
+            self._unsent += data
+        with _broken_by_errors():
+            self._write()
 
     def close(self) -> None:
         """See `Channel`."""
         self._port.close()
+
+    def _move(self) -> bytes:
+        with _broken_by_errors():
+            self._write()
+            data: bytes = self._port.read(LONGEST_READ)
+        return data
+
+    def _write(self) -> None:
+        """Write what the line takes at once: pyserial waits for ever for one that takes nothing."""
+        if self._unsent and self._is_ready():
+            self._unsent = self._unsent[self._port.write(self._unsent) :]
+
+    def _is_ready(self) -> bool:
+        return os.name != "posix" or bool(select.select([], [self._port], [], 0)[1])
+
+
+@contextmanager
+def _broken_by_errors() -> Iterator[None]:
+    """What pyserial raises for a line that is gone: its own errors, and those of the file that was closed."""
+    try:
+        yield
+    except (OSError, TypeError, ValueError) as error:
+        raise LinkDown(f"the link broke: {_reason(error)}", hint="is it still plugged in?") from error

@@ -4,15 +4,17 @@ The framing is ours, because pymavlink's parser forgets who sent an unknown mess
 a corrupt length, and records the timestamp of a signature before it has checked it.
 """
 
+import re
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.link import wire
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.signing import Signer
@@ -20,7 +22,8 @@ from ipoa_mission.link.signing import Signer
 MAGIC_1, MAGIC_2 = 0xFE, 0xFD
 SIGNED = 0x01  # incompat_flags bit
 SIGNATURE_BYTES = 13
-LONGEST_FRAME = 10 + 255 + 2 + SIGNATURE_BYTES
+#: Where a frame may begin: MAVLink 2 has flags behind its length, of which only the signature's is known.
+_BEGINNING = re.compile(rb"\xfe|\xfd(?=.[\x00\x01]|.?\Z)", re.DOTALL)
 RADIO_STATUS = "RADIO_STATUS"
 
 
@@ -61,12 +64,19 @@ class Definition:
     crc_extra: int
 
     def pack(self, fields: wire.Fields) -> bytes:
-        """The payload without the zeros at its end; a field that is not given is zero."""
+        """The payload without the zeros at its end; a field that is not given is zero.
+
+        Raises:
+            BadInput: a value does not fit.
+        """
         values: list[Any] = []
         for name, length, blank in zip(self.names, self.lengths, self._blanks(), strict=True):
             value = fields.get(name, blank)
             values.extend(value) if length > 1 else values.append(value)
-        return self.layout.pack(*values).rstrip(b"\0") or b"\0"
+        try:
+            return self.layout.pack(*values).rstrip(b"\0") or b"\0"
+        except (struct.error, OverflowError) as error:
+            raise BadInput(f"{self.name}: expected values that fit its fields: {error}") from error
 
     def unpack(self, payload: bytes) -> SimpleNamespace:
         """The fields of a payload; MAVLink 2 cuts it at its trailing zeros, MAVLink 1 before its extensions."""
@@ -107,7 +117,21 @@ _EVENT = Definition(
     (1,) * 7,
     160,
 )
-_DEFINITIONS: dict[int, Definition] = {number: _definition(kind) for number, kind in dialect.mavlink_map.items()}
+#: Fields that MAVLink has added behind messages since the stable dialects: 32-bit numbers.
+_ADDED = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
+
+
+def _extended(definition: Definition) -> Definition:
+    new = tuple(name for name in _ADDED.get(definition.name, ()) if name not in definition.names)
+    return replace(
+        definition,
+        layout=struct.Struct(definition.layout.format + "I" * len(new)),
+        names=definition.names + new,
+        lengths=definition.lengths + (1,) * len(new),
+    )
+
+
+_DEFINITIONS = {number: _extended(_definition(kind)) for number, kind in dialect.mavlink_map.items()}
 _DEFINITIONS.setdefault(_EVENT.number, _EVENT)
 _NUMBERS = {definition.name: definition.number for definition in _DEFINITIONS.values()}
 
@@ -182,7 +206,7 @@ class Codec:
 
 
 class Framer:
-    """Cuts a stream of bytes into whole frames; what is no frame is passed over, one byte at a time."""
+    """Cuts the bytes of one peer into whole frames; what is no frame is passed over."""
 
     def __init__(self) -> None:
         self._buffer = b""
@@ -190,59 +214,77 @@ class Framer:
     def feed(self, data: bytes) -> Iterator[bytes]:
         """The frames that `data` completes, checksums checked; never keeps more than one frame's worth."""
         self._buffer += data
-        while (start := _next_magic(self._buffer)) >= 0:
-            self._buffer = self._buffer[start:]
-            length = _frame_length(self._buffer)
-            if length is None or len(self._buffer) < length:
+        at = 0
+        while (start := next_magic(self._buffer, at)) >= 0:
+            length = _frame_length(self._buffer, start)
+            if length is None or start + length > len(self._buffer):
+                self._buffer = self._buffer[start:]
                 return
-            frame = self._buffer[:length]
-            whole = _is_whole(frame)
-            self._buffer = self._buffer[length if whole else 1 :]
-            if whole:
+            frame = frame_at(self._buffer, start)
+            at = start + (len(frame) if frame else 1)
+            if frame:
                 yield frame
         self._buffer = b""
 
+    def datagram(self, data: bytes) -> Iterator[bytes]:
+        """The frames that a datagram completes: mostly it is a single one, but there are links that cut frames in two.
+
+        One that begins with a whole frame ends what was kept: the rest of that is lost.
+        """
+        first = frame_at(data, 0)
+        if first is None:
+            yield from self.feed(data)
+            return
+        kept, self._buffer = self._buffer, b""
+        yield from frames(kept)
+        yield first
+        yield from self.feed(data[len(first) :])
+
 
 def frames(data: bytes) -> Iterator[bytes]:
-    """The whole frames in one datagram, which holds no half frames, and mostly a single one."""
-    if _frame_length(data) == len(data) and _is_whole(data):
-        yield data
-        return
-    rest = data
-    while (start := _next_magic(rest)) >= 0:
-        rest = rest[start:]
-        length = _frame_length(rest)
-        whole = length is not None and len(rest) >= length and _is_whole(rest[:length])
-        if whole:
-            yield rest[:length]
-        rest = rest[length if whole else 1 :]
+    """The whole frames in bytes that nothing follows."""
+    at = 0
+    while (start := next_magic(data, at)) >= 0:
+        frame = frame_at(data, start)
+        at = start + (len(frame) if frame else 1)
+        if frame:
+            yield frame
 
 
-def _next_magic(data: bytes) -> int:
-    found = [at for at in (data.find(MAGIC_2), data.find(MAGIC_1)) if at >= 0]
-    return min(found, default=-1)
-
-
-def _frame_length(data: bytes) -> int | None:
-    """Length of the frame that begins here, None while that cannot be told."""
-    if len(data) < 3 or data[0] not in (MAGIC_1, MAGIC_2):
+def frame_at(data: bytes, start: int) -> bytes | None:
+    """The whole frame that begins here, of a known message and with the right checksum; None where there is none."""
+    length = _frame_length(data, start)
+    if length is None or start + length > len(data):
         return None
-    if data[0] == MAGIC_1:
-        return 6 + data[1] + 2
-    return 10 + data[1] + 2 + (SIGNATURE_BYTES if data[2] & SIGNED else 0)
+    is_v2 = data[start] == MAGIC_2
+    number = int.from_bytes(data[start + 7 : start + 10], "little") if is_v2 else data[start + 5]
+    definition = _DEFINITIONS.get(number)
+    if definition is None or (data[start + 2] & ~SIGNED if is_v2 else data[start + 1] > definition.layout.size):
+        return None
+    frame = data[start : start + length]
+    end = length - (SIGNATURE_BYTES if is_v2 and frame[2] & SIGNED else 0)
+    is_whole = checksum(frame[: end - 2], definition.crc_extra) == int.from_bytes(frame[end - 2 : end], "little")
+    return frame if is_whole else None
 
 
-def _is_whole(frame: bytes) -> bool:
-    """Whether this is a frame of a known message with the right checksum, and with no flag that we do not know."""
-    is_v2 = frame[0] == MAGIC_2
-    if is_v2 and frame[2] & ~SIGNED:
-        return False
-    number = int.from_bytes(frame[7:10], "little") if is_v2 else frame[5]
-    if number not in _DEFINITIONS:
-        return False
-    end = len(frame) - (SIGNATURE_BYTES if is_v2 and frame[2] & SIGNED else 0)
-    body, crc = frame[: end - 2], int.from_bytes(frame[end - 2 : end], "little")
-    return checksum(body, _DEFINITIONS[number].crc_extra) == crc
+def is_old(frame: bytes) -> bool:
+    """Whether a whole frame is of MAVLink 1."""
+    return frame[0] == MAGIC_1
+
+
+def next_magic(data: bytes, at: int) -> int:
+    """Where, from here on, a frame may begin; -1 if nowhere."""
+    found = _BEGINNING.search(data, at)
+    return found.start() if found else -1
+
+
+def _frame_length(data: bytes, start: int) -> int | None:
+    """Length of the frame that begins here, None while that cannot be told."""
+    if len(data) < start + 3 or data[start] not in (MAGIC_1, MAGIC_2):
+        return None
+    if data[start] == MAGIC_1:
+        return 6 + data[start + 1] + 2
+    return 10 + data[start + 1] + 2 + (SIGNATURE_BYTES if data[start + 2] & SIGNED else 0)
 
 
 def _parts(frame: bytes) -> tuple[Definition, int, int, bytes]:

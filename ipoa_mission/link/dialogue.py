@@ -168,6 +168,7 @@ class Exchange(Generic[T]):
 
     def __init__(self, dialogue: Dialogue[T], now: float, patience: Patience, tempo: Tempo | None = None) -> None:
         self.finished = False
+        self.was_answered = False
         self._dialogue = dialogue
         self._patience = patience
         self._tempo = tempo or Tempo(patience)
@@ -197,6 +198,10 @@ class Exchange(Generic[T]):
             return self._since + self._patience.silence_s
         return self._since + self._awaited.seconds
 
+    def asked_for_s(self, now: float) -> float:
+        """How long what was said has been waiting for its answer."""
+        return 0.0 if self.finished or isinstance(self._awaited, Pause) else now - self._since
+
     @property
     def foreseen(self) -> Message | None:
         """What will probably be said next, so that it can be made ready while one waits."""
@@ -218,6 +223,7 @@ class Exchange(Generic[T]):
         step = self._resume(message)
         if step is None and not self.finished:
             return
+        self.was_answered |= not isinstance(self._awaited, Pause)
         if isinstance(self._awaited, Ask):
             if self._repeats == 0:
                 self._tempo.sample(now - self._said)

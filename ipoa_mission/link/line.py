@@ -3,20 +3,23 @@
 `converse` is the only loop that joins a dialogue to the world.
 """
 
+import logging
 import math
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol, TypeVar
 
-from ipoa_mission.link.channel import Channel
-from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, frames
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.channel import Channel, Peer
+from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, Patience, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.messages import Firmware, Heartbeat, Message
-from ipoa_mission.link.routes import Routes
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Firmware, Heartbeat, Message
+from ipoa_mission.link.routes import CLAIM_S, Routes
 from ipoa_mission.link.tlog import TlogWriter
 
+log = logging.getLogger(__name__)
 T = TypeVar("T")
 HEARTBEAT_S = 1.0
 NOTICE_S = 0.1  # how soon Ctrl-C is noticed
@@ -38,8 +41,38 @@ class Carrier(Protocol):
     def prepare(self, message: Message, target: Target) -> None:
         """What will probably be said next, so that it can be made ready while one waits."""
 
+    def understands(self, target: Target) -> None:
+        """This target has answered what we said."""
+
+    def is_too_old(self, target: Target) -> bool:
+        """Whether it speaks MAVLink 1 only, and has never answered."""
+
+    def expect_alone(self, system: int) -> None:
+        """Raise Contested where another vehicle uses this system id too, as far as can be told."""
+
     def close(self) -> None:
         """Give back what was lent."""
+
+
+class Contested(MissionError):
+    """Two vehicles speak under one system id: what is said to one may be obeyed by the other."""
+
+    def __init__(self, system: int) -> None:
+        self.system = system
+        super().__init__(
+            f"two vehicles on this link have the system id {system}",
+            hint="give each its own (ArduPilot: SYSID_THISMAV or MAV_SYSID, PX4: MAV_SYS_ID), or a link of its own",
+        )
+
+
+class SpeaksMavlink1(MissionError):
+    """The vehicle is heard in MAVLink 1 only, and understands nothing that we say."""
+
+    def __init__(self, system: int) -> None:
+        super().__init__(
+            f"vehicle {system} speaks MAVLink 1 only, and does not answer to MAVLink 2",
+            hint="set it to MAVLink 2 on this link (ArduPilot: SERIALn_PROTOCOL 2, PX4: MAV_PROTO_VER 2)",
+        )
 
 
 class Line:
@@ -50,6 +83,10 @@ class Line:
         self.codec = codec
         self._log = TlogWriter(log) if log else None
         self._routes = Routes()
+        self._rivals: dict[Target, tuple[float, float]] = {}  # first and last heard
+        self._is_warned = False
+        self._is_old: dict[Target, bool] = {}
+        self._understands: set[Target] = set()
         self._next_heartbeat = channel.now()
 
     def now(self) -> float:
@@ -65,6 +102,8 @@ class Line:
         frame = self.codec.encode(message, target, self.channel.unix_s())
         if self._log:
             self._log.write(frame, self.channel.unix_s())
+        if 0 not in target:
+            self._routes.speak_to(target)
         peers = self._routes.to(target)
         for peer in peers or {None}:
             self.channel.send(frame, peer)
@@ -78,9 +117,10 @@ class Line:
         heard: list[Heard] = []
         for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
             now = self.channel.now()
-            for frame in frames(data) if self.channel.datagrams else self._routes.framer(peer).feed(data):
+            framer = self._routes.framer(peer)
+            for frame in framer.datagram(data) if self.channel.datagrams else framer.feed(data):
                 one = self.codec.decode(frame)
-                if one is None or not self._routes.learn(one.system, one.component, peer, now):
+                if one is None or not self._is_known(one, peer, now):
                     continue
                 if self._log:
                     self._log.write(frame, self.channel.unix_s())
@@ -88,11 +128,55 @@ class Line:
                     heard.append(one)
         return heard
 
+    def contested(self, system: int) -> bool:
+        """Whether two peers, both alive, speak as the autopilot of this system; only the first is heard."""
+        name = Target(system, AUTOPILOT_COMPONENT)
+        first, last = self._rivals.get(name, (math.inf, -math.inf))
+        heard = self._routes.heard_s(name)
+        return heard is not None and heard > first and self.channel.now() - last < CLAIM_S
+
+    def expect_alone(self, system: int) -> None:
+        """See `Carrier`."""
+        if self.contested(system):
+            raise Contested(system)
+
+    def heard_s(self, target: Target) -> float | None:
+        """When this target was heard last, on the channel's clock, if it ever was."""
+        return self._routes.heard_s(target)
+
+    def understands(self, target: Target) -> None:
+        """See `Carrier`."""
+        self._understands.add(target)
+
+    def is_too_old(self, target: Target) -> bool:
+        """See `Carrier`."""
+        return self._is_old.get(target, False) and target not in self._understands
+
     def close(self) -> None:
-        """Close the channel and the log."""
+        """Close the channel and the log, and keep the timestamp of what was signed last."""
         self.channel.close()
         if self._log:
             self._log.close()
+        if self.codec.signer:
+            self.codec.signer.close()
+
+    def _is_known(self, one: Heard, peer: Peer, now: float) -> bool:
+        """Whether this frame comes from whom we know by its name; who else uses the name is a rival."""
+        name = Target(one.system, one.component)
+        before = self._routes.holder(name)
+        if self._routes.claim(name, peer, now):
+            if before != peer:
+                self._rivals.pop(name, None)
+            self._routes.learn(name, peer, now)
+            self._is_old[name] = is_old(one.raw) and self._is_old.get(name, True)
+            return True
+        if isinstance(one.message, Heartbeat) and one.message.autopilot != Firmware.INVALID:
+            first, last = self._rivals.get(name, (now, now))
+            self._rivals[name] = (first if now - last < CLAIM_S else now, now)
+            if not self._is_warned and self.contested(one.system):
+                self._is_warned = True
+                log.warning("another vehicle with system id %d is on the link; it is not listened to", one.system)
+        return False
 
     def __enter__(self) -> "Line":
         return self
@@ -114,6 +198,9 @@ def converse(
 
     Ctrl-C asks the dialogue to end well (`Cancelled` is raised in it); a second one ends it at once. At `until`
     `TimeUp` is raised in it.
+
+    Raises:
+        SpeaksMavlink1: the target has never answered, and all that is heard of it is MAVLink 1.
     """
     now = line.now
     with noted_interrupts() as interrupt:
@@ -129,6 +216,10 @@ def converse(
                         if overhear:
                             overhear(heard.message)
                         exchange.receive(heard.message, now())
+                if exchange.was_answered:
+                    line.understands(target)
+                elif exchange.asked_for_s(now()) >= patience.silence_s and line.is_too_old(target):
+                    exchange.interrupt(SpeaksMavlink1(target.system), now())
                 exchange.tick(now())
                 if interrupt.take():
                     exchange.interrupt(Cancelled("cancelled"), now())

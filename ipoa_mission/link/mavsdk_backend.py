@@ -127,6 +127,16 @@ class MavsdkLine:
             heard.append(self._queue.get())
         return [self._read(one) for one in heard if one.system_id == self._system]
 
+    def understands(self, target: Target) -> None:
+        """See `Carrier`: not asked here."""
+
+    def is_too_old(self, target: Target) -> bool:
+        """See `Carrier`: MAVSDK speaks what the vehicle speaks."""
+        return False
+
+    def expect_alone(self, system: int) -> None:
+        """See `Carrier`: MAVSDK does not tell who sent a message."""
+
     def close(self) -> None:
         """Let MAVSDK end its threads."""
         self._direct.unsubscribe_message(self._handle)

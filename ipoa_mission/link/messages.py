@@ -109,10 +109,11 @@ class ItemAt(Message):
 
 @dataclass(frozen=True)
 class Ack(Message):
-    """MISSION_ACK: how a transfer ended (a `Result`)."""
+    """MISSION_ACK: how a transfer ended (a `Result`); PX4 tells the id under which it keeps the list (0: not told)."""
 
     result: int
     kind: int = MissionType.MISSION
+    opaque_id: int = 0
 
 
 @dataclass(frozen=True)
@@ -138,12 +139,16 @@ class SetCurrent(Message):
 
 @dataclass(frozen=True)
 class Current(Message):
-    """MISSION_CURRENT: the item flown to; states: 0 not told, 1 none, 2 not started, 3 active, 4 paused, 5 done."""
+    """MISSION_CURRENT: the item flown to; states: 0 not told, 1 none, 2 not started, 3 active, 4 paused, 5 done.
+
+    `total` is 0 where it is not told, 65535 for no mission; `mission_id` is as in the `Ack` that took the mission.
+    """
 
     seq: int
     total: int = 0
     mission_state: int = 0
     mission_mode: int = 0
+    mission_id: int = 0
 
 
 @dataclass(frozen=True)
@@ -435,3 +440,7 @@ class RadioStatus(Message):
 
     rssi: int
     remrssi: int
+
+
+#: What the two ends of one transfer say to each other, of a list or of a file: nobody else's business.
+TRANSFER = (Count, Request, ItemAt, Ack, RequestList, ClearAll, WritePartialList, FileTransfer)

@@ -1,70 +1,111 @@
 """MAVLink 2 signing: who may speak, and that nothing is replayed.
 
 A signature is the first six bytes of SHA-256 over key, frame, link id and a timestamp in 10 us since 2015. Timestamps
-must only grow, across restarts too: the file keeps a mark ahead of every timestamp that was ever used.
+must only grow, across restarts too, and should be those of the clock: a vehicle's own follows the greatest that it
+hears, and it does not listen to a station that is a minute behind.
 """
 
 import hashlib
 import hmac
-from collections.abc import Callable
+import logging
+import os
+import re
+import stat
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.link.timestamps import Timestamps, own_timestamps
 
+log = logging.getLogger(__name__)
 EPOCH_2015_S = 1_420_070_400
 TICKS_PER_S = 100_000
 NEW_STREAM_TICKS = 60 * TICKS_PER_S  # a stream first heard may be this much behind us
-RESERVE_TICKS = 30 * TICKS_PER_S
+RESERVE_TICKS = TICKS_PER_S  # how much the file is ahead while it is in use
 SIGNED_FLAG = 0x01
 KEY_BYTES = 32
+MOST_SIGNERS = 16
+_HEXADECIMAL = re.compile(rb"\s*([0-9a-fA-F]{64})\s*")
 
 
 def read_key(path: str | Path) -> bytes:
-    """The key in a file: 32 raw bytes, 64 hexadecimal digits, or a passphrase.
+    """The key in a file; see `key_of`. A file that others may write is warned of.
 
     Raises:
-        BadInput: the file cannot be read, or is empty.
+        BadInput: the file cannot be read, or holds no key.
     """
+    path = Path(path)
     try:
-        raw = Path(path).read_bytes()
+        raw = path.read_bytes()
+        mode = path.stat().st_mode
     except OSError as error:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
-    return raw if len(raw) == KEY_BYTES else key_of(raw.decode("utf-8", "surrogateescape"))
+    if os.name == "posix" and mode & (stat.S_IWGRP | stat.S_IWOTH):
+        log.warning("%s: others than its owner may write this key: chmod 600 %s", path, path)
+    return key_of(raw)
 
 
-def key_of(words: str) -> bytes:
-    """The key behind 64 hexadecimal digits, or else the SHA-256 of a passphrase, as ground stations do it."""
-    words = words.strip()
-    if not words:
-        raise BadInput("signing key: expected 64 hexadecimal digits or a passphrase, not nothing")
+def key_of(secret: str | bytes) -> bytes:
+    """The key behind what a file or the environment holds: 64 hexadecimal digits, 32 bytes that are no text, or else
+    the SHA-256 of a passphrase without the line end behind it, as ground stations do it.
+
+    Raises:
+        BadInput: it is none of these.
+    """
+    raw = secret.encode("utf-8", "surrogateescape") if isinstance(secret, str) else secret
+    if digits := _HEXADECIMAL.fullmatch(raw):
+        return bytes.fromhex(digits[1].decode())
+    is_text = _is_text(raw)
+    if len(raw) == KEY_BYTES and not is_text:
+        return raw
+    words = raw.rstrip(b"\r\n")
+    if not is_text or not words.strip():
+        what = "nothing" if not raw.strip() else f"{len(raw)} bytes that are no text"
+        raise BadInput(f"signing key: expected 64 hexadecimal digits, 32 bytes or a passphrase, not {what}")
+    return hashlib.sha256(words).digest()
+
+
+def _is_text(raw: bytes) -> bool:
     try:
-        key = bytes.fromhex(words)
-    except ValueError:
-        key = b""
-    return key if len(key) == KEY_BYTES else hashlib.sha256(words.encode("utf-8", "surrogateescape")).digest()
+        return all(letter.isprintable() or letter.isspace() for letter in raw.decode())
+    except UnicodeDecodeError:
+        return False
 
 
 class Signer:
     """Signs what we say and judges what we hear, with one key."""
 
-    def __init__(self, key: bytes, link_id: int = 0, mark: int = 0, keep: Callable[[int], None] | None = None) -> None:
+    def __init__(self, key: bytes, link_id: int = 0, timestamps: Timestamps | None = None) -> None:
         self.key = key
         self.link_id = link_id
-        self._last = mark
-        self._mark = mark
-        self._keep = keep
+        self._timestamps = timestamps
+        self._last = timestamps.last if timestamps else 0
+        self._mark = self._last
+        self._is_warned = False
         self._streams: dict[tuple[int, int, int], int] = {}
 
     def signature(self, frame: bytes, unix_s: float) -> bytes:
         """The 13 bytes that follow a frame said at `unix_s`."""
-        self._last = max(self._last + 1, round((unix_s - EPOCH_2015_S) * TICKS_PER_S))
-        if self._last >= self._mark:
+        clock = round((unix_s - EPOCH_2015_S) * TICKS_PER_S)
+        if self._last > clock + NEW_STREAM_TICKS and not self._is_warned:
+            self._is_warned = True
+            log.warning(
+                "signing goes on from timestamps that are %.0f s ahead of this computer's clock: was it set back? "
+                "The vehicle may refuse other stations that hold the key",
+                (self._last - clock) / TICKS_PER_S,
+            )
+        self._last = max(self._last + 1, clock)
+        if self._timestamps and self._last >= self._mark:
             self._mark = self._last + RESERVE_TICKS
-            if self._keep:
-                self._keep(self._mark)
+            self._timestamps.keep(self._mark)
         stamp = bytes((self.link_id,)) + self._last.to_bytes(6, "little")
         return stamp + self._digest(frame + stamp)
+
+    def close(self) -> None:
+        """Nothing more will be signed."""
+        if self._timestamps:
+            self._timestamps.keep(self._last)
+            self._timestamps.close()
+            self._timestamps = None
 
     def accepts(self, frame: bytes, system: int, component: int) -> bool:
         """Whether a frame is signed with our key, and newer than all before it in its stream."""
@@ -84,17 +125,18 @@ class Signer:
         return hashlib.sha256(self.key + data).digest()[:6]
 
 
-def persistent_signer(key: bytes, path: str | Path, link_id: int = 0) -> Signer:
-    """A signer whose timestamps go on growing from one run to the next; `path` holds the mark.
+def persistent_signer(key: bytes, path: str | Path) -> Signer:
+    """A signer whose timestamps go on growing from one run to the next; `path` holds the last.
+
+    Processes that sign at the same time each have a file, and a link id, of their own: what one says is no replay of
+    what the other says.
 
     Raises:
-        BadInput: the file holds something else than a timestamp.
+        BadInput: the file holds something else than a timestamp, or too many sign at once.
     """
-    mark = 0
     path = Path(path)
-    if path.exists():
-        words = read_text(path).strip()
-        if not words.isdecimal():
-            raise BadInput(f"{path}: expected a timestamp of MAVLink signing, not {words[:20]!r}")
-        mark = int(words)
-    return Signer(key, link_id, mark, lambda ahead: write_atomically(path, f"{ahead}\n"))
+    for link_id in range(MOST_SIGNERS):
+        timestamps = own_timestamps(path.with_stem(f"{path.stem}-{link_id}") if link_id else path)
+        if timestamps is not None:
+            return Signer(key, link_id, timestamps)
+    raise BadInput(f"{path}: expected no more than {MOST_SIGNERS} processes that sign at the same time")

@@ -3,6 +3,9 @@
 A record is the time of a frame in microseconds since 1970, eight bytes big-endian, and the raw frame.
 """
 
+import errno
+import logging
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,15 +13,21 @@ from types import TracebackType
 from typing import BinaryIO
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.codec import LONGEST_FRAME, Framer
+from ipoa_mission.link.codec import frame_at, next_magic
 
+log = logging.getLogger(__name__)
 STAMP_BYTES = 8
 
 
 class TlogWriter:
-    """A log under way; each frame is on the disk as soon as it is written."""
+    """A log under way; each frame is on the disk as soon as it is written.
+
+    A disk that takes no more ends the log, not the flight: that is said once.
+    """
 
     def __init__(self, path: str | Path) -> None:
+        self._path = path
+        self._is_over = False
         try:
             self._file: BinaryIO = Path(path).open("wb", buffering=0)  # noqa: SIM115
         except OSError as error:
@@ -26,7 +35,13 @@ class TlogWriter:
 
     def write(self, frame: bytes, unix_s: float) -> None:
         """Add one frame."""
-        self._file.write(round(unix_s * 1e6).to_bytes(STAMP_BYTES, "big") + frame)
+        record = round(unix_s * 1e6).to_bytes(STAMP_BYTES, "big") + frame
+        try:
+            if not self._is_over and self._file.write(record) < len(record):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        except OSError as error:
+            self._is_over = True
+            log.warning("%s: cannot be written any more: %s; the log ends here", self._path, error.strerror)
 
     def close(self) -> None:
         """No more frames."""
@@ -58,10 +73,11 @@ def read_tlog(path: str | Path) -> Iterator[Record]:
     except OSError as error:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
     at = 0
-    while at + STAMP_BYTES < len(data):
-        frame = next(Framer().feed(data[at + STAMP_BYTES : at + STAMP_BYTES + LONGEST_FRAME]), None)
-        if frame is None or not data.startswith(frame, at + STAMP_BYTES):
+    while (start := next_magic(data, at + STAMP_BYTES)) >= 0:
+        at = start - STAMP_BYTES
+        frame = frame_at(data, start)
+        if frame is None:
             at += 1
             continue
-        yield Record(int.from_bytes(data[at : at + STAMP_BYTES], "big") / 1e6, frame)
-        at += STAMP_BYTES + len(frame)
+        yield Record(int.from_bytes(data[at:start], "big") / 1e6, frame)
+        at = start + len(frame)

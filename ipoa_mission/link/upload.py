@@ -20,7 +20,8 @@ from ipoa_mission.link.conversations import (
     silent,
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp
-from ipoa_mission.link.messages import Ack, Current, MissionType, Request, Result
+from ipoa_mission.link.messages import Ack, Current, Message, MissionType, Request, Result
+from ipoa_mission.link.wire import expect_items
 from ipoa_mission.mission.firmware import Difference, compare
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicle import Autopilot
@@ -44,17 +45,35 @@ class ReadBackDiffers(MissionError):
         super().__init__(f"the {list_name(kind)} on the vehicle is not what was sent: {difference}")
 
 
+class Replaced(MissionError):
+    """The vehicle held what it was sent, and now holds something else."""
+
+    def __init__(self, kind: int, difference: Difference) -> None:
+        self.kind, self.difference = kind, difference
+        super().__init__(
+            f"the {list_name(kind)} on the vehicle is no longer what was sent: {difference}",
+            hint="somebody else has replaced or cleared it",
+        )
+
+
 class Unflyable(MissionError):
     """The vehicle took the mission and then found that it cannot fly it."""
 
 
 @dataclass(frozen=True)
 class Upload:
-    """One list for one vehicle, as it goes over the wire."""
+    """One list for one vehicle, as it goes over the wire.
+
+    Raises:
+        BadInput: MAVLink cannot carry it.
+    """
 
     items: Sequence[Item]
     autopilot: Autopilot
     kind: int = MissionType.MISSION
+
+    def __post_init__(self) -> None:
+        expect_items(self.items)
 
     @property
     def truncates(self) -> bool:
@@ -68,6 +87,32 @@ class Upload:
 
 
 @dataclass
+class Ears(Overheard):
+    """The vehicle's words, and what it says of the mission that it holds."""
+
+    faintest: int = WARNING
+    stored_as: int = 0  # the id that it gave to what we sent; 0: not told
+    total: int | None = None
+    mission_id: int = 0
+
+    def note(self, message: Message | None) -> None:
+        """Keep what it says; of its mission, the last word counts."""
+        match message:
+            case Ack(Result.ACCEPTED, opaque_id=number) if number:
+                self.stored_as = number
+            case Current(total=total, mission_state=state, mission_id=number):
+                if total or state == NO_MISSION:
+                    self.total = total
+                self.mission_id = number
+        super().note(message)
+
+    def doubts(self, job: Upload) -> bool:
+        """Whether the vehicle last spoke of another mission than was sent: an older one, or somebody else's."""
+        is_other = self.mission_id and self.stored_as and self.mission_id != self.stored_as
+        return bool(is_other) or self.total not in (None, len(job.items))
+
+
+@dataclass
 class Course:
     """How an upload is going."""
 
@@ -75,7 +120,7 @@ class Course:
     furthest: int = -1  # the last item that was asked for in this attempt
     before: int = -1  # and in the one before
     may_be_whole: bool = False  # whether the vehicle may have the whole list already
-    overheard: Overheard = field(default_factory=lambda: Overheard(WARNING))
+    overheard: Ears = field(default_factory=Ears)
 
 
 def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
@@ -85,7 +130,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
 
     Raises:
         MissionRefused, NoAnswer, TimeUp: with what the vehicle holds now as the hint.
-        ReadBackDiffers, Unflyable, Cancelled.
+        ReadBackDiffers, Replaced, Unflyable, Cancelled.
     """
     course = Course()
     try:
@@ -99,12 +144,28 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
         raise TimeUp(f"{late}: attempt {course.attempt} had come to {where}", hint=_leftover(job)) from None
     if job.is_judged:
         try:
-            yield from _verdict(course.overheard)
+            state = yield from _verdict(course.overheard)
         except (Cancelled, TimeUp) as broken_off:
             raise type(broken_off)(
                 f"{broken_off}: the vehicle holds the whole new {list_name(job.kind)}, verified",
                 hint="whether it finds it flyable was not waited for",
             ) from None
+        if course.overheard.doubts(job):
+            yield from _expect_unchanged(job)
+        if state == NO_MISSION:
+            why = str(course.overheard) or "no reason was heard"
+            raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")
+
+
+def _expect_unchanged(job: Upload) -> Dialogue[None]:
+    """Read the list again: the vehicle has spoken of another one since it was verified."""
+    try:
+        stored = yield from download(job.kind)
+    except (Cancelled, TimeUp, NoAnswer) as broken_off:
+        words = f"{broken_off}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
+        raise type(broken_off)(words, hint="it spoke of another one after it was verified") from None
+    if (difference := _difference(job, stored)) is not None:
+        raise Replaced(job.kind, difference)
 
 
 def _give_in(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
@@ -213,8 +274,8 @@ def _wait(seconds: float) -> Dialogue[None]:
         heard = yield None
 
 
-def _verdict(overheard: Overheard) -> Dialogue[None]:
-    """Listen whether the vehicle finds the mission flyable: the last state that it tells counts.
+def _verdict(ears: Ears) -> Dialogue[int]:
+    """Listen whether the vehicle finds the mission flyable: the last state that it tells counts (0: none was told).
 
     Its reasons may have come at any time since the Ack.
     """
@@ -222,14 +283,11 @@ def _verdict(overheard: Overheard) -> Dialogue[None]:
     heard = yield Pause(VERDICT_S)
     while heard is not None:
         step: Step = None
+        ears.note(heard)
         match heard:
             case Current(mission_state=told) if told:
                 if state != told:
                     step = Pause(VERDICT_S if told == NO_MISSION else SECOND_THOUGHTS_S)
                 state = told
-            case _:
-                overheard.note(heard)
         heard = yield step
-    if state == NO_MISSION:
-        why = str(overheard) or "no reason was heard"
-        raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")
+    return state

@@ -90,6 +90,7 @@ def connect(
     signer: Signer | None = None,
     patience: Patience = SPECIFIED,
     fast: bool = True,
+    anyway: bool = False,
 ) -> "Vehicle":
     """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
 
@@ -97,10 +98,11 @@ def connect(
         BadInput, LinkDown: the link cannot be opened.
         NoAnswer: there is no vehicle.
         MissionError: there are several, and `system` does not say which.
+        Contested: there are two with this system id; `anyway` takes the first.
     """
     line = open_line(url, log, signer)
     try:
-        return meet(line, system, patience, fast)
+        return meet(line, system, patience, fast, anyway)
     except NoAnswer as silence:
         line.close()
         raise NoAnswer(
@@ -116,35 +118,43 @@ def open_line(url: str, log: str | Path | None = None, signer: Signer | None = N
     return Line(open_channel(url), Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
 
 
-def meet(line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True) -> "Vehicle":
+def meet(
+    line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True, anyway: bool = False
+) -> "Vehicle":
     """The vehicle on a line: the one with this system id, or the only one.
+
+    Raises:
+        NoAnswer: there is none.
+        MissionError: there are several, and `system` does not say which.
+        Contested: there are two with this system id; `anyway` takes the first.
 
     While it listens for others it pings, so that the first timers already know how slow the link is.
     """
     found: dict[int, Found] = {}
     trips: dict[int, float] = {}
     until = line.now() + PRESENCE_S
+    is_met = False
     while line.now() < until:
-        was_alone = not found
         heard = line.receive(until)
         found |= _autopilots(heard)
         trips |= _round_trips(heard, line.now())
-        if system is not None and system in found:
-            return Vehicle(line, found[system], patience, fast)
-        if system is None and found and was_alone:
+        if not is_met and (system in found if system is not None else found):
+            is_met = True
             until = line.now() + OTHERS_S
             line.send(Ping(round(line.now() * 1e6), 0))
-    if system is not None:
+    if system is not None and system not in found:
         others = f"; heard: {', '.join(map(str, sorted(found)))}" if found else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
     if not found:
         raise NoAnswer("no autopilot is heard")
-    if len(found) > 1:
+    if system is None and len(found) > 1:
         raise MissionError(
             f"several vehicles are heard: {', '.join(map(str, sorted(found)))}", hint="choose one by its system id"
         )
-    one = found.popitem()[1]
-    return Vehicle(line, one, patience, fast, trips.get(one.system))
+    one = found[system] if system is not None else found.popitem()[1]
+    if not anyway:
+        line.expect_alone(one.system)
+    return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
 
 
 def _autopilots(heard: Iterable[Heard]) -> dict[int, Found]:
@@ -176,12 +186,14 @@ class Vehicle:
         patience: Patience = SPECIFIED,
         fast: bool = True,
         round_trip_s: float | None = None,
+        anyway: bool = False,
     ) -> None:
         self.line = line
         self.system = found.system
         self.autopilot = found.autopilot
         self.state = VehicleState(found.autopilot, found.is_ready, found.armed)
         self._fast = fast
+        self._anyway = anyway
         self._capabilities: int | None = None
         self._patience = patience
         self._tempo = Tempo(patience)
@@ -271,11 +283,14 @@ class Vehicle:
 
         Raises:
             NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
+            Contested: another vehicle has come that uses its system id.
             CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled.
         """
         mission = self._mission
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
         self._departure = Departure(self.state, first + self._first, climb, report)
+        if not self._anyway:
+            self.line.expect_alone(self.system)
         with self._in_time():
             self._hold(prepare(self._departure, min(READY_S, self._patience.total_s)))
         if permit is None and mission is not None:

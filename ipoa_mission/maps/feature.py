@@ -12,6 +12,7 @@ from ipoa_mission.errors import BadInput
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg, WGS 84]
 Made = TypeVar("Made")
 MANY = 10  # mistakes told at once
+DEEPEST = 16  # collections in each other: nobody draws more, and shapely would not bear thousands
 
 
 @dataclass(frozen=True)

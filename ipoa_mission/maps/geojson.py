@@ -17,8 +17,9 @@ from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth
+from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
 
+MOST_SHOWN = 80  # characters of a place
 HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')
 
 
@@ -32,6 +33,10 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         document = json.loads(read_text(path))
     except json.JSONDecodeError as error:
         raise BadInput(f"{path}: line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}") from error
+    except RecursionError:
+        raise BadInput(f"{path}: expected a map, not brackets nested without end") from None
+    except ValueError:
+        raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
     kind = document.get("type") if isinstance(document, dict) else None
     if kind == "FeatureCollection":
         features = document.get("features")
@@ -83,13 +88,15 @@ def _unescaped(text: str) -> str:
     return re.sub(r"\\(.)", r"\1", text)
 
 
-def _shape(geometry: Any, place: str, to_degrees: "_Degrees") -> Any:
+def _shape(geometry: Any, place: str, to_degrees: "_Degrees", depth: int = 0) -> Any:
     kind = geometry.get("type") if isinstance(geometry, dict) else None
     if isinstance(geometry, dict) and kind == "GeometryCollection":
         members = geometry.get("geometries")
         if not isinstance(members, list):
             raise BadInput(f"{place}.geometries: expected a list")
-        shapes = [_shape(member, f"{place}.geometries[{i}]", to_degrees) for i, member in enumerate(members)]
+        if depth >= DEEPEST:
+            raise BadInput(f"{place[:MOST_SHOWN]}...: expected collections in no more than {DEEPEST} others")
+        shapes = [_shape(member, f"{place}.geometries[{i}]", to_degrees, depth + 1) for i, member in enumerate(members)]
         return shapely.GeometryCollection(shapes)
     if not isinstance(geometry, dict) or not isinstance(kind, str) or kind not in SHAPES:
         raise BadInput(f"{place}.type: expected a kind of geometry, such as 'Polygon', not {kind!r}")
@@ -99,7 +106,7 @@ def _shape(geometry: Any, place: str, to_degrees: "_Degrees") -> Any:
 def _corners(values: Any, place: str, to_degrees: "_Degrees") -> Corners:
     try:
         corners = np.array([position[:2] for position in values], float)
-    except (TypeError, ValueError, KeyError):
+    except (TypeError, ValueError, KeyError, OverflowError):
         corners = np.zeros((0, 0))
     if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
         raise BadInput(f"{place}: expected positions as [longitude, latitude]")

@@ -13,8 +13,9 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth
+from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
 
+MOST_FOLDERS = 64
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
@@ -31,10 +32,24 @@ def read_kml(path: Path) -> tuple[Feature, ...]:
     if _local(root) != "kml":
         raise BadInput(f"{path}: expected a kml document, not {_local(root)}")
     mistakes = Mistakes()
-    placemarks = [element for element in root.iter() if _local(element) == "Placemark"]
+    placemarks = list(_placemarks(root, path))
     features = [mistakes.attempt(_feature, element, f"{path}: Placemark[{i}]") for i, element in enumerate(placemarks)]
     mistakes.tell()
     return tuple(feature for feature in features if feature is not None)
+
+
+def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.Element]:
+    inside = [(root, 0)]
+    while inside:
+        element, depth = inside.pop()
+        if _local(element) == "Placemark":
+            if sum(_local(one) == "Placemark" for one in element.iter()) > 1:
+                raise BadInput(f"{path}: expected no Placemark in another")
+            yield element
+            continue
+        if depth >= MOST_FOLDERS:
+            raise BadInput(f"{path}: expected folders in no more than {MOST_FOLDERS} others")
+        inside += [(child, depth + 1) for child in reversed(element)]
 
 
 def _feature(placemark: ElementTree.Element, place: str) -> Feature | None:
@@ -57,11 +72,13 @@ def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
             yield key, value.strip()
 
 
-def _shapes(parent: ElementTree.Element, place: str) -> Iterator[Any]:
+def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator[Any]:
+    if depth > DEEPEST:
+        raise BadInput(f"{place}: expected collections in no more than {DEEPEST} others")
     for element in parent:
         kind = _local(element)
         if kind in {"MultiGeometry", "Document", "Folder"}:
-            yield from _shapes(element, place)
+            yield from _shapes(element, place, depth + 1)
         elif kind == "Point":
             yield shapely.Point(_corners(element, f"{place}.{kind}")[0])
         elif kind == "LineString":

@@ -8,14 +8,13 @@ from ipoa_mission.mission.finding import Finding, Severity, error, warning
 from ipoa_mission.mission.firmware import to_wire
 from ipoa_mission.mission.firmware_facts import FIRMWARE, Firmware
 from ipoa_mission.mission.items import Command, Frame, Item, Mission, command_name
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, SINGLE_MAX, Autopilot
 
 TAKEOFFS = {Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF}
 LANDINGS = {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_LOITER_UNLIM}
 #: Commands whose param1 is a time that ArduPilot keeps in whole seconds.
 HOLDS = {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME}
 LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits
-LARGEST = 3.4e38  # what MAVLink's floats can carry
 MAY_PRECEDE_TAKEOFF = {Command.NAV_DELAY}
 
 
@@ -68,7 +67,7 @@ def _is_fence(item: Item, firmware: Firmware) -> bool:
 
 def _params(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
     for n, value in enumerate(item.params, start=1):
-        if abs(value) > LARGEST:
+        if abs(value) > SINGLE_MAX:
             yield error(seq, item, f"param{n}: expected a number that fits in single precision, not {value:g}")
     hold = item.params[0]
     if item.command in HOLDS and math.isfinite(hold):

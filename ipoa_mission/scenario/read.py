@@ -1,6 +1,7 @@
 """Reading a scenario file, and saying in plain words where it is wrong: file, place, what was expected."""
 
 import difflib
+import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +12,15 @@ from pydantic import ValidationError
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.scenario.model import Scenario
+
+LONGEST_KEY = 16  # parts; tomllib takes the square of their number in time
+_PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
+#: The words of a TOML text, each taken whole: strings of several lines, comments, keys of too many parts, the rest.
+_WORDS = re.compile(
+    rf'''"""(?:\\.|[^\\"]|"(?!""))*+(?:"""|\Z)|\'{{3}}(?:[^\']|\'(?!\'\'))*+(?:\'{{3}}|\Z)|\#[^\n]*+|'''
+    rf"(?P<long>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{LONGEST_KEY}}})|{_PART}",
+    re.DOTALL,
+)
 
 
 def read_scenario(path: str | Path) -> Scenario:
@@ -25,10 +35,7 @@ def read_scenario(path: str | Path) -> Scenario:
 
 def parse_scenario(text: str, path: Path) -> Scenario:
     """The scenario in a TOML text; files that it names are sought beside `path`, which errors also name."""
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise BadInput(f"{path}: {_lowered(str(error))}", hint="a scenario is a TOML file") from error
+    table = _parse(text, path)
     try:
         return Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
     except ValidationError as error:
@@ -36,6 +43,21 @@ def parse_scenario(text: str, path: Path) -> Scenario:
         raise BadInput(
             "\n".join(lines), hint="`ipoa-mission schema` prints every key that a scenario may have"
         ) from error
+
+
+def _parse(text: str, path: Path) -> dict[str, Any]:
+    for word in _WORDS.finditer(text):
+        if word["long"]:
+            line = text.count("\n", 0, word.start()) + 1
+            raise BadInput(f"{path}: line {line}: expected a key of at most {LONGEST_KEY} parts")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInput(f"{path}: {_lowered(str(error))}", hint="a scenario is a TOML file") from error
+    except RecursionError:
+        raise BadInput(f"{path}: expected a scenario, not brackets nested without end") from None
+    except ValueError:
+        raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
 
 
 def _explain(problem: Any, table: dict[str, Any]) -> str:

@@ -8,7 +8,9 @@ from pydantic import Field, model_validator
 from ipoa_mission.energy.flight import Battery
 from ipoa_mission.energy.power import KAPPA, Airframe
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
-from ipoa_mission.vehicle import Autopilot, Parameters
+from ipoa_mission.vehicle import SINGLE_MAX, Autopilot, Parameters
+
+Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
 
 
 class AirframeSection(Section):
@@ -70,7 +72,7 @@ class VehicleSection(Section):
     """Left out: what the autopilot's parameters say [m/s]."""
     descent_speed: Positive | None = None
     """Left out: what the autopilot's parameters say [m/s]."""
-    parameters: dict[str, float] = Field(default_factory=dict)
+    parameters: dict[str, Single] = Field(default_factory=dict)
     """Parameters of the autopilot that differ from its defaults, by its own names and units."""
     airframe: AirframeSection | None = None
     """Left out, no energy is estimated."""

@@ -11,14 +11,10 @@ from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.program import NAVIGATED
 from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
+from ipoa_mission.touchdown import ARMING_DELAY_S, CENTIMETRE, LAND_DETECTOR_S, LIFT_S, THROTTLE_DOWN_S
 from ipoa_mission.vehicle import Parameters
 
-ARMING_DELAY_S = 2.0  # motors stand still for so long after arming
-LIFT_S = 0.2  # until the thrust carries the vehicle
 ROUNDING = 1e-4  # of heights, in single precision [m]: a waypoint over the take-off point is a leg nevertheless
-THROTTLE_DOWN_S = 1.1  # from touching down until the throttle is at its least (as measured)
-LAND_DETECTOR_S = 1.0
-DISARM_S = 0.85  # from "landed" to motors stopped (as measured)
 FLOWN_THROUGH = frozenset(
     {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}
 )
@@ -194,9 +190,9 @@ class ArduPilotPilot:
         if cone >= LEAST_CONE:
             height = min(height, max(cone * home, least))
         self._path.speeds = (self._p["RTL_SPEED"] / 100 or self._p["WPNAV_SPEED"] / 100, *self._path.speeds[1:])
+        self._return_height = _whole_centimetres(height)
         self._path.begin(here)
-        self._path.fly_to(Stop((here[0], here[1], height)), None)
-        self._return_height = height
+        self._path.fly_to(Stop((here[0], here[1], self._return_height)), Stop((0.0, 0.0, self._return_height)))
         self._manoeuvre = self._climb_to_return
 
     def _climb_to_return(self, dt: float) -> None:
@@ -232,7 +228,7 @@ class ArduPilotPilot:
             return
         if self._manoeuvre not in (self._follow, self._hold) or not self._path.reached:
             self._path.begin(self._stopping_place())
-        self._path.fly_to(Stop((place[0], place[1], self._path.place[2])), None)
+        self._path.fly_to(Stop((place[0], place[1], _whole_centimetres(self._body.z))), None)
         self._manoeuvre = self._fly_over_landing
 
     def _fly_over_landing(self, dt: float) -> None:
@@ -264,13 +260,12 @@ class ArduPilotPilot:
         """On the ground with the throttle running down, until it is sure to have landed."""
         self._body.step((0.0, 0.0), 0.0, dt)
         stood = self._now.time_s - (self._touched_s or 0.0)
-        if stood >= THROTTLE_DOWN_S + LAND_DETECTOR_S and not self._now.landed:
-            self._now.landed = True
+        self._now.landed = stood >= THROTTLE_DOWN_S + LAND_DETECTOR_S
+        if stood >= THROTTLE_DOWN_S + LAND_DETECTOR_S + self._p["MOT_SPOOL_TIME"]:  # motors spun down
             if self._now.mode is FlightMode.MISSION:
                 last = self._now.program.items[self._now.current].command == Command.NAV_LAND
                 self._now.done(self._now.current, announced=not last)
                 self._now.mission = MissionState.COMPLETE
-        if stood >= THROTTLE_DOWN_S + LAND_DETECTOR_S + DISARM_S:
             self._now.disarm()
             self._now.mode = FlightMode.HOLD
             self._manoeuvre = self._wait
@@ -318,3 +313,8 @@ class ArduPilotPilot:
         slew = math.radians(self._p.get("ATC_SLEW_YAW", 6000.0) / 100)
         self._body.turn(self._heading, slew, math.radians(270.0), dt)
         self._body.step(lean, thrust, dt)
+
+
+def _whole_centimetres(height: float) -> float:
+    """A height as ArduCopter keeps that of a place."""
+    return math.floor(height / CENTIMETRE) * CENTIMETRE

@@ -13,12 +13,11 @@ from ipoa_mission.simulator.px4_guidance import PathFollower
 from ipoa_mission.simulator.px4_home import HomeHeight
 from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
+from ipoa_mission.touchdown import RANGE_LAG_S, STAGES, Px4Touchdown
 from ipoa_mission.vehicle import Parameters, Px4Return
 
 ON_GROUND_SINK = 0.7  # before taking off the target sinks at this rate [m/s]
-TAKEN_OFF_S = 0.5  # from being high enough until a take-off is over (mean of 55 flights)
 NAVIGATOR_S = 0.05  # how often it is looked whether an item is done
-CONTACT_S = 1.2  # from touching the ground until the thrust is low enough to be taken for that (mean of 20 flights)
 HEADING_ERROR = math.radians(12.0)  # MIS_YAW_ERR
 TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way
 #: Items that hide the report of the waypoint before them (as measured).
@@ -42,7 +41,10 @@ class PX4Pilot:
         self._heading: float | None = None  # none: the way it flies
         self._entered_s: float | None = None
         self._been_there = False
-        self._touched_s: float | None = None
+        self._touchdown = Px4Touchdown.of(parameters)
+        self._stands, self._ground_lost = False, False
+        self._sure, self._since_s = 0, 0.0  # of being landed: how many stages are over, and since when the next is on
+        self._asked, self._believed_climb = GRAVITY, 0.0  # thrust that was asked for, climb rate that was believed
         self._ramp = 0.0
         self._next_check_s = 0.0
         self._above_home = False  # whether the goal's height moves with what home is believed to be
@@ -145,7 +147,7 @@ class PX4Pilot:
     def _begin_takeoff(self, target: Triple) -> None:
         here = self._body.place
         self._heading = self._body.yaw
-        self._lead((here[0], here[1], max(target[2], here[2])), None, self._now.current)
+        self._lead((here[0], here[1], max(target[2], here[2])))  # wherever home is believed to be by then
         self._path.begin(here, (0.0, 0.0, -ON_GROUND_SINK) if self._now.landed else self._body.motion)
         self._manoeuvre = self._take_off
 
@@ -197,9 +199,7 @@ class PX4Pilot:
         self._ramp = min(self._ramp + dt / max(self._p["MPC_TKO_RAMP_T"], dt), 1.0)
         self._fly(dt, climb=slow if low else None)
         if self._is_check_due() and self._body.z > self._goal[2] - self._p["NAV_MC_ALT_RAD"]:
-            target = self._place(self._now.current)  # now a waypoint like any other
-            self._lead((target[0], target[1], self._goal[2]), index=self._now.current)
-            self._next_check_s = self._now.time_s + TAKEN_OFF_S
+            self._lead(self._place(self._now.current), index=self._now.current)  # now a waypoint like any other
             self._manoeuvre = self._follow
 
     def _is_check_due(self) -> bool:
@@ -273,7 +273,7 @@ class PX4Pilot:
         if self._now.landed:
             self._manoeuvre = self._wait
             return
-        self._touched_s = None
+        self._stands, self._ground_lost, self._sure = False, False, 0
         over = (place[0], place[1], here[2])
         self._lead(over, None)
         away = math.hypot(over[0] - here[0], over[1] - here[1]) > self._radius
@@ -285,30 +285,40 @@ class PX4Pilot:
             self._manoeuvre = self._descend
 
     def _descend(self, dt: float) -> None:
-        if self._body.on_ground and self._touched_s is None:
-            self._touched_s = self._now.time_s
-        if self._touched_s is not None:
-            self._stand(dt)
-            return
+        """Sink, ever slower, and on the ground until it is sure to have landed; its simulator has a range finder.
+
+        That finder's height lags; on the ground it is lost once the vehicle believes to be sinking on.
+        """
+        body = self._body
+        self._stands = self._stands or body.on_ground
+        self._ground_lost = self._ground_lost or (self._stands and self._believed_climb < 0.0)
         slow, fast = min(self._p["MPC_LAND_SPEED"], self._path.descent), self._path.descent
         low, high = self._p["MPC_LAND_ALT2"], max(self._p["MPC_LAND_ALT1"], self._p["MPC_LAND_ALT2"] + 1e-3)
-        share = min(max((self._body.z - low) / (high - low), 0.0), 1.0)
-        crawls = self._body.z <= self._p.get("MPC_LAND_ALT3", 1.0)  # its simulator has a range finder
+        above = body.z - RANGE_LAG_S * body.vz
+        share = min(max((above - low) / (high - low), 0.0), 1.0)
+        crawls = above <= self._p.get("MPC_LAND_ALT3", 1.0) and not self._ground_lost
         self._fly(dt, sink=self._p.get("MPC_LAND_CRWL", 0.3) if crawls else slow + share * (fast - slow))
+        self._feel_the_ground()
 
-    def _stand(self, dt: float) -> None:
-        """On the ground, until it is sure to have landed: contact, perhaps, landed; then it disarms."""
-        self._body.step((0.0, 0.0), 0.0, dt)
-        stood = self._now.time_s - (self._touched_s or 0.0)
-        sure = CONTACT_S + 2.0 * self._p.get("LNDMC_TRIG_TIME", 1.0)
-        if stood >= sure and not self._now.landed:
-            self._now.landed = True
-            if self._now.mode is FlightMode.MISSION:
-                self._now.done(self._now.current)
-                self._now.mission = MissionState.COMPLETE
-        if stood >= sure + self._p.get("COM_DISARM_LAND", 2.0):
-            self._now.disarm()
-            self._now.mode = FlightMode.HOLD
+    def _feel_the_ground(self) -> None:
+        """In contact, perhaps landed, landed: each once it has been quiet for long enough; then disarm."""
+        known, now = self._touchdown, self._now
+        if not now.landed:
+            low = self._sure > 0 or self._asked <= known.low_thrust * GRAVITY
+            if not (self._stands and low and abs(self._believed_climb) < known.most_speed):
+                self._sure, self._since_s = 0, now.time_s
+            elif now.time_s - self._since_s >= known.stage_s(self._ground_lost):
+                self._sure, self._since_s = self._sure + 1, now.time_s
+            if self._sure < STAGES:
+                return
+            now.landed = True
+            if now.mode is FlightMode.MISSION:
+                now.done(now.current)
+                now.mission = MissionState.COMPLETE
+        waits = NAVIGATOR_S if now.mode is FlightMode.MISSION else self._p.get("COM_DISARM_LAND", 2.0)  # (as recorded)
+        if now.time_s - self._since_s >= waits:
+            now.disarm()
+            now.mode = FlightMode.HOLD
             self._manoeuvre = self._wait
 
     # --- following --------------------------------------------------------------------------------------------------
@@ -336,9 +346,11 @@ class PX4Pilot:
         if self._ramp < 1.0:
             push = (push[0], push[1], 0.0)
         seen = (at, self._motion.of(body.motion, dt))
+        self._believed_climb = seen[1][2]
         lean, thrust = self._control.lean_and_thrust(body, seen, place, path.motion, push, (up, down), dt)
+        self._asked = thrust
         left = self._turn(dt)
-        body.step(lean, thrust, dt)
+        body.step(lean, 0.0 if self._stands else thrust, dt)
         turning = self._p["MPC_YAW_MODE"] == TURN_FIRST and left > HEADING_ERROR and self._manoeuvre == self._follow
         path.advance(at, dt, climb, sink, turning)
 

@@ -1,16 +1,20 @@
 """An autopilot with a voice: the bytes of the built-in autopilot, for any number of ground stations at once."""
 
 from ipoa_mission.link.channel import Peer
-from ipoa_mission.link.codec import EVERYONE, Codec, Target, frames
+from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.loopback import EPOCH_S
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, TRANSFER
 from ipoa_mission.link.routes import Routes
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.simulator.autopilot import Autopilot
 
 
 class Station:
-    """A `FarEnd`: answers go where the question came from, streams to all who were heard."""
+    """A `FarEnd`: answers go where the question came from, streams to all who were heard.
+
+    Stations with the same ids are all answered; but while one of them transfers a list or a file, what the others say
+    of theirs is passed over.
+    """
 
     def __init__(
         self, autopilot: Autopilot, system: int = 1, signer: Signer | None = None, datagrams: bool = True
@@ -24,12 +28,19 @@ class Station:
     def receive(self, data: bytes, peer: Peer, now: float) -> None:
         """Bytes have arrived; what is no frame, is not signed with our key, or is not for us, is passed over."""
         self._now = now
-        for frame in frames(data) if self._datagrams else self._routes.framer(peer).feed(data):
+        framer = self._routes.framer(peer)
+        for frame in framer.datagram(data) if self._datagrams else framer.feed(data):
             heard = self._codec.decode(frame)
-            if heard is None or not self._routes.learn(heard.system, heard.component, peer, now):
+            if heard is None:
                 continue
-            if heard.message is not None and heard.is_for(self._codec.system, self._codec.component):
-                self.autopilot.receive(heard.message, Target(heard.system, heard.component), now)
+            name = Target(heard.system, heard.component)
+            self._routes.learn(name, peer, now)
+            message = heard.message
+            if message is None or not heard.is_for(self._codec.system, self._codec.component):
+                continue
+            if isinstance(message, TRANSFER) and not self._routes.claim(name, peer, now):
+                continue
+            self.autopilot.receive(message, name, now)
 
     def tick(self, now: float) -> None:
         """Time has passed."""
@@ -41,7 +52,10 @@ class Station:
         sent: list[tuple[bytes, Peer | None]] = []
         for message, target in self.autopilot.outgoing():
             frame = self._codec.encode(message, target, EPOCH_S + self._now)
-            peers = self._routes.to(EVERYONE if target == EVERYONE else target)
+            peers = self._routes.to(target)
+            holder = self._routes.holder(target)
+            if isinstance(message, TRANSFER) and holder is not None:
+                peers = {holder}
             sent += [(frame, peer) for peer in peers or {None}]
         return sent
 

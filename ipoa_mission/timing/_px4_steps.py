@@ -11,6 +11,7 @@ from typing import Any
 jit: Callable[[Any], Any] = globals().get("jit", lambda function: function)
 
 GRAVITY = 9.80665
+STAGES = 3  # of being sure to have landed: in contact, perhaps landed, landed
 ON_LINE, BEYOND, BEFORE, BESIDE = 0, 1, 2, 3  # where the vehicle is, seen from its leg
 AT_TARGET = 1e-5  # nearer than this PX4 steers nowhere [m]
 STANDING = 1e-6  # a trajectory slower than this stands still, and always waits for the vehicle [m/s]
@@ -162,7 +163,8 @@ def fly_to(
 
     `state` is left as it is at that moment (26: when it was reached). Every so many steps (pace[2]; 0: never) seven
     numbers are added to the samples: time, place, velocity. A landing (way[12] < 0) sinks over the target, and has
-    reached it on the ground.
+    reached it when it stands on the ground and is sure of it: the thrust is low and the speed that is believed upwards
+    is small, for as long as each of three stages takes.
     """
     radius, height_radius, cruise = way[9], way[10], way[11]
     climbing_off, landing, patience, headed, starts = way[12] > 0.0, way[12] < 0.0, way[13], way[14], way[15]
@@ -178,6 +180,7 @@ def fly_to(
     drift, drift_up, kept, most_up, most_down = pace[34], pace[35], pace[36], pace[37], pace[38]
     land_low, land_speed, crawl_below, crawl_speed = pace[39], pace[40], pace[41], pace[42]
     ramp = pace[43]
+    seen_late, low_thrust, at_rest, stage_seen, stage_lost = pace[44], pace[45], pace[46], pace[47], pace[48]
     t, x, y, z, vx, vy, vz = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
     ix, iy, lx, ly, bx, by, az = state[7], state[8], state[9], state[10], state[11], state[12], state[13]
     tx, ty, tz, ux, uy, uz = state[14], state[15], state[16], state[17], state[18], state[19]
@@ -191,8 +194,9 @@ def fly_to(
     legx, legy = way[3] - way[0], way[4] - way[1]
     leg = math.sqrt(legx * legx + legy * legy)
     seen, step, mode, corrected = -1.0, 0, ON_LINE, False
-    begun, grounded = t, climbing_off and z <= 0.0
+    begun, grounded, stands, lost, sure, since = t, climbing_off and z <= 0.0, False, False, 0, t
     while True:
+        shift = 0.0 if climbing_off else told  # a take-off first climbs to where home was
         # Where to steer: along the leg, unless the vehicle has passed its end, is before its start, or beside it.
         if leg > 1e-6:
             along = ((x - way[0]) * legx + (y - way[1]) * legy) / leg
@@ -205,7 +209,7 @@ def fly_to(
                 mode = BESIDE
             if mode != was or mode == BESIDE or corrected:
                 corrected = False
-                ax, ay, az_, gx, gy, gz = x, y, z - told, way[3], way[4], way[5]
+                ax, ay, az_, gx, gy, gz = x, y, z - shift, way[3], way[4], way[5]
                 nx, ny, nz = way[6], way[7], way[8]
                 if mode == ON_LINE:
                     ax, ay, az_ = way[0], way[1], way[2]
@@ -215,7 +219,7 @@ def fly_to(
                     gx, gy = way[0] + along * legx / leg, way[1] + along * legy / leg
                     nx, ny, nz = way[3], way[4], way[5]
         # The speeds that the waypoints allow; in a turn the speed may not rise and the aim is a point on the line.
-        below = tz - told  # heights over home as the guidance has it
+        below = tz - shift  # heights over home as the guidance has it
         qx, qy, qz = gx - tx, gy - ty, gz - below
         far, speed = math.sqrt(qx * qx + qy * qy), math.sqrt(ux * ux + uy * uy)
         fast = corner_speed(qx, qy, nx - gx, ny - gy, accel, jerk, cruise, gain, radius)
@@ -232,7 +236,7 @@ def fly_to(
                 qx, qy, qz = qx + ahead * dx, qy + ahead * dy, qz + ahead * dz
         else:
             held = fast
-        low = climbing_off and z - told < slow_below
+        low = climbing_off and z < slow_below
         top = (slow_up if low else up) if rising else down
         top_accel = (min(accel_up, slow_accel) if low else accel_up) if rising else accel_down
         rise = vertical_speed(
@@ -245,7 +249,9 @@ def fly_to(
         if landing:
             if size > AT_TARGET:
                 wx, wy = qx * fast / size, qy * fast / size
-            wz = -sinking(z, land_low, slow_below, land_speed, down, crawl_below, crawl_speed)
+            lost = lost or (stands and (sz > 0.0 or crawl_below <= 0.0))  # once believed below the ground
+            height = crawl_below + 1.0 if lost else z - seen_late * vz
+            wz = -sinking(height, land_low, slow_below, land_speed, down, crawl_below, crawl_speed)
         elif size > AT_TARGET:
             size = math.sqrt(fast * fast + rise * rise) / size
             wx, wy, wz = qx * size, qy * size, qz * size
@@ -316,11 +322,14 @@ def fly_to(
         learned = (1.0 / learning + 1.0 / max(t - off, 1.0)) * dt / doubt
         if grounded:
             off = t
-        else:
+        elif not stands:
             hover += (1.0 + drag * vz / GRAVITY - hover) * min(learned, 1.0)
         fx, fy = bx * lift - drag * (vx - wind_x), by * lift - drag * (vy - wind_y)
         grounded = grounded and az <= 0.0
-        if not grounded:
+        stands = landing and (stands or z <= 0.0)
+        if stands:  # the place stays, and what is believed of its speed is wrong
+            vx, vy, vz = -sx, -sy, -sz
+        elif not grounded:
             vx, vy, vz = vx + fx * dt, vy + fy * dt, vz + (az - drag * vz) * dt
             x, y, z = x + (vx + sx) * dt, y + (vy + sy) * dt, z + (vz + sz) * dt
         t += dt
@@ -347,10 +356,15 @@ def fly_to(
             told, due, corrected = home, -1.0, True
         # Reached, and noticed to be a little later.
         if seen < 0.0:
+            reached = False
             if landing:
-                reached = z <= 0.0
+                if not stands or abs(vz) >= at_rest or (sure == 0 and mz > low_thrust):
+                    sure, since = 0, t
+                elif t - since >= (stage_lost if lost else stage_seen):
+                    sure, since = sure + 1, t
+                reached = sure == STAGES
             elif climbing_off:
-                reached = z - home > way[5] - height_radius
+                reached = z > way[5] - height_radius
             else:
                 near = (x - way[3]) ** 2 + (y - way[4]) ** 2 <= radius * radius
                 reached = near and abs(z - home - way[5]) <= height_radius

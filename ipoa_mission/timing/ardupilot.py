@@ -32,14 +32,17 @@ from ipoa_mission.timing.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_a
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.timing.wind import CALM, Wind
+from ipoa_mission.touchdown import ARMING_DELAY_S, CENTIMETRE, LAND_DETECTOR_S, LIFT_S, THROTTLE_DOWN_S
 from ipoa_mission.vehicle import Parameters
 
 STEP = 0.02  # [s]
 SAMPLE_STEPS = 5  # a sample of the track every so many steps
-ARMING_DELAY = 2.0  # from arming to motors that may spin up [s]
-THROTTLE_SLEW = 0.3  # from motors at full spin to leaving the ground [s]
 JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
-LANDING_DETECTION = 2.05  # from touching down to being sure of it: throttle runs down, then one second [s]
+#: LAND flies to its place at the height where the vehicle is, cut to whole centimetres: that is the waypoint's, or one
+#: centimetre below, and a leg of one takes a second. Before a flight nothing tells which: half of it is counted.
+LAND_BELOW = 0.5
+#: RTL begins with a leg to where the vehicle would stop, its height and place cut likewise: by so much on average [m].
+RETURN_ROUNDING = 0.7 * CENTIMETRE
 #: What rounding leaves to climb when a take-off counts as done: up to half a millimetre, for which the leg over the
 #: take-off takes 0.4 s, or nothing, for which it takes no time. This much takes 0.2 s [m].
 TAKEOFF_REST = 0.00003
@@ -139,9 +142,7 @@ class _Flight:
         elif command == Command.NAV_RETURN_TO_LAUNCH:
             self.return_home()
         elif command == Command.NAV_LAND:
-            east, north, _ = self.target(n)
-            self.straight_to((east, north, self.here[2]))
-            self.come_down(0.0)
+            self.land_at(self.target(n))
         elif command == Command.NAV_PAYLOAD_PLACE:
             east, north, _ = self.target(n)
             self.straight_to((east, north, self.here[2]))
@@ -284,7 +285,7 @@ class _Flight:
     def take_off(self, height: float) -> None:
         """Spool up on the ground and climb to the height, but for a rest that is left to the next leg."""
         if not self.airborne:
-            self.wait(ARMING_DELAY + 2 * self.limits.spool_up + THROTTLE_SLEW)
+            self.wait(ARMING_DELAY_S + 2 * self.limits.spool_up + LIFT_S)
             self.airborne = True
         if height > self.here[2]:
             self.rise(take_off(self.limits, self.here[2], height))
@@ -300,10 +301,30 @@ class _Flight:
         if self.limits.rtl_cone >= 0.5:
             height = min(height, max(math.hypot(x, y) * self.limits.rtl_cone, least))
         self.speeds = Speeds(self.limits.rtl_speed, self.limits.climb, self.limits.descent)
-        self.straight_to((x, y, max(z, height)))
-        self.straight_to((0.0, 0.0, max(z, height)))
+        top = x, y, max(z + RETURN_ROUNDING, height)
+        climb = straight_leg(self.here, top, self.speeds, self.limits)
+        if math.hypot(x, y) > 1e-3:
+            home = straight_leg(top, (0.0, 0.0, top[2]), self.speeds, self.limits)
+            self.fly(climb, home)
+            self.tail = climb
+            self.fly(home, None)
+        else:
+            self.fly(climb, None)
+        self.here = 0.0, 0.0, top[2]
+        self.rest()
         self.wait(self.limits.rtl_loiter)
         self.come_down(self.limits.rtl_final)
+
+    def land_at(self, place: Place) -> None:
+        """LAND: fly over its place, or the centimetre that rounding leaves to it, and come down."""
+        over = place[0], place[1], self.here[2]
+        if math.dist(self.here, over) > 1e-3:
+            self.straight_to(over)
+        elif self.airborne:
+            below = self.here[0], self.here[1], self.here[2] - CENTIMETRE
+            leg = straight_leg(self.here, below, self.speeds, self.limits)
+            self.wait(LAND_BELOW * leg.shape.lasts if leg.shape is not None else 0.0)
+        self.come_down(0.0)
 
     def stand(self) -> None:
         """Brake, where the last stop was come to too fast: on a curve that is shorter than ArduCopter brakes in."""
@@ -321,7 +342,7 @@ class _Flight:
         self.rise(descend(self.limits, self.here[2], floor))
         self.here = (self.here[0], self.here[1], floor)
         if floor <= 0:
-            self.wait(LANDING_DETECTION)
+            self.wait(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.limits.spool_up)
             self.airborne = False
 
 

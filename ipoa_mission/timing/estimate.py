@@ -44,10 +44,10 @@ class ItemTime:
 
 @dataclass(frozen=True, repr=False)
 class Estimate:
-    """A mission's time. Zero is armed in the mission mode on the ground; `total_s` is landed, or the last item done.
+    """A mission's time, from the vehicle's arming on the ground to its disarming, or to the last item done in the air.
 
     `items` are in the order flown, numbered as in the mission's file (home is 0); an item in a loop appears once for
-    each time it is flown. An RTL is done when the vehicle has landed at home (on PX4: and has disarmed). `track` is
+    each time it is flown. An RTL or LAND is done when the vehicle has disarmed. `track` is
     the path as it will be flown, corners cut, in home's local frame; its speeds are over the ground, in three
     dimensions. `route` holds the time between the first place and the last waypoint against the least that the same
     path takes under the same limits. `remarks` say what of the mission the model does not know.

@@ -10,7 +10,7 @@ from pathlib import Path
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.timing import copter_parameters, px4_parameters
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, RENAMED, Parameters
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, RENAMED, SINGLE_MAX, Parameters
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id holds sixteen characters
 SEPARATOR = re.compile(r"[,\s]+")
@@ -58,4 +58,6 @@ def _name_and_value(text: str, place: str) -> tuple[str, float]:
         number = math.nan
     if not math.isfinite(number):
         raise BadInput(f"{place}: {name}: expected a number, not {value[:40]!r}")
+    if abs(number) > SINGLE_MAX:
+        raise BadInput(f"{place}: {name}: expected a number that fits in single precision, not {value[:40]!r}")
     return name.upper(), number

@@ -24,6 +24,7 @@ from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4_parameters import Px4Limits, px4_limits
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.timing.wind import CALM, Wind
+from ipoa_mission.touchdown import RANGE_LAG_S, Px4Touchdown
 from ipoa_mission.vehicle import Parameters
 
 STEP = 0.04  # [s]
@@ -31,9 +32,6 @@ SAMPLE_STEPS = 3  # a sample of the track every so many steps
 NOTICED = (
     0.075  # from reaching a waypoint to steering for the next: half the navigator's cycle, and a setpoint's way [s]
 )
-LANDING_DETECTION = 2.6  # from touching down to being sure of it [s]
-RETURN_PAUSES = 1.8  # what RTL takes longer from there until it disarms [s]
-TAKEN_OFF = 0.45  # from being high enough until a take-off is over [s]
 GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m/s]
 RUNS = 90  # with noise
 SOME_RUNS, WELL_KNOWN = 6, 0.003  # fewer will do once the mean is known to this share of it; asked every so many
@@ -178,7 +176,7 @@ class _Flight:
         if command in FLOWN_TO:
             return self.fly_to(n)
         if command == Command.NAV_TAKEOFF:
-            return self.take_off(self.target(n)), ""
+            return self.take_off(n), ""
         if command == Command.NAV_LOITER_UNLIM:
             raise BadInput(f"items[{visit.seq - 1}]: loiters without end, so the flight has no time")
         if command == Command.NAV_DELAY:
@@ -343,14 +341,16 @@ class _Flight:
 
     # --- what is not a leg ------------------------------------------------------------------------------------
 
-    def take_off(self, target: Place) -> float:
-        """Spool up, ramp up the thrust, climb; when the height counts as reached [s]."""
+    def take_off(self, n: int) -> float:
+        """Spool up, ramp up the thrust, climb; then the item is a waypoint like any other: when that is reached [s]."""
+        target, onward = self.target(n), self.onward(n)
         if not self.airborne:
             self.rest(self.limits.spool_up)
             self.state[19], self.airborne = -GROUND_SINK, True
         self.here = target
         self.fly(target, target, target, self.limits.radius, climbing_off=True)
-        return self.hold(TAKEN_OFF)
+        self.fly(target, target, self.target(onward) if onward is not None else target, self.limits.radius)
+        return self.since
 
     def return_home(self) -> float:
         """RTL: climb as `Px4Return` says, fly home at MPC_XY_CRUISE, wait, come down, disarm."""
@@ -364,18 +364,18 @@ class _Flight:
         self.straight_to((0.0, 0.0, self.here[2]))
         self.hold(self.limits.land_delay)
         self.come_down()
-        self.rest(RETURN_PAUSES + self.limits.disarm_delay)
+        self.rest(self.limits.disarm_delay)
         return self.now
 
     def come_down(self) -> None:
-        """Sink over the place last bound for to the ground, and wait until the landing is noticed."""
+        """Sink over the place last bound for to the ground, and stand there until the landing is noticed."""
         over = (self.here[0], self.here[1], 0.0)
         slowest = min(self.limits.land_speed, self.limits.descent, self.limits.crawl_speed)
-        most = 30.0 + 4.0 * max(float(self.state[3]), 0.0) / slowest
+        most = 300.0 + 4.0 * max(float(self.state[3]), 0.0) / slowest
         cruise = min(self.cruise, self.limits.most_speed)
         self.step((*over, *over, *over, self.limits.radius, 0.0, cruise, -1.0, most, 0.0, 0.0), latency=0.0)
         self.here = over
-        self.rest(LANDING_DETECTION)
+        self.rest(0.0)
         self.airborne = False
 
     def rest(self, seconds: float) -> None:
@@ -406,7 +406,7 @@ def _pace(plan: _Plan, noisy: bool) -> tuple[float, ...]:
         *_noise(body.senses if noisy else None, limits.spool_up),
         *(limits.most_climb, limits.most_descent),
         *(limits.land_low, limits.land_speed, *_crawl(body.senses, limits)),
-        limits.takeoff_ramp,
+        *(limits.takeoff_ramp, *_standing(body.senses, limits.touchdown)),
     )
 
 
@@ -424,6 +424,12 @@ def _crawl(senses: Senses | None, limits: Px4Limits) -> tuple[float, float]:
     """Below which height a landing crawls, and how fast: only where the ground is seen."""
     seen = senses is not None and senses.sees_ground
     return (limits.crawl_below if seen else 0.0), limits.crawl_speed
+
+
+def _standing(senses: Senses | None, known: Px4Touchdown) -> tuple[float, ...]:
+    """What is taken for a landing: seen late by, low thrust, a speed that is none, stages with and without ground."""
+    low, seen = GRAVITY * (known.low_thrust - 1.0), senses is not None and senses.sees_ground
+    return (RANGE_LAG_S if seen else 0.0, low, known.most_speed, known.stage_s(False), known.stage_s(seen))
 
 
 def _packed(numbers: Any) -> Any:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.timing.body import GRAVITY
+from ipoa_mission.touchdown import Px4Touchdown
 from ipoa_mission.vehicle import PX4_DEFAULTS, Parameters, Px4Return
 
 #: Parameters of PX4 that count here and are not among the package's defaults, with its own defaults.
@@ -25,6 +26,9 @@ FURTHER: Parameters = {
     "COM_DISARM_LAND": 2.0,
     "MPC_LAND_ALT3": 1.0,
     "MPC_LAND_CRWL": 0.3,
+    "MPC_THR_MIN": 0.12,
+    "LNDMC_TRIG_TIME": 1.0,
+    "LNDMC_Z_VEL_MAX": 0.25,
 }
 TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way
 POSITIVE = (
@@ -97,6 +101,7 @@ class Px4Limits:
     returning: Px4Return
     land_delay: float
     disarm_delay: float
+    touchdown: Px4Touchdown
 
 
 def px4_limits(parameters: Parameters) -> Px4Limits:
@@ -156,4 +161,5 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         returning=Px4Return.of(p),
         land_delay=max(p["RTL_LAND_DELAY"], 0.0),
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
+        touchdown=Px4Touchdown.of(p),
     )

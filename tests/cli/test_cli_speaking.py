@@ -16,8 +16,11 @@ from pathlib import Path
 import pytest
 import typer
 
+from ipoa_mission.cli import telling
 from ipoa_mission.cli.app import app
 from ipoa_mission.cli.telling import progress_bar
+from ipoa_mission.cli.verbosity import listen_to_log
+from ipoa_mission.errors import MissionError
 from ipoa_mission.experiments import reproduce
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.planning import planner
@@ -252,3 +255,55 @@ def test_an_extra_that_is_not_installed_is_named(
     assert ended.code in (1, 2)
     assert f"ipoa-mission[{extra}]" in ended.err
     assert "Traceback" not in ended.err
+
+
+#: Escape sequences, a bell, CSI as one character, text turned around, and a line that would be somebody else's.
+WICKED = "mast\x1b]0;owned\x07\x1b[2J\x9b31m\u202etxt\r\nerror: none"
+SHOWN = r"mast\x1b]0;owned\x07\x1b[2J\x9b31m\u202etxt\r\nerror: none"
+OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]")
+
+
+def test_control_characters_of_a_result_a_table_an_error_and_the_log_are_shown(capsys) -> None:
+    telling.tell(WICKED, "\ta tab")
+    telling.tell_table(WICKED, ["words", "n"], [(WICKED, "1")])
+    telling.tell_error(MissionError(f"the vehicle says {WICKED}", hint=WICKED))
+    for level in (logging.WARNING, logging.DEBUG):
+        listen_to_log(level)
+        logging.getLogger("ipoa_mission.link").warning("%s", WICKED)
+    said = capsys.readouterr()
+    assert not OBEYED.search(said.out + said.err)
+    assert said.out.count(SHOWN) == 3
+    assert "\ta tab" in said.out
+    assert said.err.count(SHOWN.split(r"\n")[0]) == 4
+
+
+def test_control_characters_in_json_are_escaped_and_read_back_the_same(capsys) -> None:
+    telling.tell_json({"name": WICKED, "town": "Zürich"})
+    said = capsys.readouterr().out
+    assert not OBEYED.search(said)
+    assert "Zürich" in said
+    assert json.loads(said) == {"name": WICKED, "town": "Zürich"}
+
+
+def test_a_bar_shows_what_a_terminal_would_obey(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("COLUMNS", "160")
+    with telling.progress_bar("flying") as show:
+        show(0.5, "\x1b]0;owned\x07[red]")
+    assert r"\x1b]0;owned\x07[red]" in terminal.getvalue()
+    assert "\x07" not in terminal.getvalue()
+
+
+def test_names_in_files_do_not_reach_the_terminal_as_commands(run, missions: Path) -> None:
+    scenario = (missions / "sitl.toml").read_text()
+    Path("keys.toml").write_text('"\\u001b[2J" = 1\n' + scenario)
+    ended = run("plan keys.toml")
+    assert ended.code == 2
+    assert r"\x1b[2J" in ended.err
+    assert "\x1b" not in ended.err

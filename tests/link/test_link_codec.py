@@ -3,6 +3,8 @@
 import dataclasses
 import math
 import random
+import time
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -14,7 +16,10 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link import wire
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames, message_name, message_number
 from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.tlog import read_tlog
+from ipoa_mission.link.upload import Upload
 from ipoa_mission.mission.items import Item
+from ipoa_mission.vehicle import Autopilot
 
 NOW = 1_767_225_600.0
 FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}
@@ -31,6 +36,8 @@ def example(kind: type[m.Message]) -> m.Message:
         m.LocalPosition: m.LocalPosition(1.0, (1.0, 2.0, -3.0), (0.5, 0.25, -0.125)),
         m.FileTransfer: m.FileTransfer(bytes(range(251))),
         m.SystemTime: m.SystemTime(NOW, 5.0),
+        m.Ack: m.Ack(1, 1),  # without the ids that pymavlink does not know
+        m.Current: m.Current(1, 1, 1, 1),
     }
     if kind in special:
         return special[kind]
@@ -98,6 +105,21 @@ def test_fields_that_a_newer_autopilot_adds_are_passed_over() -> None:
     heard = Codec(245, 190).decode(frame)
     assert heard is not None
     assert heard.message == m.Count(5)
+
+
+def test_ids_of_missions_are_read_as_px4_sends_them() -> None:
+    # As PX4 1.17 sent them after an upload of seven items (payloads of a recording).
+    for number, crc_extra, payload, message in (
+        (47, 153, "f5be00008e66bf40", m.Ack(0, 0, 0x40BF668E)),
+        (42, 28, "0000070002028e66bf40", m.Current(0, 7, 2, 2, 0x40BF668E)),
+    ):
+        body = bytes((len(payload) // 2, 0, 0, 0, 1, 1, number, 0, 0)) + bytes.fromhex(payload)
+        (frame,) = frames(b"\xfd" + body + dialect.x25crc(body + bytes((crc_extra,))).crc.to_bytes(2, "little"))
+        heard = Codec(245, 190).decode(frame)
+        assert heard is not None
+        assert heard.message == message
+        (ours,) = frames(Codec(1, 1).encode(message, Target(245, 190), NOW))
+        assert Codec(245, 190).decode(ours).message == message  # type: ignore[union-attr]
 
 
 @given(st.integers(-1_800_000_000, 1_800_000_000), st.sampled_from([0, 3, 5, 6, 10, 11]))
@@ -240,3 +262,85 @@ def test_a_new_stream_may_not_be_long_behind() -> None:
 def test_the_radio_may_speak_unsigned() -> None:
     judge = Codec(1, 1, Signer(KEY))
     assert judge.decode(Codec(51, 68).encode(m.RadioStatus(100, 90), EVERYONE, NOW)) is not None
+
+
+# --- what MAVLink cannot carry, and what is no MAVLink --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("message", "field"),
+    [
+        (m.ParamSet("MPC_XY_CRUISE", 1e300), "PARAM_SET"),
+        (m.CommandLong(400, (1e300, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)), "COMMAND_LONG"),
+        (m.CommandLong(70_000), "COMMAND_LONG"),
+        (m.Count(70_000), "MISSION_COUNT"),
+        (m.SetCurrent(-1), "MISSION_SET_CURRENT"),
+    ],
+)
+def test_a_value_that_does_not_fit_is_an_error_that_names_its_message(message: m.Message, field: str) -> None:
+    with pytest.raises(BadInput, match=f"{field}: expected values that fit"):
+        Codec(245, 190).encode(message, Target(1, 1), NOW)
+
+
+FINE = Item(16, 3, (0.0, math.nan, math.inf, -3.3e38), 47.4, 8.5, 30.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"params": (0.0, 1e300, 0.0, 0.0)}, "item 1: param2: expected a number that fits in single precision, not 1e"),
+        ({"altitude": -1e39}, "item 1: altitude: expected a number that fits in single precision"),
+        ({"command": 70_000}, "item 1: command: expected a number from 0 to 65535, not 70000"),
+        ({"frame": 300}, "item 1: frame: expected a number from 0 to 255, not 300"),
+        ({"latitude_deg": math.inf}, "item 1: coordinate: expected one that fits"),
+    ],
+)
+def test_an_item_that_cannot_be_said_is_an_error_before_anything_is_sent(change: dict[str, object], told: str) -> None:
+    Upload((FINE, FINE), Autopilot.PX4)
+    with pytest.raises(BadInput, match=told):
+        Upload((FINE, dataclasses.replace(FINE, **change)), Autopilot.PX4)  # type: ignore[arg-type]
+
+
+def test_more_items_than_mavlink_can_count_are_an_error_before_anything_is_sent() -> None:
+    with pytest.raises(BadInput, match="expected 65535 items at most, as many as MAVLink can count, not 70000"):
+        Upload((FINE,) * 70_000, Autopilot.PX4)
+
+
+@pytest.mark.parametrize("noise", [b"\xfd", b"\xfe", b"\xfd\xff\x00", b"\xfe\x09\x00", b"\0"])
+def test_noise_is_framed_in_time_that_grows_with_its_length(noise: bytes) -> None:
+    data = (noise * 600_000)[:600_000]
+    began = time.process_time()
+    assert list(frames(data)) == []
+    assert list(Framer().feed(data)) == []
+    assert time.process_time() - began < 10.0  # the square of it would be minutes
+
+
+def test_a_log_of_noise_is_read_in_seconds(tmp_path: Path) -> None:
+    path = tmp_path / "noise.tlog"
+    path.write_bytes(random.Random(1).randbytes(3_000_000))
+    began = time.process_time()
+    assert list(read_tlog(path)) == []
+    assert time.process_time() - began < 5.0
+
+
+@given(st.lists(st.integers(1, 40), min_size=1, max_size=30), st.binary(max_size=40))
+def test_frames_are_put_together_from_cut_datagrams_however_they_are_cut(sizes: list[int], before: bytes) -> None:
+    _, sent = stream(6)
+    framer = Framer()
+    got = [*framer.datagram(before)]
+    for frame in sent:
+        at = 0
+        while at < len(frame):
+            for size in sizes:
+                got += framer.datagram(frame[at : at + size]) if at < len(frame) else ()
+                at += size
+    assert [frame for frame in got if frame in sent][-1] == sent[-1]
+    if not any(byte in before for byte in b"\xfd\xfe"):
+        assert got == sent
+
+
+def test_a_whole_datagram_is_heard_at_once_behind_half_a_frame() -> None:
+    _, sent = stream(2)
+    framer = Framer()
+    assert list(framer.datagram(b"\xfd\xff\x00" + sent[0][:10])) == []
+    assert list(framer.datagram(sent[1])) == [sent[1]]

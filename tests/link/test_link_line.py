@@ -1,5 +1,6 @@
 """Connection strings, sockets, routes, logs, several vehicles, signed links: the client's verbs over real loopback."""
 
+import hashlib
 import threading
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,7 +17,16 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Heartbeat, MissionType, Text
 from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
-from ipoa_mission.link.signing import Signer, key_of, persistent_signer, read_key
+from ipoa_mission.link.signing import (
+    EPOCH_2015_S,
+    RESERVE_TICKS,
+    TICKS_PER_S,
+    Signer,
+    key_of,
+    persistent_signer,
+    read_key,
+)
+from ipoa_mission.link.timestamps import Timestamps
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.vehicle import connect, meet, open_line, scan
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
@@ -220,14 +230,99 @@ def test_a_vehicle_with_a_key_does_nothing_for_a_stranger() -> None:
     assert line.channel.far.autopilot.transfers.listed(MissionType.MISSION) == ()
 
 
-def test_timestamps_go_on_growing_after_a_restart(tmp_path: Path) -> None:
-    mark, now = tmp_path / "timestamp", 1_767_225_600.0
-    first = persistent_signer(KEY, mark).signature(b"\xfd", now)
-    second = persistent_signer(KEY, mark).signature(b"\xfd", now - 3600.0)  # the clock was set back
-    assert int.from_bytes(second[1:7], "little") > int.from_bytes(first[1:7], "little")
-    mark.write_text("yesterday")
-    with pytest.raises(BadInput, match="expected a timestamp"):
-        persistent_signer(KEY, mark)
+NOW = 1_767_225_600.0
+
+
+def stamp_of(signature: bytes) -> int:
+    return int.from_bytes(signature[1:7], "little")
+
+
+def ticks(unix_s: float) -> int:
+    return round((unix_s - EPOCH_2015_S) * TICKS_PER_S)
+
+
+def test_timestamps_are_those_of_the_clock_and_only_grow_however_often_one_begins_anew(tmp_path: Path) -> None:
+    last = 0
+    for run in range(50):
+        signer = persistent_signer(KEY, tmp_path / "timestamp")
+        stamp = stamp_of(signer.signature(b"\xfd", NOW + 0.001 * run))
+        signer.close()
+        assert last < stamp <= ticks(NOW + 0.001 * run) + 1
+        last = stamp
+
+
+def test_a_run_that_was_killed_repeats_no_timestamp(tmp_path: Path) -> None:
+    mark = tmp_path / "timestamp"
+    killed = persistent_signer(KEY, mark)
+    stamps = [stamp_of(killed.signature(b"\xfd", NOW + 0.1 * n)) for n in range(100)]
+    killed._timestamps.close()  # type: ignore[union-attr]
+    later = persistent_signer(KEY, mark)
+    after = stamp_of(later.signature(b"\xfd", NOW + 5.0))  # and the clock was set back
+    assert stamps[-1] < after <= stamps[-1] + RESERVE_TICKS + 1
+
+
+def test_a_clock_that_was_set_back_is_told_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    mark = tmp_path / "timestamp"
+    first = persistent_signer(KEY, mark)
+    before = stamp_of(first.signature(b"\xfd", NOW))
+    first.close()
+    later = persistent_signer(KEY, mark)
+    stamps = [stamp_of(later.signature(b"\xfd", NOW - 3600.0)) for _ in range(5)]
+    assert [stamp - before for stamp in stamps] == [1, 2, 3, 4, 5]
+    assert [record.message.split(": was")[0] for record in caplog.records] == [
+        "signing goes on from timestamps that are 3600 s ahead of this computer's clock"
+    ]
+
+
+def test_processes_that_sign_at_the_same_time_are_told_apart_by_their_link_ids(tmp_path: Path) -> None:
+    mark, judge = tmp_path / "timestamp", Codec(1, 1, Signer(KEY))
+    one, other = (Codec(245, 190, persistent_signer(KEY, mark)) for _ in range(2))
+    late = one.encode(Text(6, "late"), EVERYONE, NOW)
+    assert judge.decode(other.encode(Text(6, "early"), EVERYONE, NOW + 0.01)) is not None
+    assert judge.decode(late) is not None
+    one.signer.close()  # type: ignore[union-attr]
+    assert persistent_signer(KEY, mark).link_id == 0
+
+
+def test_a_file_that_holds_no_timestamp_is_an_error(tmp_path: Path) -> None:
+    for words in ("yesterday", str(2**48), "-1"):
+        (tmp_path / "timestamp").write_text(words)
+        with pytest.raises(BadInput, match="expected a timestamp"):
+            persistent_signer(KEY, tmp_path / "timestamp")
+    with pytest.raises(BadInput, match="cannot be opened"):
+        persistent_signer(KEY, tmp_path / "no" / "timestamp")
+
+
+FULL = Path("/dev/full")
+full_disk = pytest.mark.skipif(not FULL.exists(), reason="this system has no /dev/full")
+
+
+@full_disk
+def test_a_full_disk_does_not_end_what_is_signed(caplog: pytest.LogCaptureFixture) -> None:
+    with FULL.open("r+b", buffering=0) as file:
+        signer = Signer(KEY, 0, Timestamps(FULL, file, 0))
+        assert signer.signature(b"\xfd", NOW)
+        assert "/dev/full: cannot be written: No space left on device" in caplog.text
+
+
+@full_disk
+def test_a_log_on_a_full_disk_ends_with_one_warning_and_the_session_goes_on(caplog: pytest.LogCaptureFixture) -> None:
+    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190), FULL)
+    meet(line).upload(MISSION)
+    line.close()
+    assert [record.message for record in caplog.records] == [
+        "/dev/full: cannot be written any more: No space left on device; the log ends here"
+    ]
+
+
+@pytest.mark.parametrize("words", ["a passphrase", "p" * 31, "p" * 32, KEY.hex(), "sch\u00f6n " * 4, " spaced "])
+def test_a_key_is_the_same_in_a_file_and_in_the_environment(tmp_path: Path, words: str) -> None:
+    path = tmp_path / "key"
+    for end in ("", "\n", "\r\n"):
+        path.write_bytes((words + end).encode())
+        assert read_key(path) == key_of(words)
+    hashed = hashlib.sha256(words.encode()).digest()
+    assert key_of(words) == (KEY if words == KEY.hex() else hashed)
 
 
 def test_keys_are_read_as_ground_stations_write_them(tmp_path: Path) -> None:
@@ -235,40 +330,77 @@ def test_keys_are_read_as_ground_stations_write_them(tmp_path: Path) -> None:
     for content in (KEY, KEY.hex().encode(), b"a passphrase\n"):
         path.write_bytes(content)
         assert read_key(path) == KEY
-    path.write_bytes(b"\n")
-    with pytest.raises(BadInput, match="signing key"):
-        read_key(path)
+    for content in (b"", b"\n", b" \n", KEY + b"\n", b"\x00" * 16):
+        path.write_bytes(content)
+        with pytest.raises(BadInput, match="signing key: expected"):
+            read_key(path)
     with pytest.raises(BadInput, match="cannot be read"):
         read_key(tmp_path / "none")
+
+
+def test_a_key_that_others_may_write_is_warned_of(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = tmp_path / "key"
+    path.write_bytes(KEY)
+    path.chmod(0o644)
+    read_key(path)
+    assert caplog.text == ""
+    path.chmod(0o664)
+    read_key(path)
+    assert "others than its owner may write this key" in caplog.text
 
 
 # --- routes and logs ------------------------------------------------------------------------------------------------
 
 
+ALICE, BOB = Target(245, 190), Target(255, 230)
+
+
 def test_an_answer_goes_only_where_the_question_came_from() -> None:
     routes = Routes()
-    assert routes.learn(245, 190, "alice", 0.0)
-    assert routes.learn(255, 230, "bob", 0.0)
-    assert routes.to(Target(255, 230)) == {"bob"}
+    routes.learn(ALICE, "alice", 0.0)
+    routes.learn(BOB, "bob", 0.0)
+    assert routes.to(BOB) == {"bob"}
     assert routes.to(EVERYONE) == {"alice", "bob"}
 
 
-def test_a_stranger_cannot_take_over_an_id_that_is_in_use() -> None:
+def test_two_stations_with_the_same_ids_are_both_answered_until_one_falls_silent() -> None:
     routes = Routes()
-    routes.learn(245, 190, "alice", 0.0)
-    assert not routes.learn(245, 190, "mallory", 1.0)
-    assert routes.to(Target(245, 190)) == {"alice"}
-    assert routes.learn(245, 190, "alice moved", CLAIM_S + 0.1)
-    assert routes.to(Target(245, 190)) == {"alice moved"}
+    routes.learn(ALICE, "alice", 0.0)
+    routes.learn(ALICE, "her twin", 1.0)
+    assert routes.to(ALICE) == {"alice", "her twin"}
+    routes.learn(ALICE, "her twin", CLAIM_S)
+    routes.learn(ALICE, "alice moved", CLAIM_S)
+    assert routes.to(ALICE) == {"her twin", "alice moved"}
+
+
+def test_a_stranger_cannot_take_over_a_name_that_is_claimed() -> None:
+    routes = Routes()
+    assert routes.claim(ALICE, "alice", 0.0)
+    assert not routes.claim(ALICE, "mallory", 1.0)
+    assert routes.claim(ALICE, "alice", 2.0)
+    assert routes.holder(ALICE) == "alice"
+    assert routes.claim(ALICE, "alice moved", 2.0 + CLAIM_S)
 
 
 def test_a_flood_of_peers_does_not_grow_without_bound() -> None:
     routes = Routes()
     for n in range(1000):
-        routes.learn(n % 256, n // 256, f"peer {n}", float(n))
+        routes.learn(Target(n % 256, n // 256), f"peer {n}", float(n))
         routes.framer(f"peer {n}")
     assert len(routes.to(EVERYONE)) == MOST_PEERS
     assert len(routes._framers) == MOST_PEERS
+
+
+def test_made_up_ids_do_not_evict_whom_we_speak_to() -> None:
+    routes = Routes()
+    routes.learn(BOB, "bob", 0.0)
+    routes.speak_to(BOB)
+    for n in range(400):
+        routes.learn(Target(1 + n % 40, 1), "mallory", 0.01 * n)
+    assert routes.to(BOB) == {"bob"}
+    for n in range(100):  # nor by taking the name itself
+        routes.learn(BOB, f"mallory {n}", 4.0 + 0.001 * n)
+    assert "bob" in routes.to(BOB)
 
 
 def test_a_log_is_read_back_and_a_torn_record_is_passed_over(tmp_path: Path) -> None:

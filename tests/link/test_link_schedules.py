@@ -1,13 +1,13 @@
 """Random radios: whatever they lose, double, delay and reorder, an upload is exact or an error, never false."""
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from link_pair import HOME, Air, Fate, Vehicle, items_of
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import download
 from ipoa_mission.link.dialogue import Cancelled
-from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, home_item
 from ipoa_mission.vehicle import Autopilot
@@ -18,6 +18,8 @@ FATES = st.builds(
     delay_s=st.sampled_from([0.0, 0.01, 0.05, 0.3, 0.3, 0.9, 2.5]),
 )
 SCHEDULES = st.lists(FATES, min_size=1, max_size=40)
+NO_TOTAL = 65535
+HEARD_WITHIN_S = 1.2  # the vehicle speaks when it is spoken to, or beats once a second
 UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
@@ -36,6 +38,42 @@ def test_an_upload_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot,
             assert None in (compare(before, vehicle.holds(), autopilot), compare(sent, vehicle.holds(), autopilot))
         return
     assert compare(sent, vehicle.holds(), autopilot) is None
+
+
+class Rivalry(Air):
+    """Another station puts a mission of its own on the vehicle, which says five times a second how long its is."""
+
+    def begin(self, moment: float, count: int) -> None:
+        self.moment, self.count, self.replaced = moment, count, False
+        self._told = 0.0
+
+    def _launch(self, messages: list[Message], to_vehicle: bool) -> None:
+        if not self.replaced and self.now >= self.moment:
+            self.replaced = True
+            self.vehicle.store(items_of(self.vehicle_kind, self.count, shift=0.02))
+        if not to_vehicle and self.now - self._told >= 0.2:
+            self._told = self.now
+            messages = [*messages, Current(0, len(self.vehicle.holds()) or NO_TOTAL, 2 if self.vehicle.holds() else 1)]
+        super()._launch(messages, to_vehicle)
+
+    vehicle_kind = Autopilot.PX4
+
+
+@settings(UNHURRIED, max_examples=300)
+@given(st.floats(0.0, 3.0), st.integers(0, 6), st.integers(1, 6), st.sampled_from([0.0, 0.02, 0.1]))
+def test_a_mission_that_another_station_replaces_is_an_error_or_was_replaced_unheard(
+    moment: float, theirs: int, ours: int, delay_s: float
+) -> None:
+    assume(theirs != ours)
+    air = Rivalry(Vehicle(Autopilot.PX4), [Fate(1, delay_s)])
+    air.begin(moment, theirs)
+    sent = items_of(Autopilot.PX4, ours)
+    try:
+        air.hold(upload(Upload(sent, Autopilot.PX4)))
+    except MissionError:
+        return
+    held = compare(sent, air.vehicle.holds(), Autopilot.PX4) is None
+    assert held or air.now - moment < HEARD_WITHIN_S + delay_s
 
 
 @settings(UNHURRIED, max_examples=300)

@@ -20,7 +20,7 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
-from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Upload, upload
+from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload, upload
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicle import Autopilot
@@ -283,6 +283,58 @@ def test_a_mission_that_the_vehicle_finds_unflyable_is_an_error_with_its_reason(
 )
 def test_the_last_state_that_is_told_counts(words: tuple[Message, ...]) -> None:
     assert lead(upload(Upload(items_of(PX4, 1), PX4)), judged(*words)).finished
+
+
+ONE = items_of(PX4, 1)
+OTHER = items_of(PX4, 1, shift=0.1) + items_of(PX4, 2)[1:]
+
+
+@pytest.mark.parametrize(
+    ("ack", "words", "held", "told"),
+    [
+        (Ack(0), (Current(0, 2, 2),), OTHER, "the list: number of items: sent 1, the vehicle holds 2"),
+        (Ack(0), (Current(0, 1, 2), Current(0, 2, 2), Current(0, 2, 3)), OTHER, "number of items"),
+        (Ack(0), (Current(0, 65535, 1),), (), "number of items: sent 1, the vehicle holds 0"),
+        (Ack(0), (Current(0, 0, 1),), (), "number of items: sent 1, the vehicle holds 0"),
+        (Ack(0), (Current(0, 2),), OTHER, "number of items"),
+        (Ack(0, 0, 77), (Current(0, 1, 2, 2, 78),), items_of(PX4, 2)[1:], "item 0: command: sent NAV_TAKEOFF"),
+    ],
+)
+def test_a_mission_that_is_replaced_while_the_verdict_is_awaited_is_an_error(
+    ack: Ack, words: tuple[Message, ...], held: tuple[Item, ...], told: str
+) -> None:
+    script = judged(*words) | {
+        ItemAt: [[ack]],
+        RequestList: [[Count(1)], [Count(len(held))]],
+        Request: [[ItemAt(0, ONE[0])], *([ItemAt(seq, item)] for seq, item in enumerate(held))],
+    }
+    with pytest.raises(Replaced, match=f"the mission on the vehicle is no longer what was sent: .*{told}"):
+        lead(upload(Upload(ONE, PX4)), script)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("words", "readings"),
+    [
+        ((Current(0, 5, 2), Current(0, 1, 2)), 1),  # the first was said before the upload
+        ((Current(0, 1, 2, 2, 5), Current(0, 1, 2, 2, 77)), 1),
+        ((Current(0, 1, 2, 2, 77),), 1),
+        ((Current(0, 5, 2),), 2),  # said before the upload, and came late: it is read again to be sure
+        ((Current(0, 1, 2, 2, 5),), 2),
+    ],
+)
+def test_what_was_said_before_the_upload_is_no_replacement(words: tuple[Message, ...], readings: int) -> None:
+    script = judged(*words) | {
+        ItemAt: [[Ack(0, 0, 77)]],
+        RequestList: [[Count(1)]] * 2,
+        Request: [[ItemAt(0, ONE[0])]] * 2,
+    }
+    assert lead(upload(Upload(ONE, PX4)), script).finished  # type: ignore[arg-type]
+    assert len(script[RequestList]) == 2 - readings
+
+
+def test_a_vehicle_that_spoke_of_another_mission_and_fell_silent_is_not_taken_for_verified() -> None:
+    with pytest.raises(NoAnswer, match="the vehicle may no longer hold the mission that was sent"):
+        lead(upload(Upload(ONE, PX4)), judged(Current(0, 2, 2)))
 
 
 def test_what_an_event_says_has_its_numbers_in_it() -> None:

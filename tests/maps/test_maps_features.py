@@ -1,6 +1,7 @@
 """Map files of several writers say the same; what is wrong in one is named with its place."""
 
 import json
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -177,3 +178,46 @@ def test_other_files_are_refused_in_words(tmp_path: Path, name: str, text: str, 
     with pytest.raises(BadInput) as told:
         read_features(path)
     assert str(told.value) == f"{path}: {words}"
+
+
+POINT = '{"type":"Point","coordinates":[8.5,47.4]}'
+SPOT = "<Point><coordinates>8.5,47.4</coordinates></Point>"
+
+
+def nested(opening: str, core: str, closing: str, times: int) -> str:
+    return opening * times + core + closing * times
+
+
+def collections(times: int) -> str:
+    return nested('{"type":"GeometryCollection","geometries":[', POINT, "]}", times)
+
+
+def placemark(core: str) -> str:
+    return f"<kml><Document><Placemark>{core}</Placemark></Document></kml>"
+
+
+NONSENSE = {
+    "deep.geojson": (collections(50_000), "brackets nested without end"),
+    "collections.geojson": (collections(300), "expected collections in no more than 16 others"),
+    "digits.geojson": (POINT.replace("8.5", "9" * 6_000), "not one of thousands of digits"),
+    "great.geojson": (POINT.replace("8.5", "9" * 400), "expected positions as"),
+    "deep.kml": (placemark(nested("<MultiGeometry>", SPOT, "</MultiGeometry>", 50_000)), "no more than 16 others"),
+    "folders.kml": (f"<kml>{nested('<Folder>', SPOT, '</Folder>', 20_000)}</kml>", "no more than 64 others"),
+    "placemarks.kml": (placemark(nested("<Placemark>", SPOT, "</Placemark>", 20_000)), "no Placemark in another"),
+}
+
+
+@pytest.mark.parametrize("name", NONSENSE)
+def test_nonsense_without_end_is_an_error_at_once(tmp_path: Path, name: str) -> None:
+    text, told = NONSENSE[name]
+    (tmp_path / name).write_text(text)
+    began = time.process_time()
+    with pytest.raises(BadInput, match=told):
+        read_features(tmp_path / name)
+    assert time.process_time() - began < 2.0
+
+
+def test_what_people_draw_is_not_too_deep(tmp_path: Path) -> None:
+    (tmp_path / "a.geojson").write_text(collections(16))
+    (tmp_path / "a.kml").write_text(placemark(nested("<MultiGeometry>", SPOT, "</MultiGeometry>", 16)))
+    assert len(read_features(tmp_path / "a.geojson")) == len(read_features(tmp_path / "a.kml")) == 1

@@ -1,6 +1,7 @@
 """A scenario file is read whole, or refused in words that name the place."""
 
 import json
+import time
 from pathlib import Path
 
 import numpy as np
@@ -149,3 +150,40 @@ def test_a_copy_with_another_start_forgets_what_followed_from_the_old_one(missio
     assert moved.start_point.tolist() == [1.0, 2.0, 33.0]
     assert moved.airspace.obstacles == ()
     assert scenario.start_point[2] != 33.0
+
+
+NONSENSE = {
+    "a = " + "[" * 50_000 + "]" * 50_000: "brackets nested without end",
+    "a = " + "{b=" * 50_000 + "1" + "}" * 50_000: "brackets nested without end",
+    "a = " + "9" * 6_000: "not one of thousands of digits",
+    ".".join(["a"] * 20_000) + " = 1": "line 1: expected a key of at most 16 parts",
+    "\n[" + " . ".join(['"a.b"', "'c'"] * 10_000) + "]": "line 2: expected a key of at most 16 parts",
+    "x = {" + ".".join(["a"] * 20_000) + " = 1}": "line 1: expected a key of at most 16 parts",
+    "\n".join(f"k{n}." + ".".join(["a"] * 60) + " = 1" for n in range(2000)): "line 1: expected a key of at most 16",
+    "[vehicle]\nparameters.WPNAV_SPEED = 1e300": "vehicle.parameters.WPNAV_SPEED: expected a number of at most 3.4e+38",
+}
+
+
+@pytest.mark.parametrize(("text", "told"), NONSENSE.items(), ids=[text[:12] for text in NONSENSE])
+def test_nonsense_without_end_is_an_error_at_once(text: str, told: str) -> None:
+    began = time.process_time()
+    with pytest.raises(BadInput) as error:
+        parse_scenario(text, Path("a.toml"))
+    assert told in str(error.value)
+    assert time.process_time() - began < 2.0
+
+
+@pytest.mark.parametrize("quote", ['"', "'", '"""', "'''", "# "])
+def test_dots_in_strings_and_comments_are_no_keys(quote: str) -> None:
+    words = "a.b" * 40
+    text = f"# {words}" if quote == "# " else f"words = {quote}{words}{quote}"
+    with pytest.raises(BadInput) as error:
+        parse_scenario(text, Path("a.toml"))
+    assert "parts" not in str(error.value)
+
+
+def test_strings_that_never_end_are_read_once() -> None:
+    began = time.process_time()
+    with pytest.raises(BadInput):
+        parse_scenario('\\"""' * 200_000, Path("a.toml"))
+    assert time.process_time() - began < 2.0

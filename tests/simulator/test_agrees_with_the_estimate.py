@@ -5,6 +5,7 @@ Each of these once told the two apart: a name, a limit or a habit that one of th
 
 from collections.abc import Mapping
 
+import numpy as np
 import pytest
 
 from ipoa_mission.mission.items import (
@@ -69,21 +70,34 @@ PX4: Mapping[str, tuple[tuple[Item, ...], Mapping[str, float]]] = {
 CASES = [(Autopilot.ARDUPILOT, name) for name in COPTER] + [(Autopilot.PX4, name) for name in PX4]
 
 
-@pytest.mark.parametrize(("autopilot", "name"), CASES)
-def test_other_missions_and_parameters_take_as_long_by_both_models(autopilot: Autopilot, name: str) -> None:
-    items, parameters = (COPTER if autopilot is Autopilot.ARDUPILOT else PX4)[name]
-    found = estimate(Mission(HOME, items, autopilot), parameters, fast=autopilot is Autopilot.PX4)
-    flight = Flight(autopilot, HOME, parameters, seed=1)
+#: PX4's landings differ by a second and more from one to the next.
+SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(4)}
+
+
+def by_built_in(
+    autopilot: Autopilot, items: tuple[Item, ...], parameters: Mapping[str, float], seed: int
+) -> tuple[dict[int, float], float]:
+    """When each item was done and when the motors stopped [s]."""
+    flight = Flight(autopilot, HOME, parameters, seed=seed)
     flight.load(items)
     flight.arm()
     flight.start()
     while flight.armed:
-        flight.advance(flight.time_s + 1.0)
-        assert flight.time_s < 2 * found.total_s, "the built-in autopilot does not get home"
-    flown = {reached.index + 1: reached.time_s for reached in flight.reached}
+        flight.advance(flight.time_s + 0.1)
+        assert flight.time_s < 500.0, "the built-in autopilot does not get home"
+    return {reached.index + 1: reached.time_s for reached in flight.reached}, flight.time_s
+
+
+@pytest.mark.parametrize(("autopilot", "name"), CASES)
+def test_other_missions_and_parameters_take_as_long_by_both_models(autopilot: Autopilot, name: str) -> None:
+    items, parameters = (COPTER if autopilot is Autopilot.ARDUPILOT else PX4)[name]
+    found = estimate(Mission(HOME, items, autopilot), parameters, fast=autopilot is Autopilot.PX4)
+    flown, over = zip(*(by_built_in(autopilot, items, parameters, seed) for seed in SEEDS[autopilot]), strict=True)
     estimated = {item.seq: item.done_s for item in found.items}
     last, end = len(items) - 1, len(items)
-    over = flight.time_s if items[-1].command == Command.NAV_RETURN_TO_LAUNCH else flown[end]
-    assert estimated[2] == pytest.approx(flown[2], rel=0.08)
-    assert estimated[last] - estimated[2] == pytest.approx(flown[last] - flown[2], rel=0.06)
-    assert estimated[end] - estimated[last] == pytest.approx(over - flown[last], rel=0.1)
+    first, route, ending = np.mean(
+        [(one[2], one[last] - one[2], ends - one[last]) for one, ends in zip(flown, over, strict=True)], axis=0
+    )
+    assert estimated[2] == pytest.approx(first, rel=0.08)
+    assert estimated[last] - estimated[2] == pytest.approx(route, rel=0.06)
+    assert estimated[end] - estimated[last] == pytest.approx(ending, rel=0.1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from flown_here import fly_here
-from recorded_flights import FLIGHTS, read_flight, read_flights
+from recorded_flights import FLIGHTS, LANDINGS, read_flight, read_flights
 
 from ipoa_mission.vehicle import Autopilot
 
@@ -29,3 +29,22 @@ def test_a_px4_mission_takes_as_long_as_the_mean_of_its_recordings(name: str) ->
     )
     ending = np.mean([end - done[flight.last] for done, end in flown])
     assert ending == pytest.approx(flight.end_s - flight.runs[0][flight.last], rel=0.1)
+
+
+@pytest.mark.parametrize("flight", read_flights(Autopilot.ARDUPILOT, LANDINGS), ids=lambda flight: flight.name)
+def test_arducopter_leaves_the_ground_and_comes_back_to_it_as_recorded(flight) -> None:  # type: ignore[no-untyped-def]
+    """But for the second that a leg of a centimetre before the landing takes, or does not."""
+    done, _ = fly_here(flight, seed=0)
+    (run,), land = flight.runs, len(flight.mission.items)
+    assert done[flight.first] == pytest.approx(run[flight.first], abs=0.3)
+    assert done[land] - done[flight.last] == pytest.approx(run[land] - run[flight.last], abs=1.3)
+
+
+def test_px4_stands_on_the_ground_as_long_as_recorded() -> None:
+    flights = [read_flight(LANDINGS / f"land{height}_fast-px4") for height in (8, 30)]
+    land = len(flights[0].mission.items)
+    here = [fly_here(flight, seed)[0] for flight in flights for seed in range(4)]
+    there = [run for flight in flights for run in flight.runs]
+    for first, last in ((0, flights[0].first), (flights[0].last, land)):
+        ours, theirs = (np.mean([one[last] - one.get(first, 0.0) for one in flown]) for flown in (here, there))
+        assert ours == pytest.approx(theirs, rel=0.06)

@@ -32,7 +32,9 @@ def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dic
     for message in (*orders, CommandLong(400, (1.0,) + (0.0,) * 6), start):
         mock.receive(message, CLIENT, 1.0)
     reached: dict[int, tuple[float, float]] = {}
-    while mock.flight.armed:
+    left = 50  # steps for what is still to be said once it has disarmed
+    while mock.flight.armed or left > 0:
+        left -= not mock.flight.armed
         mock.tick(mock.deadline)
         east, north, _ = mock.flight.local
         for message, _ in mock.outgoing():

@@ -1,0 +1,81 @@
+"""The last timestamp that was signed, kept from one run to the next in a file of which only one process is the owner.
+
+While it is in use the file is a second ahead of what was signed, so that a run that ends badly repeats nothing; a run
+that ends well leaves the timestamp that it signed last. So it never runs ahead of the clock.
+"""
+
+import logging
+import os
+import sys
+from pathlib import Path
+from typing import BinaryIO
+
+from ipoa_mission.errors import BadInput
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+log = logging.getLogger(__name__)
+DIGITS = 20
+MOST = 2**48  # a timestamp on the wire has six bytes
+LOCKED_AT = 1_000_000  # on Windows nobody can read what is locked: a byte far behind the timestamp is
+
+
+class Timestamps:
+    """The file of one owner; `close` it for the next."""
+
+    def __init__(self, path: Path, file: BinaryIO, last: int) -> None:
+        self.last = last
+        self._path = path
+        self._file = file
+
+    def keep(self, last: int) -> None:
+        """Write a timestamp down; a disk that takes nothing any more does not end a flight."""
+        try:
+            self._file.seek(0)
+            self._file.write(b"%0*d\n" % (DIGITS, last))
+        except OSError as error:
+            log.warning("%s: cannot be written: %s; signing may be refused next time", self._path, error.strerror)
+
+    def close(self) -> None:
+        """Somebody else may own it."""
+        self._file.close()
+
+    def __del__(self) -> None:
+        self.close()
+
+
+def own_timestamps(path: Path) -> Timestamps | None:
+    """The timestamp in a file, which is made if it is not there; None while another process owns it.
+
+    Raises:
+        BadInput: it cannot be opened, or holds something else than a timestamp.
+    """
+    try:
+        file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600), "r+b", buffering=0)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be opened: {error.strerror}") from error
+    try:
+        _lock(file)
+        words = file.read(DIGITS + 2).strip()
+    except (BlockingIOError, PermissionError):  # it is locked: on Linux, on Windows
+        file.close()
+        return None
+    except OSError as error:
+        file.close()
+        raise BadInput(f"{path}: cannot be locked: {error.strerror}") from error
+    if words and not (words.isdigit() and int(words) < MOST):
+        file.close()
+        raise BadInput(f"{path}: expected a timestamp of MAVLink signing, not {words.decode('ascii', 'replace')!r}")
+    return Timestamps(path, file, int(words or b"0"))
+
+
+def _lock(file: BinaryIO) -> None:
+    if sys.platform == "win32":
+        file.seek(LOCKED_AT)
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        file.seek(0)
+    else:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -1,0 +1,136 @@
+"""Serial lines that do not drain or are pulled out, and addresses that nobody can have."""
+
+import os
+import select
+import time
+import tty
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.link.address import parse_address
+from ipoa_mission.link.channel import MOST_UNSENT, LinkDown, SerialChannel, UdpChannel, open_channel
+from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
+from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.messages import Firmware, Heartbeat, Text
+from ipoa_mission.link.vehicle import meet
+
+pytest.importorskip("serial")
+AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, Firmware.PX4), EVERYONE, 0.0)
+
+
+class Cable:
+    """A serial line: the vehicle's end is `vehicle`, a file; ours has a name."""
+
+    def __init__(self) -> None:
+        self.vehicle, self._ours = os.openpty()
+        tty.setraw(self._ours)
+        self.url = f"serial:{os.ttyname(self._ours)}:57600"
+
+    def pull_out(self) -> None:
+        for end in (self.vehicle, self._ours):
+            if end >= 0:
+                os.close(end)
+        self.vehicle = self._ours = -1
+
+
+@pytest.fixture
+def cable() -> Iterator[Cable]:
+    line = Cable()
+    yield line
+    line.pull_out()
+
+
+@pytest.fixture
+def serial(cable: Cable) -> Iterator[SerialChannel]:
+    channel = open_channel(cable.url)
+    assert isinstance(channel, SerialChannel)
+    yield channel
+    channel.close()
+
+
+def test_frames_pass_both_ways_over_a_serial_line(cable: Cable, serial: SerialChannel) -> None:
+    serial.send(AUTOPILOT, None)
+    assert list(frames(os.read(cable.vehicle, 1000))) == [AUTOPILOT]
+    os.write(cable.vehicle, AUTOPILOT)
+    assert serial.receive(serial.now() + 5.0) == [(AUTOPILOT, "serial")]
+
+
+def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
+    cable: Cable, serial: SerialChannel
+) -> None:
+    codec, began = Codec(245, 190), time.monotonic()
+    sent = [codec.encode(Text(6, f"{n:050}"), EVERYONE, 0.0) for n in range(3000)]
+    for frame in sent:
+        serial.send(frame, None)
+    assert time.monotonic() - began < 5.0
+    assert len(serial._unsent) <= MOST_UNSENT
+    framer, got = Framer(), []
+    while data := (os.read(cable.vehicle, 100_000) if _is_readable(cable.vehicle) else b""):
+        got += framer.feed(data)
+        serial.receive(serial.now())
+    assert got == sent[: len(got)]
+    assert 20 < len(got) < len(sent)
+
+
+def _is_readable(file: int) -> bool:
+    return bool(select.select([file], [], [], 0.05)[0])
+
+
+def test_a_verb_on_a_serial_line_that_does_not_drain_ends_when_the_user_s_patience_does(
+    cable: Cable, serial: SerialChannel
+) -> None:
+    full = Codec(245, 190).encode(Text(6, "x" * 50), EVERYONE, 0.0)
+    for _ in range(2000):
+        serial.send(full, None)
+    os.write(cable.vehicle, AUTOPILOT)
+    vehicle = meet(Line(serial, Codec(245, 190)), patience=replace(SPECIFIED, total_s=0.5), fast=False)
+    began = time.monotonic()
+    with pytest.raises((TimeUp, NoAnswer)):
+        vehicle.clear()
+    assert time.monotonic() - began < 2.0
+
+
+@pytest.mark.parametrize(
+    "use", [lambda channel: channel.receive(channel.now() + 1.0), lambda channel: channel.send(AUTOPILOT * 10, None)]
+)
+def test_a_serial_line_that_is_pulled_out_is_a_link_that_is_down(
+    cable: Cable, serial: SerialChannel, use: Callable[[SerialChannel], object]
+) -> None:
+    cable.pull_out()
+    with pytest.raises(LinkDown, match="the link broke"):
+        use(serial)
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        f"udpout:{'a' * 70}:14550",
+        "udpin:a..b:14550",
+        "serial:/dev/null:57600",
+        "serial:/dev:57600",
+        "serial:/dev/no\0thing:57600",
+        "tcp:127.0.0.1:0",
+    ],
+)
+def test_whatever_cannot_be_opened_is_said_in_words(url: str) -> None:
+    with pytest.raises(LinkDown, match=r"cannot be opened|no such device"):
+        open_channel(url)
+
+
+@pytest.mark.parametrize("url", [f"udpin:127.0.0.1:{'9' * 5000}", f"serial:/dev/ttyS0:{'9' * 5000}", "udpin::١٤٥٥٠"])
+def test_numbers_without_end_are_no_ports(url: str) -> None:
+    with pytest.raises(BadInput, match="link: expected"):
+        parse_address(url)
+
+
+def test_a_stranger_whose_address_cannot_be_answered_does_not_break_the_link() -> None:
+    channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
+    try:
+        channel.send(b"\xfd", ("127.0.0.1", 0))
+        channel.send(b"\xfd", ("255.255.255.255", 9))
+    finally:
+        channel.close()

@@ -1,0 +1,273 @@
+"""A stranger's traffic: the same ids, made-up ids, torn frames, an old protocol. What comes of it is told or exact."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega as dialect
+
+from ipoa_mission.link.channel import Peer
+from ipoa_mission.link.codec import EVERYONE, Codec, Target
+from ipoa_mission.link.dialogue import SPECIFIED
+from ipoa_mission.link.line import Contested, Line, SpeaksMavlink1
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Result
+from ipoa_mission.link.vehicle import meet
+from ipoa_mission.mission.firmware import compare, to_wire
+from ipoa_mission.mission.items import Mission, takeoff, waypoint
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+MISSION = Mission(HOME, (takeoff(HOME, 10.0), *(waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(30))))
+PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
+US, VEHICLE = Target(245, 190), Target(1, 1)
+
+
+class Net:
+    """A channel to several ends, each with its address; time passes while one waits. A frame takes 10 ms."""
+
+    datagrams = True
+
+    def __init__(self, **ends: Station) -> None:
+        self.ends = ends
+        self.strangers: list[Callable[[float], list[tuple[bytes, Peer]]]] = []
+        self.cut = 0
+        self._now = 0.0
+        self._coming: list[tuple[bytes, Peer]] = []
+
+    def now(self) -> float:
+        return self._now
+
+    def unix_s(self) -> float:
+        return 1_767_225_600.0 + self._now
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        while not self._coming and self._now < until:
+            self._now = min(until, self._now + 0.01)
+            for address, end in self.ends.items():
+                end.tick(self._now)
+                self._coming += [(data, address) for data, peer in end.outgoing() if peer in ("us", None)]
+            for stranger in self.strangers:
+                self._coming += stranger(self._now)
+        coming, self._coming = self._coming, []
+        size = self.cut or 1000
+        return [(data[at : at + size], peer) for data, peer in coming for at in range(0, len(data), size)]
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        for address, end in self.ends.items():
+            if peer in (address, None):
+                for at in range(0, len(data), self.cut or 1000):
+                    end.receive(data[at : at + (self.cut or 1000)], "us", self._now)
+
+    def close(self) -> None:
+        return None
+
+
+def station(family: Autopilot = PX4, system: int = 1) -> Station:
+    return Station(Mock(family, HOME), system)
+
+
+def held(net: Net, address: str) -> int:
+    return len(net.ends[address].autopilot.transfers.listed(MissionType.MISSION))
+
+
+def line_on(net: Net) -> Line:
+    return Line(net, Codec(*US))
+
+
+def is_exact(net: Net, address: str, family: Autopilot = PX4) -> bool:
+    listed = net.ends[address].autopilot.transfers.listed(MissionType.MISSION)
+    return compare(to_wire(replace(MISSION, autopilot=family)), listed, family) is None
+
+
+# --- two vehicles with one system id --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("system", [None, 1])
+def test_two_vehicles_with_one_system_id_are_told_and_refused(system: int | None) -> None:
+    net = Net(one=station(), other=station(ARDUPILOT))
+    with pytest.raises(Contested, match="two vehicles on this link have the system id 1") as told:
+        meet(line_on(net), system)
+    assert "MAV_SYS_ID" in str(told.value.hint)
+    assert (held(net, "one"), held(net, "other")) == (0, 0)
+
+
+def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: pytest.LogCaptureFixture) -> None:
+    net = Net(one=station(), other=station())
+    line = line_on(net)
+    meet(line, anyway=True).upload(MISSION)
+    assert line.contested(1)
+    assert is_exact(net, "one")
+    assert held(net, "other") == 0
+    assert [record.message for record in caplog.records] == [
+        "another vehicle with system id 1 is on the link; it is not listened to"
+    ]
+
+
+def test_a_vehicle_that_moves_to_another_address_is_no_second_one() -> None:
+    net = Net(one=station())
+    line = line_on(net)
+    meet(line)
+    net.ends = {"elsewhere": net.ends["one"]}
+    until = net.now() + 20.0
+    while net.now() < until:
+        line.receive(until)
+        assert not line.contested(1)
+    meet(line).upload(MISSION)
+    assert is_exact(net, "elsewhere")
+
+
+def test_vehicles_with_ids_of_their_own_are_not_contested() -> None:
+    line = line_on(Net(one=station(), other=station(ARDUPILOT, 2)))
+    assert meet(line, 2).autopilot is ARDUPILOT
+    assert not line.contested(1)
+    assert not line.contested(2)
+    assert line.heard_s(Target(9, 1)) is None
+    assert line.heard_s(VEHICLE) == pytest.approx(line.channel.now(), abs=1.1)
+
+
+# --- made-up ids and forged answers ---------------------------------------------------------------------------------
+
+
+def saying(message: Message, names: list[Target], peer: str = "mallory") -> Callable[[float], list[tuple[bytes, Peer]]]:
+    voices = [Codec(*name) for name in names]
+    return lambda now: [(voice.encode(message, EVERYONE, now), peer) for voice in voices]
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
+    net = Net(one=station(family))
+    line = line_on(net)
+    vehicle = meet(line)
+    net.strangers.append(saying(Heartbeat(2, Firmware.PX4), [Target(system, 1) for system in range(2, 42)]))
+    vehicle.upload(MISSION)
+    assert is_exact(net, "one", family)
+    assert len(vehicle.download().items) == len(MISSION.items)
+
+
+@pytest.mark.parametrize("forged", [Ack(Result.DENIED), Ack(Result.ACCEPTED), Count(3)])
+def test_what_a_stranger_says_in_the_vehicle_s_name_is_not_heard(forged: Message) -> None:
+    net = Net(one=station())
+    vehicle = meet(line_on(net))
+    net.strangers.append(saying(forged, [VEHICLE]))
+    vehicle.upload(MISSION)
+    assert is_exact(net, "one")
+
+
+# --- stations with our ids ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_beside_another_station_with_our_ids_we_hear_the_built_in_autopilot(family: Autopilot) -> None:
+    net = Net(one=station(family))
+    beat, twin = Codec(*US).encode(Heartbeat(6, Firmware.INVALID), EVERYONE, 0.0), 0.0
+    for _ in range(20):  # it was there before us
+        net.ends["one"].receive(beat, "twin", twin)
+
+    def twin_beats(now: float) -> list[tuple[bytes, Peer]]:
+        net.ends["one"].receive(beat, "twin", now)
+        return []
+
+    net.strangers.append(twin_beats)
+    vehicle = meet(line_on(net))
+    vehicle.upload(MISSION)
+    assert is_exact(net, "one", family)
+    assert net.ends["one"]._routes.to(US) == {"us", "twin"}
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_way(family: Autopilot) -> None:
+    net = Net(one=station(family))
+    said = [Codec(*US).encode(message, VEHICLE, 0.0) for message in (Count(2), Ack(Result.OPERATION_CANCELLED))]
+
+    def disturb(now: float) -> list[tuple[bytes, Peer]]:
+        for frame in said:
+            net.ends["one"].receive(frame, "twin", now)
+        return []
+
+    vehicle = meet(line_on(net), fast=False)
+    opened = vehicle.line.codec.encode(Count(31), VEHICLE, 0.0)
+    net.ends["one"].receive(opened, "us", net.now())
+    net.strangers.append(disturb)
+    vehicle.upload(MISSION)
+    assert is_exact(net, "one", family)
+
+
+def test_an_answer_to_one_of_two_stations_reaches_both_and_a_transfer_s_only_its_own() -> None:
+    one = station()
+    for peer in ("us", "twin"):
+        one.receive(Codec(*US).encode(Heartbeat(6, Firmware.INVALID), EVERYONE, 0.0), peer, 0.0)
+    one.receive(Codec(*US).encode(Ping(1, 0), EVERYONE, 0.0), "us", 0.0)
+    assert {peer for _, peer in one.outgoing()} == {"us", "twin"}
+    one.receive(Codec(*US).encode(Count(2), VEHICLE, 0.0), "us", 0.0)
+    assert {peer for _, peer in one.outgoing()} == {"us"}
+
+
+# --- torn frames and an old protocol --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_frames_that_are_cut_at_sixteen_bytes_are_heard(family: Autopilot) -> None:
+    net = Net(one=station(family))
+    net.cut = 16
+    vehicle = meet(line_on(net))
+    vehicle.upload(MISSION)
+    assert is_exact(net, "one", family)
+
+
+class OldOnly:
+    """A vehicle of MAVLink 1: it beats, and understands nothing else; or it answers all of it, in MAVLink 1."""
+
+    def __init__(self, station: Station | None = None) -> None:
+        self._station = station
+        self._voice = dialect.MAVLink(None, 1, 1)
+        self._next_beat = 0.0
+        self._is_due = False
+
+    def receive(self, data: bytes, peer: Peer, now: float) -> None:
+        if self._station:
+            self._station.receive(data, peer, now)
+
+    def tick(self, now: float) -> None:
+        if self._station:
+            self._station.tick(now)
+        self._is_due = now >= self._next_beat
+        self._next_beat = now + 1.0
+
+    def outgoing(self) -> list[tuple[bytes, Peer | None]]:
+        if self._station:
+            told = [(frame, peer) for frame, peer in self._station.outgoing()]
+            return [(self._in_old_words(frame), peer) for frame, peer in told]
+        if not self._is_due:
+            return []
+        self._is_due = False
+        beat = dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3)
+        return [(beat.pack(self._voice, force_mavlink1=True), None)]
+
+    def _in_old_words(self, frame: bytes) -> bytes:
+        (message,) = dialect.MAVLink(None).parse_buffer(frame) or [None]
+        return bytes(message.pack(self._voice, force_mavlink1=True)) if message.get_msgId() < 256 else frame
+
+    @property
+    def deadline(self) -> float:
+        return self._station.deadline if self._station else self._next_beat
+
+
+def test_a_vehicle_of_mavlink_1_only_is_named_within_the_usual_patience() -> None:
+    line = Line(Loopback(OldOnly()), Codec(*US))  # type: ignore[arg-type]
+    vehicle = meet(line)
+    began = line.channel.now()
+    with pytest.raises(SpeaksMavlink1, match="vehicle 1 speaks MAVLink 1 only") as told:
+        vehicle.upload(MISSION)
+    assert "MAV_PROTO_VER 2" in str(told.value.hint)
+    assert line.channel.now() - began <= SPECIFIED.silence_s + 1.0
+
+
+def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None:
+    line = Line(Loopback(OldOnly(station())), Codec(*US))  # type: ignore[arg-type]
+    vehicle = meet(line)
+    vehicle.upload(MISSION)
+    assert vehicle.parameters(["MPC_XY_CRUISE", "NO_SUCH_NAME"]).keys() == {"MPC_XY_CRUISE"}

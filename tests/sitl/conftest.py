@@ -1,0 +1,48 @@
+"""Whatever simulation the user has: `pytest -m sitl --ardupilot LINK|"COMMAND @ LINK" --px4 LINK|"COMMAND @ LINK"`.
+
+Loopback only. A vehicle that is already running is left as it was: its lists come back at the end.
+"""
+
+import shlex
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from simulated import Sitl
+
+from ipoa_mission.link.messages import MissionType
+from ipoa_mission.vehicle import Autopilot
+
+LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
+
+
+@pytest.fixture(scope="module", params=list(Autopilot), ids=str)
+def simulation(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sitl]:
+    """One simulation for all tests of a module; afterwards it holds the lists that it held before."""
+    family: Autopilot = request.param
+    given = request.config.getoption(f"--{family}")
+    if given is None:
+        pytest.skip(f"no --{family} LINK was given")
+    command, at, link = str(given).rpartition("@")
+    started = subprocess.Popen(shlex.split(command), start_new_session=True) if at else None
+    sitl = Sitl(family, link.strip(), tmp_path_factory.mktemp(f"{family}-sitl"))
+    try:
+        sitl.home = sitl.wait_for_home()
+        with sitl.connect() as vehicle:
+            before = {kind: vehicle.download_items(kind) for kind in LISTS}
+        yield sitl
+        with sitl.connect() as vehicle:
+            for kind, items in before.items():
+                vehicle.upload_items(items, kind)
+    finally:
+        if started is not None:
+            started.terminate()
+            started.wait(timeout=20.0)
+
+
+@pytest.fixture
+def sitl(simulation: Sitl, tmp_path: Path) -> Sitl:
+    """The simulation, with a folder of this test's own."""
+    simulation.folder = tmp_path
+    return simulation

@@ -1,0 +1,128 @@
+"""Every verb, end to end, on real autopilots in simulation; each test leaves the vehicle disarmed at home."""
+
+from dataclasses import replace
+
+import pytest
+from bad_radio import bad_radio
+from simulated import Sitl, interrupt
+
+from ipoa_mission.link import orders
+from ipoa_mission.link.departure import until
+from ipoa_mission.link.messages import CommandResult
+from ipoa_mission.mission.items import Command, FenceCircle, FencePolygon
+from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.world.frame import LocalFrame, apart
+
+pytestmark = pytest.mark.sitl
+RADIO_LOSS = 0.3
+INTERRUPTED_S = 20.0  # of this computer's time: in the air by then, at any speed of the simulation up to ten
+
+
+def flown(sitl: Sitl, words: str = "", link: str | None = None) -> dict[str, object]:
+    """The square, flown to its end; every item of it is done, in order."""
+    plan = sitl.write(sitl.mission())
+    ended = sitl.run(f"fly {plan} --json {words}", link)
+    assert ended.code == 0, ended.err + ended.out
+    found = ended.found
+    assert found["completed"]
+    assert (found["armed"], found["in_air"], found["time_zero"]) == (False, False, "armed")
+    seqs = [item["seq"] for item in found["items"]]
+    times = [item["done_s"] for item in found["items"]]
+    assert seqs == list(range(1, len(sitl.mission().items) + 1))
+    assert times == sorted(times)
+    assert 0.0 < times[0] < times[-1] == found["flown_s"]
+    return found
+
+
+def bring_home(sitl: Sitl) -> None:
+    """A vehicle in the air returns and disarms, as a pilot would have it."""
+    with sitl.connect() as vehicle:
+        result, words = vehicle._hold(orders.command(Command.NAV_RETURN_TO_LAUNCH))
+        assert result == CommandResult.ACCEPTED, words
+        assert vehicle._hold(until(lambda: vehicle.state.armed is False, 240.0)), str(vehicle.state)
+
+
+def test_the_vehicle_is_found(sitl: Sitl) -> None:
+    assert [one["autopilot"] for one in sitl.run("scan --json").found] == [sitl.autopilot]  # type: ignore[index]
+
+
+def test_lists_go_up_come_down_and_go_away(sitl: Sitl) -> None:
+    frame = LocalFrame(sitl.home)
+    corners = [frame.geodetic(point) for point in ((-80, -80, 0), (90, -80, 0), (90, 90, 0), (-80, 90, 0))]  # type: ignore[arg-type]
+    fence = (
+        FencePolygon(tuple((c.latitude_deg, c.longitude_deg) for c in corners), True),
+        FenceCircle((corners[2].latitude_deg, corners[2].longitude_deg), 5.0, False),
+    )
+    rally = (replace(frame.geodetic((10.0, 10.0, 0.0)), altitude=15.0),)  # type: ignore[arg-type]
+    plan = sitl.write(replace(sitl.mission(), fence=fence, rally=rally))
+    sent = sitl.run(f"upload {plan} --json")
+    assert sent.code == 0, sent.err
+    if sitl.autopilot is Autopilot.ARDUPILOT:
+        assert any("FENCE_ENABLE is 0" in remark for remark in sent.found["remarks"])
+    got = sitl.run("download back.plan --json").found
+    assert (got["items"], got["fence"], got["rally"]) == (len(sitl.mission().items), 2, 1)
+    assert sitl.run("clear --json").code == 0
+    empty = sitl.run("download none.plan --json").found
+    assert (empty["items"], empty["fence"], empty["rally"]) == (0, 0, 0)
+
+
+def test_a_flight_is_flown_to_its_end_and_again(sitl: Sitl) -> None:
+    """The second begins disarmed in the mode, and at the item, in which the first has ended."""
+    for _ in range(2):
+        flown(sitl)
+
+
+def test_a_flight_begins_at_the_first_item_after_set_current(sitl: Sitl) -> None:
+    assert sitl.run(f"upload {sitl.write(sitl.mission())}").code == 0
+    assert sitl.run("set-current 4").code == 0
+    flown(sitl)
+
+
+def test_a_flight_that_was_interrupted_begins_anew(sitl: Sitl) -> None:
+    plan = sitl.write(sitl.mission())
+    with sitl.begin(f"fly {plan}") as running:
+        ended = interrupt(running, INTERRUPTED_S)
+    assert ended.code == 130, ended.err
+    bring_home(sitl)
+    flown(sitl)
+
+
+def test_a_flight_begins_with_another_item_where_that_is_asked_for(sitl: Sitl) -> None:
+    plan = sitl.write(sitl.mission())
+    ended = sitl.run(f"fly {plan} --from 4 --json")
+    assert ended.code == 0, ended.err + ended.out
+    assert next(item["seq"] for item in ended.found["items"]) == 4
+
+
+def test_a_mission_made_for_the_other_firmware_is_refused(sitl: Sitl) -> None:
+    other = next(family for family in Autopilot if family is not sitl.autopilot)
+    ended = sitl.run(f"upload {sitl.write(replace(sitl.mission(), autopilot=other))} --json")
+    assert ended.code == 1
+    assert "was made for" in ended.found["error"]
+
+
+def test_a_vehicle_that_stands_elsewhere_is_not_armed(sitl: Sitl) -> None:
+    away = LocalFrame(sitl.home).geodetic((40.0, 0.0, 0.0))  # type: ignore[arg-type]
+    assert apart(away, sitl.home) == pytest.approx(40.0, abs=0.1)
+    ended = sitl.run(f"fly {sitl.write(replace(sitl.mission(), home=away))} --json")
+    assert ended.code == 1
+    assert "m from the mission's home, and without a scenario" in ended.found["error"]
+    assert ended.found["armed"] is False
+
+
+def test_mavsdk_flies_it_with_the_same_result(sitl: Sitl) -> None:
+    pytest.importorskip("mavsdk")
+    ours, theirs = flown(sitl), flown(sitl, "--backend mavsdk")
+    assert theirs["flown_s"] == pytest.approx(ours["flown_s"], rel=0.06)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_over_a_bad_radio_a_flight_is_flown_or_refused_but_never_a_false_success(sitl: Sitl, seed: int) -> None:
+    """Thirty of a hundred datagrams are lost, each way."""
+    if sitl.link.startswith("tcp"):
+        pytest.skip("TCP loses nothing")
+    with bad_radio(sitl.link, RADIO_LOSS, seed) as link:
+        flown(sitl, link=link)
+        assert sitl.run("clear", link).code == 0
+    with sitl.connect() as vehicle:
+        assert vehicle.download().items == ()
