@@ -199,6 +199,14 @@ class Mission:
 
     `cruise_speed` [m/s] is what ground stations show in a plan's header; the vehicle obeys DO_CHANGE_SPEED.
     `parameters` are those of the vehicle that differ from its autopilot's defaults, by the autopilot's own names.
+
+    >>> home = Geodetic(47.397742, 8.545594, 488.0)
+    >>> there = Geodetic(47.398642, 8.545594, 488.0)
+    >>> mission = Mission(home, (takeoff(home, 15.0), waypoint(there, 20.0), return_to_launch()))
+    >>> mission.altitude_above_home(mission.items[1])
+    20.0
+    >>> dict(mission.with_parameters({"MPC_XY_CRUISE": 8.0}).parameters)
+    {'MPC_XY_CRUISE': 8.0}
     """
 
     home: Geodetic

@@ -77,6 +77,14 @@ def estimate(
     `fast` runs the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
     mission), plain (False), or, by default, compiled only where that is ready and quicker. The result is the same.
 
+    >>> from ipoa_mission.mission.items import land, takeoff, waypoint
+    >>> from ipoa_mission.world.frame import Geodetic
+    >>> home, there = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.398642, 8.545594, 488.0)
+    >>> items = (takeoff(home, 15.0), waypoint(there, 15.0), land(there))
+    >>> quad = Mission(home, items, Autopilot.ARDUPILOT, parameters={"LAND_SPEED": 40.0})
+    >>> estimate(quad).total_s > estimate(quad, {"LAND_SPEED": 50.0}).total_s
+    True
+
     Raises:
         BadInput: the mission has no end, or a parameter has no sense.
         MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
