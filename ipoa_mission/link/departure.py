@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, TimeUp
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
 from ipoa_mission.link.messages import (
     CUSTOM_MODE_FLAG,
     CommandResult,
@@ -70,18 +70,6 @@ class Departure:
         return self.state.autopilot
 
 
-def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
-    """Listen until it holds, for so many seconds at most; whether it does."""
-    if condition():
-        return True
-    heard = yield Pause(seconds)
-    while heard is not None:
-        if condition():
-            return True
-        heard = yield None
-    return condition()
-
-
 def subscribe(state: VehicleState) -> Dialogue[None]:
     """Ask for every stream that a flight is watched by, and see that what is needed comes.
 
@@ -141,7 +129,7 @@ def prepare(departure: Departure, ready_s: float = READY_S) -> Dialogue[None]:
         departure.report(hinders)
         if waited_s > ready_s:
             raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
-        yield from until(lambda: False, 1.0)
+        yield from wait(1.0)
     expect_on_ground(state)
     yield from _set_first(departure)
 
@@ -215,7 +203,7 @@ def _arm() -> Dialogue[None]:
             return
         if attempt == ARMING_ATTEMPTS:
             raise CommandRefused("arm", result, words)
-        yield from until(lambda: False, 1.0)
+        yield from wait(1.0)
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
