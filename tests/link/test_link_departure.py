@@ -129,7 +129,9 @@ def test_a_vehicle_without_a_position_is_waited_for() -> None:
 def test_one_that_does_not_become_ready_is_an_error_with_its_own_reason() -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.refuses[SET_MODE] = (4, "Mode change to GUIDED failed: requires position")
-    with pytest.raises(NotReady, match=r"not ready after 3. s: Mode change to GUIDED failed: requires position") as late:
+    with pytest.raises(
+        NotReady, match=r"not ready after 3. s: Mode change to GUIDED failed: requires position"
+    ) as late:
         vehicle.hold(lambda departure: prepare(departure, ready_s=30.0))
     assert late.value.hint == "the vehicle is disarmed, in STABILIZE"
 
