@@ -43,6 +43,7 @@ NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STAT
 STREAM_S, SHOWN_S, LOOK_S = 8.0, 5.0, 3.0
 #: A vehicle that says it could be armed may still need a moment.
 ARMING_ATTEMPTS = 5
+ARMING = "arm"
 READY_S = 180.0
 #: A climb counts as done so far below its height [m], and is waited for so long [s].
 CLIMBED, CLIMB_S = 0.5, 120.0
@@ -141,21 +142,26 @@ def depart(departure: Departure) -> Dialogue[None]:
         CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
             was still on the ground.
     """
-    state = departure.state
     try:
         yield from _arm()
-        if departure.autopilot is Autopilot.ARDUPILOT:
-            if departure.climb > 0.0:
-                yield from _order("take off", NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
-                yield from until(lambda: _height(state) > departure.climb - CLIMBED, CLIMB_S)
-            yield from _order("start the mission", MISSION_START)
-        mode = MISSION_MODE[departure.autopilot]
-        if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
-            raise NotReady(f"the vehicle did not begin its mission: {state}")
+        yield from _begin(departure)
     except MissionError as broken_off:
-        yield from _disarm_on_ground(state)
-        broken_off.hint = str(state)
+        if not (isinstance(broken_off, CommandRefused) and broken_off.what == ARMING):
+            yield from _disarm_on_ground(departure.state)
+        broken_off.hint = str(departure.state)
         raise
+
+
+def _begin(departure: Departure) -> Dialogue[None]:
+    state = departure.state
+    if departure.autopilot is Autopilot.ARDUPILOT:
+        if departure.climb > 0.0:
+            yield from _order("take off", NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
+            yield from until(lambda: _height(state) > departure.climb - CLIMBED, CLIMB_S)
+        yield from _order("start the mission", MISSION_START)
+    mode = MISSION_MODE[departure.autopilot]
+    if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
+        raise NotReady(f"the vehicle did not begin its mission: {state}")
 
 
 def _set_first(departure: Departure) -> Dialogue[None]:
@@ -202,7 +208,7 @@ def _arm() -> Dialogue[None]:
         if result == CommandResult.ACCEPTED:
             return
         if attempt == ARMING_ATTEMPTS:
-            raise CommandRefused("arm", result, words)
+            raise CommandRefused(ARMING, result, words)
         yield from wait(1.0)
 
 
