@@ -241,7 +241,8 @@ class Transfers:
         if result == Result.ACCEPTED:
             store.commit()
             self._last_done = (incoming.client, incoming.kind, incoming.count - 1)
-        self._say(Ack(result, incoming.kind, self.list_id(incoming.kind)), incoming.client)
+        number = self.list_id(incoming.kind) if result == Result.ACCEPTED else 0
+        self._say(Ack(result, incoming.kind, number), incoming.client)
         if result == Result.ACCEPTED:
             if words := self._habits.stored_text.get(incoming.kind):
                 self._say(Text(INFO, words), EVERYONE)
