@@ -137,8 +137,6 @@ class Transfers:
         for seq, item in enumerate(items):
             self.stores[kind].keep(seq, item)
         self.stores[kind].commit()
-        if words := self._habits.stored_text.get(kind):
-            self._say(Text(INFO, words), EVERYONE)
         self._changed(kind)
         return True
 
