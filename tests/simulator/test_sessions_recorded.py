@@ -199,6 +199,11 @@ def test_the_built_in_autopilot_answers_as_the_real_one_did(name: str) -> None:
     ours = talk([message for _, message in answers(name)])
     for kind, told in real.items():
         got = ours[kind]
-        if kind in ("modes", "current"):  # those of before the session are not recorded
+        if kind == "modes":  # one that is shown for a moment falls between two heartbeats
+            heard = iter(told)
+            assert all(mode in heard for mode in got[1:]), kind
+            assert got[-1] == told[-1]
+            continue
+        if kind == "current":  # what it was before the session is not recorded
             got = got[-len(told) :]
         assert got == told, kind
