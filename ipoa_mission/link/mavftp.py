@@ -52,7 +52,9 @@ class FileMessage:
     def pack(self) -> FileTransfer:
         """As it is sent."""
         size = len(self.data) if self.size is None else self.size
-        head = HEADER.pack(self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, self.ends_burst, 0, self.offset)
+        head = HEADER.pack(
+            self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, self.ends_burst, 0, self.offset
+        )
         return FileTransfer((head + self.data).ljust(251, b"\0"))
 
 

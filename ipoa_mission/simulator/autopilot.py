@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target, message_name
 from ipoa_mission.link.events import mission_event
-from ipoa_mission.link.messages import CommandResult, Message, MissionType
 from ipoa_mission.link.logbook import LAST_NAV
+from ipoa_mission.link.messages import CommandResult, Message, MissionType
 from ipoa_mission.link.modes import knows_mode, mode_name
 from ipoa_mission.mission.items import Command, Frame, Item
 from ipoa_mission.simulator import streams

@@ -242,7 +242,6 @@ def ask(one: FileService, *questions: FileMessage, client: Target = CLIENT) -> F
 OPEN = FileMessage(0, Opcode.CREATE_FILE, data=MISSION_FILE.encode())
 
 
-
 def test_a_file_is_read_in_one_burst() -> None:
     one = FileService(True, 30, lambda kind: items_of(ARDUPILOT, 30), lambda items: True)
     ask(one, FileMessage(0, Opcode.OPEN_FILE_RO, data=MISSION_FILE.encode()))
