@@ -57,11 +57,14 @@ class NotReady(MissionError):
 class Departure:
     """A flight about to begin at item `first` (as numbered on the wire); `report` is told what is waited for.
 
-    `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that by itself.
+    `moving`: the first item from there on that moves the vehicle: ArduPilot calls this one current where others, done at
+    once, stand before it. `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that by
+    itself.
     """
 
     state: VehicleState
     first: int
+    moving: int
     climb: float = 0.0
     report: Callable[[str], None] = lambda words: None
 
@@ -167,9 +170,10 @@ def _begin(departure: Departure) -> Dialogue[None]:
 def _set_first(departure: Departure) -> Dialogue[None]:
     """The flight begins at its first item: said, and seen in MISSION_CURRENT."""
     state, first = departure.state, departure.first
+    begins = range(first, departure.moving + 1)
     state.current = None
     yield from set_current(first, restart=True)
-    if not (yield from until(lambda: state.current is not None and state.current.seq == first, SHOWN_S)):
+    if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
         stands = "it does not tell where" if state.current is None else f"at item {state.current.seq}"
         raise NotReady(f"the mission was set to begin at item {first}, but it stands {stands}")
 

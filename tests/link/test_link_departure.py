@@ -43,7 +43,7 @@ class Scripted:
 
     def hold(self, make: Callable[[Departure], Dialogue[None]], climb: float = 0.0, cancel_s: float = 1e9) -> None:
         """A dialogue with it, on a virtual clock; it streams four times a second."""
-        exchange = Exchange(make(Departure(self.state, self.first, climb)), self.now, SPECIFIED)
+        exchange = Exchange(make(Departure(self.state, self.first, self.first + 1, climb)), self.now, SPECIFIED)
         while not exchange.finished:
             heard = [answer for message in exchange.outgoing() for answer in self.answer(message)]
             self.now += 0.25
@@ -108,6 +108,15 @@ def test_each_firmware_is_prepared_and_started_in_its_own_order() -> None:
     assert [told[0] for told in copter.told] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM, START]
     assert [told[0] for told in px4.told] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM]
     assert copter.told[0] == (SET_CURRENT, 1, 1, 0)  # jumps are counted anew
+
+
+def test_items_done_at_once_may_stand_before_the_one_that_is_current() -> None:
+    """ArduCopter, set to a DO item, calls the item behind it current."""
+    vehicle = Scripted(ARDUPILOT)
+    obey = vehicle.obey
+    vehicle.obey = lambda number, params: obey(number, tuple(p + (number == SET_CURRENT) for p in params))  # type: ignore[method-assign]
+    vehicle.hold(prepare)
+    assert vehicle.current == 2
 
 
 def test_the_older_message_sets_the_current_item_where_the_command_is_unknown() -> None:
