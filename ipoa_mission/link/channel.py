@@ -20,6 +20,7 @@ from ipoa_mission.link.address import Address, Transport, parse_address
 Peer: TypeAlias = Hashable
 LONGEST_READ = 65536
 MOST_CONNECTIONS = 16
+RECEIVE_BUFFER = 4 << 20  # bytes: PX4 streams thousands of frames a second while we may be busy
 MOST_UNSENT = 2048  # bytes that wait for a serial line: a third of a second at 57600 baud
 
 
@@ -108,6 +109,7 @@ class UdpChannel(_RealTime):
         is_out = address.transport is Transport.UDP_OUT
         self._socket = socket.socket(_family(address.host), socket.SOCK_DGRAM)
         self._socket.setblocking(False)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
         self._remote: Any = None
         try:
             if is_out:

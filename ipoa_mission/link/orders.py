@@ -42,7 +42,7 @@ class CommandRefused(MissionError):
     """The vehicle would not do what it was told; the message has its words."""
 
     def __init__(self, what: str, result: int, words: str = "") -> None:
-        self.result = result
+        self.what, self.result = what, result
         name = CommandResult(result).name if result in set(CommandResult) else str(result)
         super().__init__(f"{what}: the vehicle answered {name}" + (f": {words}" if words else ""))
 
