@@ -40,15 +40,15 @@ def upload(
 
     Example: `ipoa-mission upload campus.plan --link udpin:127.0.0.1:14550`
     """
-    from ipoa_mission.mission.files import read_mission
+    from ipoa_mission.cli.reading import read_with_parameters
 
-    mission = read_mission(file, autopilot)
+    mission, beside = read_with_parameters(file, autopilot)
     with connect_to(
         link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog"), timeout, anyway
     ) as vehicle:
         if not states_firmware(file, autopilot):
-            mission = read_mission(file, vehicle.autopilot)
-        remarks = put(mission, vehicle, anyway)
+            mission, beside = read_with_parameters(file, vehicle.autopilot)
+        remarks = (*beside, *put(mission, vehicle, anyway))
         name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.cli.interrupting import left_behind
-from ipoa_mission.cli.job import Job, PlannedJob
+from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import AnyVehicle, put
 from ipoa_mission.errors import MissionError
@@ -68,7 +68,7 @@ class RealFlight:
             raise
 
     def _permit(self, there: Geodetic) -> None:
-        scenario = self.job.scenario if isinstance(self.job, PlannedJob) else None
+        scenario = self.job.flight.scenario if self.job.flight else None
         try:
             self.remarks += check_start(self.job.mission, self.first, there, scenario)
         except NotAtStart as elsewhere:
@@ -79,7 +79,7 @@ class RealFlight:
 
     def _parameters(self) -> tuple[str, ...]:
         """Hold the vehicle's parameters against those that the mission was made for, and set them if that is wished."""
-        others, missing = other_values(self.vehicle, self.job.parameters)
+        others, missing = other_values(self.vehicle, self.job.mission.parameters)
         remarks = tuple(f"the vehicle has no parameter {name}" for name in missing)
         if not self.set_params:
             return remarks + tuple(f"{other}: --set-params writes it" for other in others)

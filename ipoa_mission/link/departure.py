@@ -57,9 +57,9 @@ class NotReady(MissionError):
 class Departure:
     """A flight about to begin at item `first` (as numbered on the wire); `report` is told what is waited for.
 
-    `moving`: the first item from there on that moves the vehicle: ArduPilot calls this one current where others, done at
-    once, stand before it. `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that by
-    itself.
+    `moving`: the first item from there on that moves the vehicle, which ArduPilot calls current where others, done at
+    once, stand before it. `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that
+    by itself.
     """
 
     state: VehicleState

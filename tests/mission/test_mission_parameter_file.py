@@ -1,5 +1,6 @@
 """Parameter files as ArduPilot's tools and QGroundControl write them, and as people spoil them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -7,8 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.timing.parameters import read_parameters
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Item, Mission, takeoff
+from ipoa_mission.mission.parameter_file import read_parameters
+from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.mission.waypoints_file import write_waypoints
 from ipoa_mission.vehicle import SINGLE_MAX
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(39.101, 121.82, 20.0)
+MISSION = Mission(HOME, (takeoff(HOME, 10.0), Item(20, 2)))
 
 QGROUNDCONTROL = """# Onboard parameters for Vehicle 1
 #
@@ -58,8 +67,33 @@ def test_a_broken_line_is_named(tmp_path: Path, line: str, message: str) -> None
         read_parameters(path)
 
 
-@given(st.dictionaries(st.from_regex(r"[A-Z][A-Z0-9_]{0,15}", fullmatch=True), st.floats(-SINGLE_MAX, SINGLE_MAX)))
-def test_what_is_written_comes_back(tmp_path_factory: pytest.TempPathFactory, values: dict[str, float]) -> None:
-    path = tmp_path_factory.mktemp("parameters") / "a.params"
-    path.write_text("".join(f"1\t1\t{name}\t{value!r}\t9\n" for name, value in values.items()))
-    assert read_parameters(path) == values
+@given(
+    st.dictionaries(
+        st.from_regex(r"[A-Z][A-Z0-9_]{0,15}", fullmatch=True), st.floats(-SINGLE_MAX, SINGLE_MAX, allow_nan=False)
+    )
+)
+def test_what_is_written_beside_a_mission_comes_back(
+    tmp_path_factory: pytest.TempPathFactory, values: dict[str, float]
+) -> None:
+    path = tmp_path_factory.mktemp("parameters") / "a.plan"
+    write_plan(replace(MISSION, parameters=values), path)
+    assert read_mission(path).parameters == values
+
+
+def test_a_mission_without_parameters_takes_away_those_that_were_written_here(tmp_path: Path) -> None:
+    path = tmp_path / "a.waypoints"
+    write_waypoints(replace(MISSION, parameters={"MPC_XY_VEL_MAX": 9.5, "MPC_YAW_MODE": 1.0}), path)
+    lines = (tmp_path / "a.params").read_text().splitlines()
+    assert lines[-2:] == ["1\t1\tMPC_XY_VEL_MAX\t9.5\t9", "1\t1\tMPC_YAW_MODE\t1\t6"]
+    write_waypoints(MISSION, path)
+    assert not (tmp_path / "a.params").exists()
+
+
+def test_a_parameter_file_of_somebody_else_stays_as_it_is(tmp_path: Path) -> None:
+    theirs = tmp_path / "a.params"
+    theirs.write_text(QGROUNDCONTROL)
+    write_plan(MISSION, tmp_path / "a.plan")
+    assert read_mission(tmp_path / "a.plan").parameters == {"MPC_XY_CRUISE": 7.5, "NAV_DLL_ACT": 0.0}
+    with pytest.raises(BadInput, match=r"a\.params: expected no file of somebody else's"):
+        write_plan(replace(MISSION, parameters={"MPC_XY_CRUISE": 6.0}), tmp_path / "a.plan")
+    assert theirs.read_text() == QGROUNDCONTROL
