@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,11 +80,13 @@ def fly(
     """
     from ipoa_mission.cli.checking import route_in_words
     from ipoa_mission.cli.job import prepare
-    from ipoa_mission.cli.real_flight import RealFlight
+    from ipoa_mission.cli.real_flight import RealFlight, no_flight_yet
     from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
     from ipoa_mission.errors import BadInput
+    from ipoa_mission.mission.check_start import begun_at
     from ipoa_mission.mission.firmware import to_wire
     from ipoa_mission.simulator.faults import Faults
+    from ipoa_mission.timing.estimate import estimate
 
     faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
     if report and source.suffix != ".toml":
@@ -116,9 +119,12 @@ def fly(
         with left_behind(f"the flight was broken off; {log} has it so far"), _flight_bar(len(job.mission.items)) as bar:
             record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=air)
     else:
-        with connect_to(link, system, key, backend, None, log, timeout, anyway) as vehicle:
+        begun_at(job.mission, begin - 1)
+        with no_flight_yet(), connect_to(link, system, key, backend, None, log, timeout, anyway) as vehicle:
             if not states_firmware(source, autopilot):
                 job = prepare(source, autopilot=vehicle.autopilot, parameters=parameters, wind=air)
+            if begin != 1:
+                job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=air))
             flight = RealFlight(job, vehicle, begin - 1, anyway, set_params)
             told, record = flight.fly(_flight_bar)
     remarks = told if job.flight else tuple(dict.fromkeys((*job.remarks, *told)))

@@ -168,7 +168,7 @@ AnywayOption: TypeAlias = Annotated[
         "--anyway",
         metavar="",
         rich_help_panel=ON_THE_LINK,
-        help="Send what fails the checks, or takes off somewhere else. You have been told.",
+        help="Do it although a check fails: mission, home, firmware, another vehicle with its id.",
     ),
 ]
 FromOption: TypeAlias = Annotated[

@@ -1,7 +1,7 @@
 """A flight on a vehicle at the other end of a link, from the first look at it until it stands again."""
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -11,13 +11,23 @@ from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import AnyVehicle, put
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.set_up import other_values
-from ipoa_mission.mission.check_start import NotAtStart, begun_at, check_start
+from ipoa_mission.mission.check_start import NotAtStart, check_start
 from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
 
 FlightBar: TypeAlias = Callable[[int], AbstractContextManager[Callable[[int], None]]]
+
+
+@contextmanager
+def no_flight_yet() -> Iterator[None]:
+    """What fails in here tells machines that no flight was flown, and of the vehicle what is known, if anything."""
+    try:
+        yield
+    except MissionError as error:
+        error.known = {"completed": False, "armed": None, "in_air": None} | error.known
+        raise
 
 
 @dataclass
@@ -40,7 +50,6 @@ class RealFlight:
         job, vehicle = self.job, self.vehicle
         try:
             vehicle.expect_on_ground()
-            begun_at(job.mission, self.first)
             self.remarks += self._parameters()
             self.remarks += put(job.mission, vehicle, self.anyway)
             with left_behind("the vehicle was not armed"), progress_bar("getting ready") as show:

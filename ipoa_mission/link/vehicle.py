@@ -28,7 +28,7 @@ from ipoa_mission.link.departure import (
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier, Line, converse
-from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
+from ipoa_mission.link.logbook import LAST_NAV, FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STANDBY,
@@ -296,7 +296,9 @@ class Vehicle:
         """
         mission = self._mission
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
-        self._departure = Departure(self.state, first + self._first, climb, report)
+        items = () if mission is None else mission.items
+        moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
+        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, report)
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():

@@ -2,11 +2,13 @@
 
 import json
 import math
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 import ipoa_mission as api
+from ipoa_mission.scenario import parse_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SCENARIOS = sorted(path.stem for path in MISSIONS.glob("*.toml"))
@@ -33,10 +35,20 @@ def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> Path:
     return path
 
 
+@cache
+def _planned_from(text: str) -> api.Flight:
+    return api.plan_flight(parse_scenario(text, MISSIONS / "slow.toml"), seed=4)
+
+
+def _planned(path: Path) -> api.Flight:
+    """The same scenario planned once for all tests."""
+    return _planned_from(path.read_text(encoding="utf-8"))
+
+
 @pytest.mark.parametrize("name", SCENARIOS)
-def test_python_the_command_line_and_the_files_give_the_same_numbers(run, slow: Path) -> None:
+def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(run, slow: Path) -> None:
     scenario = api.read_scenario(slow)
-    flight = api.plan_flight(scenario, seed=4)
+    flight = _planned(slow)
     told = json.loads(run(f"plan {slow} --out cli --seed 4 --report --json").out)
     written = flight.write("api")
     assert told["written"] == [str(Path("cli") / path.name) for path in written] + ["cli/slow.html"]
@@ -67,7 +79,7 @@ def test_python_the_command_line_and_the_files_give_the_same_numbers(run, slow: 
 
 @pytest.mark.parametrize("name", ["sitl"])
 def test_both_doors_fly_the_same_flight(run, slow: Path) -> None:
-    flight = api.plan_flight(api.read_scenario(slow), seed=4)
+    flight = _planned(slow)
     record = api.fly(flight.mission, log="api.tlog")
     flight.write("api")
     flown = json.loads(run("fly api/slow.plan --out cli --json").out)
@@ -83,7 +95,7 @@ def test_both_doors_fly_the_same_flight(run, slow: Path) -> None:
 
 @pytest.mark.parametrize("name", ["sitl"])
 def test_what_is_given_goes_before_what_the_mission_carries(run, slow: Path) -> None:
-    flight = api.plan_flight(api.read_scenario(slow), seed=4)
+    flight = _planned(slow)
     flight.write()
     by_command = json.loads(run("estimate slow.plan --param MPC_LAND_SPEED=0.7 --json").out)["total_s"]
     by_python = api.estimate(flight.mission, {"MPC_LAND_SPEED": 0.7}).total_s

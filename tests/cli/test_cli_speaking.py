@@ -216,6 +216,7 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run, monkeypatch) ->
         ("plan {sitl} --planner quick", "Invalid value for '--planner'"),
         ("mock --home 95 8 400", "--home: expected latitude and longitude in degrees"),
         ("mock --link mavlink:1", "link: expected udpin:HOST:PORT"),
+        ("mock --param MPC_XY_CRUISE=1e300", "--param MPC_XY_CRUISE=1e300: expected NAME=VALUE"),
         ("reproduce table-33", "table-33"),
         ("upload {mission} --link udpin:127.0.0.1:0 --key {folder}", "cannot be read: Is a directory"),
     ],

@@ -56,6 +56,7 @@ def test_each_tools_file_is_read(tmp_path: Path, text: str, expected: dict[str, 
         ("1 1 WPNAV_SPEED 800", "line 2: expected a name and a value"),
         ("WPNAV_SPEED fast", "line 2: WPNAV_SPEED: expected a number, not 'fast'"),
         ("WPNAV_SPEED nan", "line 2: WPNAV_SPEED: expected a number, not 'nan'"),
+        ("WPNAV_SPEED 1e300", "line 2: WPNAV_SPEED: expected a number that fits in single precision, not '1e300'"),
         ("800,WPNAV_SPEED", "line 2: expected a parameter's name"),
     ],
 )
