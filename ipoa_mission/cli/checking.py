@@ -36,18 +36,22 @@ def check(
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
+    from ipoa_mission.cli.summary import passed_over_as_json
     from ipoa_mission.mission.check import Severity, check_mission
     from ipoa_mission.mission.files import read_mission
     from ipoa_mission.scenario import read_scenario
 
     mission = read_mission(file, autopilot)
-    findings = check_mission(mission, None if scenario is None else read_scenario(scenario))
+    world = None if scenario is None else read_scenario(scenario)
+    findings = check_mission(mission, world)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
-        tell_json({"ok": not errors, "findings": rows})
+        about = {} if world is None else {"remarks": list(world.remarks), "passed_over": passed_over_as_json(world)}
+        tell_json({"ok": not errors, "findings": rows} | about)
     else:
         tell(*(line for f in findings for line in (str(f), *([f"hint: {f.hint}"] if f.hint else []))))
+        tell(*notes(world.remarks if world is not None else ()))
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
         tell(f"{file}: {counts} for {mission.autopilot}")
     if errors:

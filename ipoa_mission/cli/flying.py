@@ -80,7 +80,7 @@ def fly(
     from ipoa_mission.cli.checking import route_in_words
     from ipoa_mission.cli.job import PlannedJob, prepare
     from ipoa_mission.cli.real_flight import RealFlight
-    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
+    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, passed_over_as_json, route_rows
     from ipoa_mission.cli.writing import write_files
     from ipoa_mission.errors import BadInput
     from ipoa_mission.mission.firmware import to_wire
@@ -130,7 +130,9 @@ def fly(
         write_report(written[-1], job.scenario, job.plan, job.mission, job.estimate, record, job.remarks)
     if as_json:
         files = [str(path) for path in (*written, log) if path.exists()]
-        known = flight_as_json(job.estimate, record) | {"remarks": list(remarks), "written": files}
+        known = flight_as_json(job.estimate, record) | {"remarks": [*job.remarks, *remarks], "written": files}
+        if isinstance(job, PlannedJob):
+            known["passed_over"] = passed_over_as_json(job.scenario)
         tell_json(known | ({"error": record.why_not} if record.why_not else {}))
     else:
         tell(*notes(remarks), *(() if record.completed else record.messages))

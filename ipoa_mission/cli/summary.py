@@ -7,9 +7,11 @@ from typing import Any
 
 from ipoa_mission.cli.checking import route_as_json, route_in_words
 from ipoa_mission.cli.job import PlannedJob
+from ipoa_mission.maps.passed import count_passed_over
 from ipoa_mission.mission.assemble import Option
 from ipoa_mission.mission.prove_route import prove_mission
 from ipoa_mission.planning.proof import Proof
+from ipoa_mission.scenario import Scenario
 
 
 def describe(job: PlannedJob) -> list[str]:
@@ -80,8 +82,14 @@ def summarise(job: PlannedJob) -> dict[str, Any]:
         },
         "energy_wh": None if energy is None else _rounded(energy.energy_wh),
         "remarks": list(job.remarks),
+        "passed_over": passed_over_as_json(job.scenario),
         "routes": [_route(option, scenario.route.mode) for option in job.options],
     }
+
+
+def passed_over_as_json(scenario: Scenario) -> list[dict[str, Any]]:
+    """What the scenario's maps have that became no obstacle, counted by file and reason."""
+    return [asdict(counted) for counted in count_passed_over(scenario.passed_over)]
 
 
 def _route(option: Option, mode: str) -> dict[str, Any]:

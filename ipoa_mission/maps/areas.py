@@ -9,6 +9,8 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature, Mistakes
+from ipoa_mission.maps.kinds import Reason
+from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
 
@@ -21,18 +23,33 @@ class Zone:
     shape: Any
 
 
-def find_zones(features: Sequence[Feature], frame: LocalFrame, path: Path) -> tuple[tuple[Zone, ...], tuple[str, ...]]:
-    """Every polygon among the features, and remarks on what was mended or passed over.
+@dataclass(frozen=True)
+class Zones:
+    """The zones of a map, what of it is none, and remarks on what was mended."""
+
+    zones: tuple[Zone, ...]
+    passed_over: tuple[PassedOver, ...]
+    remarks: tuple[str, ...]
+
+
+def find_zones(features: Sequence[Feature], frame: LocalFrame, path: Path) -> Zones:
+    """Every polygon among the features, the outline that a closed line draws among them.
 
     Raises:
         BadInput: naming file and place of a polygon without an area, or that there is none.
     """
-    shapes = to_plane([f.shape for f in features], [f.place for f in features], frame)
-    mistakes, zones, remarks, others = Mistakes(), [], [], 0
-    for feature, shape in zip(features, shapes, strict=True):
-        parts = [part for part in _flat(shape) if part.geom_type == "Polygon"]
-        others += not parts
+    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], frame)
+    mistakes, zones, remarks = Mistakes(), list[Zone](), list[str]()
+    passed = list[PassedOver]()
+    for feature, shape, counted in zip(features, shapes, near, strict=True):
+        parts = [_outline(part) for part in _flat(shape)]
+        rest = [part for part in parts if part.geom_type != "Polygon"]
+        if rest or not parts:
+            why = _why_no_zone(rest, bool(counted))
+            passed.append(passed_over(feature, shapely.GeometryCollection(rest), why, path))
         for part in parts:
+            if part.geom_type != "Polygon":
+                continue
             found = mistakes.attempt(polygons_of, part, feature.place)
             if found is not None:
                 zones += [Zone(feature.name, polygon) for polygon in found[0]]
@@ -40,9 +57,7 @@ def find_zones(features: Sequence[Feature], frame: LocalFrame, path: Path) -> tu
     mistakes.tell()
     if not zones:
         raise BadInput(f"{path}: expected a polygon, but there is none among {len(features)} features")
-    if others:
-        remarks.append(f"{others} features without a polygon passed over")
-    return tuple(zones), tuple(remarks)
+    return Zones(tuple(zones), tuple(passed), tuple(remarks))
 
 
 def join_zones(zones: Sequence[Zone], path: Path) -> Any:
@@ -55,6 +70,20 @@ def join_zones(zones: Sequence[Zone], path: Path) -> Any:
     if whole.geom_type != "Polygon":
         raise BadInput(f"{path}: expected one flight area, but there are {len(whole.geoms)} that do not touch")
     return whole
+
+
+def _why_no_zone(rest: Sequence[Any], near: bool) -> Reason:
+    if not near:
+        return FAR
+    if not rest:
+        return Reason("without a geometry", False)
+    lines = any(part.geom_type != "Point" for part in rest)
+    return Reason("a line that encloses no area" if lines else "a point", lines)
+
+
+def _outline(shape: Any) -> Any:
+    closed = shape.geom_type == "LineString" and shape.is_closed and len(shape.coords) > 3
+    return shapely.Polygon(shape) if closed else shape
 
 
 def _flat(shape: Any) -> list[Any]:

@@ -19,12 +19,14 @@ DEEPEST = 16  # collections in each other: nobody draws more, and shapely would 
 class Feature:
     """`shape` is a shapely geometry in longitude, latitude [deg, WGS 84], as it stands in the file: it may be invalid.
 
-    `place` names file and feature for messages; `tags` are its properties as text, those without a value left out.
+    It is empty where the file gives none. `place` names file and feature for messages; `tags` are its properties as
+    text, and `blank` the keys of those without a value.
     """
 
     place: str
     shape: Any
     tags: Mapping[str, str]
+    blank: frozenset[str] = frozenset()
 
     @property
     def name(self) -> str:

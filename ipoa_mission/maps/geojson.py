@@ -61,17 +61,16 @@ def _number(feature: Any) -> str:
     return f" ({number})" if isinstance(number, str) and number else ""
 
 
-def _feature(place: str, feature: Any, to_degrees: "_Degrees") -> Feature | None:
-    """A feature, or None if it has no geometry."""
+def _feature(place: str, feature: Any, to_degrees: "_Degrees") -> Feature:
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput(f"{place}: expected a Feature")
     geometry, properties = feature.get("geometry"), feature.get("properties")
-    if geometry is None:
-        return None
-    tags = dict(_tags(properties if isinstance(properties, dict) else {}))
+    properties = properties if isinstance(properties, dict) else {}
+    tags = dict(_tags(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
-    return Feature(place, _shape(geometry, f"{place}.geometry", to_degrees), tags)
+    shape = shapely.GeometryCollection() if geometry is None else _shape(geometry, f"{place}.geometry", to_degrees)
+    return Feature(place, shape, tags, frozenset(_blank(properties)))
 
 
 def _tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -80,8 +79,25 @@ def _tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield from _tags(value)
         elif key == "other_tags" and isinstance(value, str):
             yield from ((_unescaped(k), _unescaped(v)) for k, v in HSTORE.findall(value))
-        elif isinstance(value, str | int | float) and not isinstance(value, bool) and str(value).strip():
+        elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
+            yield "name", value["primary"]  # Overture's
+        elif isinstance(value, bool):
+            yield key, "yes" if value else "no"
+        elif isinstance(value, str | int | float) and not _is_blank(value):
             yield key, str(value).strip()
+
+
+def _blank(properties: Mapping[str, Any]) -> Iterator[str]:
+    for key, value in properties.items():
+        if key == "tags" and isinstance(value, dict):
+            yield from _blank(value)
+        elif _is_blank(value):
+            yield key
+
+
+def _is_blank(value: Any) -> bool:
+    """Null, a text of nothing, or NaN, which is what pandas makes of them."""
+    return value is None or (isinstance(value, str) and not value.strip()) or value != value
 
 
 def _unescaped(text: str) -> str:

@@ -20,7 +20,7 @@ WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
 def read_kml(path: Path) -> tuple[Feature, ...]:
-    """Every placemark that has a shape, with its name and extended data as tags.
+    """Every placemark with its name and extended data as tags; its shape is empty where it has none that we know.
 
     Raises:
         BadInput: naming file and place, and what was expected there.
@@ -52,10 +52,8 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
         inside += [(child, depth + 1) for child in reversed(element)]
 
 
-def _feature(placemark: ElementTree.Element, place: str) -> Feature | None:
+def _feature(placemark: ElementTree.Element, place: str) -> Feature:
     shapes = list(_shapes(placemark, place))
-    if not shapes:
-        return None
     return Feature(place, shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes), dict(_tags(placemark)))
 
 
