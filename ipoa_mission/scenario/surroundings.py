@@ -18,15 +18,23 @@ from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.maps.planar import rings_of
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
-from ipoa_mission.scenario.places import BoundsSection, FenceSection, ObstacleSection, Place, TerrainSection
+from ipoa_mission.scenario.places import (
+    BoundsSection,
+    FenceSection,
+    FlatTerrain,
+    ObstacleSection,
+    Place,
+    TerrainSection,
+)
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.obstacles import Zone as NoFly
 from ipoa_mission.world.polygon import Polygon
-from ipoa_mission.world.terrain import Terrain
+from ipoa_mission.world.terrain import Grid, Terrain
 
 BEYOND = 100.0  # what lies farther outside the bounds is left out [m]
+SAME = 1e-6  # [m]
 GLANCES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
 
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner
@@ -240,7 +248,27 @@ def _terrain(
         return scenario.terrain.read(
             scenario.frame, (float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1]))
         )
-    return scenario.terrain.build(), ()
+    if isinstance(scenario.terrain, FlatTerrain):
+        reach = float(np.hypot(*np.maximum(np.abs(lower), np.abs(upper))))
+        return scenario.terrain.build(scenario.frame.home, reach), ()
+    terrain = scenario.terrain.build()
+    if isinstance(terrain, Grid):
+        _expect_cover(terrain, (lower, upper))
+    return terrain, ()
+
+
+def _expect_cover(grid: Grid, corners: Box) -> None:
+    """Refuse a grid that ends more than half its spacing inside the bounds: beyond its edge nothing is known."""
+    first = np.array([grid.east, grid.north])
+    last = first + grid.spacing * (np.array(grid.heights.shape[::-1]) - 1)
+    missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2
+    side = int(np.argmax(missing))
+    if missing[side] > SAME:
+        raise BadInput(
+            f"terrain: expected a grid over the whole flight area, which lies {missing[side] + grid.spacing / 2:.1f} m "
+            f"beyond its {('west', 'south', 'east', 'north')[side]} edge",
+            hint="give a larger grid, or narrow `bounds` (bounds.margin = 50 is the default)",
+        )
 
 
 def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
