@@ -60,16 +60,14 @@ def find_zones(features: Sequence[Feature], frame: LocalFrame, path: Path) -> Zo
     return Zones(tuple(zones), tuple(passed), tuple(remarks))
 
 
-def join_zones(zones: Sequence[Zone], path: Path) -> Any:
-    """The one polygon that all zones make together.
+def join_zones(zones: Sequence[Zone]) -> tuple[Any, tuple[Any, ...]]:
+    """The polygon that the zones make together with those they touch: the one nearest to home, and the others.
 
-    Raises:
-        BadInput: they do not touch.
+    From one to the other no flight may go.
     """
     whole = shapely.union_all([zone.shape for zone in zones])
-    if whole.geom_type != "Polygon":
-        raise BadInput(f"{path}: expected one flight area, but there are {len(whole.geoms)} that do not touch")
-    return whole
+    parts = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
+    return parts[0], tuple(parts[1:])
 
 
 def _why_no_zone(rest: Sequence[Any], near: bool) -> Reason:

@@ -35,7 +35,7 @@ class Feature:
         return next((name for name in named if name), self.place)
 
 
-def on_earth(corners: Corners, place: str) -> Corners:
+def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:
     """The same corners, if they are longitudes and latitudes.
 
     Raises:
@@ -46,7 +46,7 @@ def on_earth(corners: Corners, place: str) -> Corners:
         x, y = corners[outside][0]
         raise BadInput(
             f"{place}: expected longitude and latitude in degrees, not {x:g}, {y:g}",
-            hint="export the file in WGS 84 (EPSG:4326)",
+            hint=hint,
         )
     return corners
 

@@ -66,17 +66,18 @@ def _feature(place: str, feature: Any, to_degrees: "_Degrees") -> Feature:
         raise BadInput(f"{place}: expected a Feature")
     geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
-    tags = dict(_tags(properties))
+    tags = dict(tags_of(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
     shape = shapely.GeometryCollection() if geometry is None else _shape(geometry, f"{place}.geometry", to_degrees)
-    return Feature(place, shape, tags, frozenset(_blank(properties)))
+    return Feature(place, shape, tags, frozenset(blank_keys(properties)))
 
 
-def _tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Properties as tags; of those under `tags` and `other_tags` too. What has no value is left out."""
     for key, value in properties.items():
         if key == "tags" and isinstance(value, dict):
-            yield from _tags(value)
+            yield from tags_of(value)
         elif key == "other_tags" and isinstance(value, str):
             yield from ((_unescaped(k), _unescaped(v)) for k, v in HSTORE.findall(value))
         elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
@@ -87,10 +88,11 @@ def _tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield key, str(value).strip()
 
 
-def _blank(properties: Mapping[str, Any]) -> Iterator[str]:
+def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
+    """Keys of the properties that have no value."""
     for key, value in properties.items():
         if key == "tags" and isinstance(value, dict):
-            yield from _blank(value)
+            yield from blank_keys(value)
         elif _is_blank(value):
             yield key
 

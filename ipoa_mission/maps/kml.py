@@ -1,8 +1,10 @@
-"""KML 2.2 as Google Earth, Google My Maps and flight planners write it: the placemarks with a point, line or polygon.
+"""KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: placemarks of points, lines, polygons.
 
 Heights in a KML are not read: a scenario says how high a zone or a building is.
 """
 
+import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from ipoa_mission.files import read_text
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
 
 MOST_FOLDERS = 64
+LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may hold a thousand times its size
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
@@ -25,8 +28,34 @@ def read_kml(path: Path) -> tuple[Feature, ...]:
     Raises:
         BadInput: naming file and place, and what was expected there.
     """
+    return _read(read_text(path).encode(), path)
+
+
+def read_kmz(path: Path) -> tuple[Feature, ...]:
+    """The same of the first KML in a KMZ, which is the one that Google Earth shows.
+
+    Raises:
+        BadInput: naming file and place, and what was expected there.
+    """
     try:
-        root = ElementTree.fromstring(read_text(path).encode())
+        with zipfile.ZipFile(path) as archive:
+            name = next((each for each in archive.namelist() if each.lower().endswith(".kml")), None)
+            if name is None:
+                raise BadInput(f"{path}: expected a .kml in it, but there is none")
+            with archive.open(name) as file:
+                text = file.read(LARGEST + 1)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+        raise BadInput(f"{path}: expected a KMZ, a .kml in a zip archive: {error}") from error
+    if len(text) > LARGEST:
+        raise BadInput(f"{path}: expected a .kml of at most {LARGEST >> 20} MB in it")
+    return _read(text, path)
+
+
+def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
+    try:
+        root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         raise BadInput(f"{path}: line {error.position[0]}: expected well-formed XML") from error
     if _local(root) != "kml":

@@ -18,7 +18,8 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Path
-    """A GeoJSON (`.geojson`, `.json`) or KML (`.kml`) file, relative to the scenario file."""
+    """A GeoJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), Shapefile (`.shp`), FlatGeobuf (`.fgb`) or GeoPackage
+    (`.gpkg`) file, relative to the scenario file."""
 
     @field_validator("file")
     @classmethod

@@ -152,11 +152,14 @@ def test_home_in_a_no_fly_zone_is_refused(read: Read) -> None:
         read("kind = 'no_fly'", box(-5, -5, 5, 5))
 
 
-def test_two_flight_areas_in_one_file_must_touch(read: Read) -> None:
+def test_of_several_flight_areas_the_one_with_home_counts_and_what_touches_it(read: Read) -> None:
     scenario = read("kind = 'flight_area'", box(-20, -20, 50, 50), box(50, -20, 150, 50))
     assert scenario.airspace.bounds.upper[0] == pytest.approx(150)
-    with pytest.raises(BadInput, match="expected one flight area, but there are 2 that do not touch"):
-        read("kind = 'flight_area'", box(-20, -20, 50, 50), box(60, -20, 150, 50))
+    apart = read("kind = 'flight_area'", box(160, -20, 250, 50), box(-20, -20, 150, 50))
+    assert apart.airspace.bounds.upper[0] == pytest.approx(150)
+    assert len(apart.geofence) == 1
+    told = "x.geojson: 1 passed over, an area that does not touch the one in which home is: area 2"
+    assert told in apart.remarks
 
 
 def test_a_map_of_nothing_is_refused(read: Read) -> None:
