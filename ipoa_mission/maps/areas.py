@@ -3,24 +3,32 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature, Mistakes
+from ipoa_mission.maps.geozones import Limit, limits_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
 
+#: Of the words of ED-269 and ED-318, those that keep a flight out unless it is allowed, and all.
+Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL"]
+RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL")
+NAMED_RESTRICTIONS = (*RESTRICTIONS, "NO_RESTRICTION")
+
 
 @dataclass(frozen=True)
 class Zone:
-    """A valid polygon in the local plane, east, north [m], and what it is called."""
+    """A valid polygon in the local plane, east, north [m], what it is called, and its own limits if it has any."""
 
     name: str
     shape: Any
+    lower: Limit | None = None
+    upper: Limit | None = None
 
 
 @dataclass(frozen=True)
@@ -32,8 +40,12 @@ class Zones:
     remarks: tuple[str, ...]
 
 
-def find_zones(features: Sequence[Feature], frame: LocalFrame, path: Path) -> Zones:
+def find_zones(
+    features: Sequence[Feature], frame: LocalFrame, path: Path, restrictions: Sequence[str] = RESTRICTIONS
+) -> Zones:
     """Every polygon among the features, the outline that a closed line draws among them.
+
+    Of zones that name their restriction (ED-269, ED-318) only those with one of `restrictions` are taken.
 
     Raises:
         BadInput: naming file and place of a polygon without an area, or that there is none.
@@ -42,6 +54,11 @@ def find_zones(features: Sequence[Feature], frame: LocalFrame, path: Path) -> Zo
     mistakes, zones, remarks = Mistakes(), list[Zone](), list[str]()
     passed = list[PassedOver]()
     for feature, shape, counted in zip(features, shapes, near, strict=True):
+        restriction = feature.tags.get("restriction")
+        if counted and restriction in NAMED_RESTRICTIONS and restriction not in restrictions:
+            passed.append(passed_over(feature, shape, Reason(f"its restriction is {restriction}", False), path))
+            continue
+        limits = mistakes.attempt(limits_of, feature.tags, feature.place) or (None, None)
         parts = [_outline(part) for part in _flat(shape)]
         rest = [part for part in parts if part.geom_type != "Polygon"]
         if rest or not parts:
@@ -52,10 +69,12 @@ def find_zones(features: Sequence[Feature], frame: LocalFrame, path: Path) -> Zo
                 continue
             found = mistakes.attempt(polygons_of, part, feature.place)
             if found is not None:
-                zones += [Zone(feature.name, polygon) for polygon in found[0]]
+                zones += [Zone(feature.name, polygon, *limits) for polygon in found[0]]
+                if "limitedApplicability" in feature.tags:
+                    remarks.append(f"{feature.name}: active at times only, kept at all times")
                 remarks += [f"{feature.name}: mended ({found[1]})"] if found[1] else []
     mistakes.tell()
-    if not zones:
+    if not zones and not any("restriction" in thing.reason for thing in passed):
         raise BadInput(f"{path}: expected a polygon, but there is none among {len(features)} features")
     return Zones(tuple(zones), tuple(passed), tuple(remarks))
 

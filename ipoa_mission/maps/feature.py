@@ -31,7 +31,9 @@ class Feature:
     @property
     def name(self) -> str:
         """What messages call the thing: its name, or else its number in OpenStreetMap, or its place in the file."""
-        named = (self.tags.get(key) for key in ("name", "addr:housename", "@id", "id", "osm_way_id", "osm_id"))
+        named = (
+            self.tags.get(key) for key in ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
+        )
         return next((name for name in named if name), self.place)
 
 

@@ -1,4 +1,4 @@
-"""KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: placemarks of points, lines, polygons.
+"""KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: its points, lines and polygons.
 
 Heights in a KML are not read: a scenario says how high a zone or a building is.
 """

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.areas import Zones, find_zones
+from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.section import Positive, Section
@@ -85,6 +85,13 @@ class NoFlyMap(ZoneMap):
     """Lower end of the zones [m above home]; left out, they begin below everything."""
     top: float | None = None
     """Upper end [m above home]; left out, they have none. Zones with an end are no geofence: fences have no height."""
+    restrictions: tuple[Restriction, ...] = RESTRICTIONS
+    """Which zones of an ED-269 or ED-318 file to keep out of; those with lower and upper limits have them unless `base`
+    or `top` is given."""
+
+    def read(self, frame: LocalFrame) -> Zones:
+        """The polygons, what is passed over, and remarks on what was mended."""
+        return find_zones(read_features(self.file), frame, self.file, self.restrictions)
 
     @model_validator(mode="after")
     def _ordered(self) -> "NoFlyMap":

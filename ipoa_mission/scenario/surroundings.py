@@ -31,7 +31,7 @@ from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.obstacles import Zone as NoFly
 from ipoa_mission.world.polygon import Polygon
-from ipoa_mission.world.terrain import Grid, Terrain
+from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
 BEYOND = 100.0  # what lies farther outside the bounds is left out [m]
 SAME = 1e-6  # [m]
@@ -130,7 +130,8 @@ def survey(scenario: Layout) -> Surroundings:
     raised = raise_buildings(near, terrain.height)
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
     below, above = min(up[0], 0.0) - BEYOND, up[1] + BEYOND
-    zones = (*_no_fly_prisms(maps, (lower, upper), up), *forbidden(scenario.fence, scenario.frame, below, above))
+    prisms = _no_fly_prisms(maps, (lower, upper), up, terrain, scenario.frame)
+    zones = (*prisms, *forbidden(scenario.fence, scenario.frame, below, above))
     areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
     footprint = Polygon(*rings_of(_one(areas))) if areas else None
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
@@ -188,7 +189,7 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, .
             raise BadInput(f"{section.file}: expected home inside the flight area, not {distance:.1f} m outside of it")
     elif section.base is None or section.base <= 0:
         for zone in zones:
-            if zone.shape.contains(home):
+            if zone.shape.contains(home) and (zone.lower is None or section.base is not None):
                 raise BadInput(f"{section.file}: expected home outside of no-fly zones, but it is in {zone.name}")
 
 
@@ -295,18 +296,54 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
     return float(everything.min()) - scenario.bounds.margin, float(everything.max()) + scenario.bounds.margin
 
 
-def _no_fly_prisms(maps: _Maps, corners: Box, up: tuple[float, float]) -> tuple[Obstacle, ...]:
+def _no_fly_prisms(
+    maps: _Maps, corners: Box, up: tuple[float, float], terrain: Terrain, frame: LocalFrame
+) -> tuple[Obstacle, ...]:
     """The zones as obstacles; an end that is left out lies well outside the bounds."""
-    return tuple(
-        NoFly(
-            zone.name,
-            *rings_of(zone.shape),
-            section.base if section.base is not None else min(up[0], section.top or 0.0) - BEYOND,
-            section.top if section.top is not None else max(up[1], section.base or 0.0) + BEYOND,
-        )
-        for section, zone in maps.no_fly
-        if _zone_near(zone, corners)
-    )
+    prisms = []
+    for section, zone in maps.no_fly:
+        if _zone_near(zone, corners):
+            base, top = _ends(section, zone, corners, terrain, frame)
+            low = base if base is not None else min(up[0], top or 0.0) - BEYOND
+            high = top if top is not None else max(up[1], base or 0.0) + BEYOND
+            if low < high:
+                prisms.append(NoFly(zone.name, *rings_of(zone.shape), low, high))
+    return tuple(prisms)
+
+
+def _ends(
+    section: NoFlyMap, zone: Zone, corners: Box, terrain: Terrain, frame: LocalFrame
+) -> tuple[float | None, float | None]:
+    """Lower and upper end of a zone above home's plane [m], no narrower than its limits anywhere within the bounds."""
+    base, top = section.base, section.top
+    if zone.lower is None and zone.upper is None:
+        return base, top
+    west, south, east, north = shapely.bounds(zone.shape)
+    box = np.maximum(corners[0] - BEYOND, (west, south)), np.minimum(corners[1] + BEYOND, (east, north))
+    ground = _ground_under(terrain, box)
+    reach = float(np.hypot(*np.maximum(np.abs(box[0]), np.abs(box[1]))))
+    if base is None and zone.lower is not None:
+        level = zone.lower.height - frame.home.altitude
+        at_sea = level - SeaLevel.around(frame.home, level, reach).drop
+        base = at_sea if zone.lower.reference == "AMSL" else ground[0] + zone.lower.height
+    if top is None and zone.upper is not None:
+        at_sea = zone.upper.height - frame.home.altitude
+        top = at_sea if zone.upper.reference == "AMSL" else ground[1] + zone.upper.height
+    return base, top
+
+
+def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
+    """Least and greatest height of the ground in a box; of a grid, that of all its nodes there and round it."""
+    if isinstance(terrain, Grid):
+        rows, columns = terrain.heights.shape
+        origin = np.array([terrain.east, terrain.north])
+        first = np.clip(np.floor((box[0] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
+        last = np.clip(np.ceil((box[1] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
+        heights = terrain.heights[first[1] : last[1] + 1, first[0] : last[0] + 1]
+    else:
+        east, north = (np.linspace(box[0][axis], box[1][axis], GLANCES) for axis in (0, 1))
+        heights = terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
+    return float(heights.min()), float(heights.max())
 
 
 def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:
@@ -316,7 +353,8 @@ def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:
         outer, holes = rings_of(maps.area)
         fences += [FenceSection(polygon=outer), *(FenceSection(polygon=hole, inclusion=False) for hole in holes)]
     for section, zone in maps.no_fly:
-        if section.geofence and section.base is None and section.top is None and _zone_near(zone, corners):
+        endless = all(end is None for end in (section.base, section.top, zone.lower, zone.upper))
+        if section.geofence and endless and _zone_near(zone, corners):
             fences.append(FenceSection(polygon=rings_of(zone.shape)[0], inclusion=False))
     return tuple(fences)
 
