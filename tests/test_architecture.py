@@ -23,7 +23,7 @@ MAY_IMPORT = {
     "link": {"mission", "world"},
     "simulator": {"link", "mission", "world"},
     "experiments": {"optimize", "planning", "scenario", "world", "mission", "timing", "simulator", "link", "report"},
-    "flight": {"scenario", "world", "planning", "mission", "timing", "link", "energy", "report"},
+    "flight": {"scenario", "maps", "world", "planning", "mission", "timing", "link", "energy", "report"},
     "report": {"scenario", "world", "planning", "mission", "timing", "link", "energy"},
 }
 #: `mission` and `timing` meet in data only: timing may know these files of mission and no others.

@@ -37,15 +37,19 @@ def check(
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.flight.summary import passed_over_as_json
     from ipoa_mission.mission.check import Severity, check_mission
     from ipoa_mission.scenario import read_scenario
 
     mission, remarks = read_with_parameters(file, autopilot)
-    findings = check_mission(mission, None if scenario is None else read_scenario(scenario))
+    world = None if scenario is None else read_scenario(scenario)
+    remarks += () if world is None else world.remarks
+    findings = check_mission(mission, world)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
-        tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)})
+        about = {} if world is None else {"passed_over": passed_over_as_json(world)}
+        tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))
         tell(*(line for f in findings for line in (str(f), *([f"hint: {f.hint}"] if f.hint else []))))

@@ -83,6 +83,7 @@ def fly(
     from ipoa_mission.cli.real_flight import RealFlight, no_flight_yet
     from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
     from ipoa_mission.errors import BadInput
+    from ipoa_mission.flight.summary import passed_over_as_json
     from ipoa_mission.mission.check_start import begun_at
     from ipoa_mission.mission.firmware import to_wire
     from ipoa_mission.simulator.faults import Faults
@@ -133,7 +134,10 @@ def fly(
         job.flight.report(written[-1], record)
     if as_json:
         files = [str(path) for path in (*written, log) if path.exists()]
-        known = flight_as_json(job.estimate, record) | {"remarks": list(remarks), "written": files}
+        said = list(dict.fromkeys((*job.remarks, *remarks)))
+        known = flight_as_json(job.estimate, record) | {"remarks": said, "written": files}
+        if job.flight is not None:
+            known["passed_over"] = passed_over_as_json(job.flight.scenario)
         tell_json(known | ({"error": record.why_not} if record.why_not else {}))
     else:
         tell(*notes(remarks), *(() if record.completed else record.messages))

@@ -5,8 +5,10 @@ from dataclasses import asdict
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+from ipoa_mission.maps.passed import count_passed_over
 from ipoa_mission.mission.assemble import Option
 from ipoa_mission.planning.proof import Proof
+from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate
 
 if TYPE_CHECKING:
@@ -45,8 +47,14 @@ def summarise(flight: "Flight") -> dict[str, Any]:
         "energy_wh": None if energy is None else _rounded(energy.energy_wh),
         **({"parameters": dict(mission.parameters)} if mission.parameters else {}),
         "remarks": list(flight.remarks),
+        "passed_over": passed_over_as_json(scenario),
         "routes": [_route(option, scenario.route.mode) for option in flight.options],
     }
+
+
+def passed_over_as_json(scenario: Scenario) -> list[dict[str, Any]]:
+    """What the scenario's maps have that became no obstacle, counted by file and reason."""
+    return [asdict(counted) for counted in count_passed_over(scenario.passed_over)]
 
 
 def route_summary(estimate: Estimate) -> dict[str, float] | None:

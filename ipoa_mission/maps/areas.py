@@ -3,58 +3,104 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature, Mistakes
+from ipoa_mission.maps.geozones import Limit, limits_of
+from ipoa_mission.maps.kinds import Reason
+from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
+
+#: Of the words of ED-269 and ED-318, those that keep a flight out unless it is allowed, and all.
+Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL"]
+RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL")
+NAMED_RESTRICTIONS = (*RESTRICTIONS, "NO_RESTRICTION")
 
 
 @dataclass(frozen=True)
 class Zone:
-    """A valid polygon in the local plane, east, north [m], and what it is called."""
+    """A valid polygon in the local plane, east, north [m], what it is called, and its own limits if it has any."""
 
     name: str
     shape: Any
+    lower: Limit | None = None
+    upper: Limit | None = None
 
 
-def find_zones(features: Sequence[Feature], frame: LocalFrame, path: Path) -> tuple[tuple[Zone, ...], tuple[str, ...]]:
-    """Every polygon among the features, and remarks on what was mended or passed over.
+@dataclass(frozen=True)
+class Zones:
+    """The zones of a map, what of it is none, and remarks on what was mended."""
+
+    zones: tuple[Zone, ...]
+    passed_over: tuple[PassedOver, ...]
+    remarks: tuple[str, ...]
+
+
+def find_zones(
+    features: Sequence[Feature], frame: LocalFrame, path: Path, restrictions: Sequence[str] = RESTRICTIONS
+) -> Zones:
+    """Every polygon among the features, the outline that a closed line draws among them.
+
+    Of zones that name their restriction (ED-269, ED-318) only those with one of `restrictions` are taken.
 
     Raises:
         BadInput: naming file and place of a polygon without an area, or that there is none.
     """
-    shapes = to_plane([f.shape for f in features], [f.place for f in features], frame)
-    mistakes, zones, remarks, others = Mistakes(), [], [], 0
-    for feature, shape in zip(features, shapes, strict=True):
-        parts = [part for part in _flat(shape) if part.geom_type == "Polygon"]
-        others += not parts
+    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], frame)
+    mistakes, zones, remarks = Mistakes(), list[Zone](), list[str]()
+    passed = list[PassedOver]()
+    for feature, shape, counted in zip(features, shapes, near, strict=True):
+        restriction = feature.tags.get("restriction")
+        if counted and restriction in NAMED_RESTRICTIONS and restriction not in restrictions:
+            passed.append(passed_over(feature, shape, Reason(f"its restriction is {restriction}", False), path))
+            continue
+        limits = mistakes.attempt(limits_of, feature.tags, feature.place) or (None, None)
+        parts = [_outline(part) for part in _flat(shape)]
+        rest = [part for part in parts if part.geom_type != "Polygon"]
+        if rest or not parts:
+            why = _why_no_zone(rest, bool(counted))
+            passed.append(passed_over(feature, shapely.GeometryCollection(rest), why, path))
         for part in parts:
+            if part.geom_type != "Polygon":
+                continue
             found = mistakes.attempt(polygons_of, part, feature.place)
             if found is not None:
-                zones += [Zone(feature.name, polygon) for polygon in found[0]]
+                zones += [Zone(feature.name, polygon, *limits) for polygon in found[0]]
+                if "limitedApplicability" in feature.tags:
+                    remarks.append(f"{feature.name}: active at times only, kept at all times")
                 remarks += [f"{feature.name}: mended ({found[1]})"] if found[1] else []
     mistakes.tell()
-    if not zones:
+    if not zones and not any("restriction" in thing.reason for thing in passed):
         raise BadInput(f"{path}: expected a polygon, but there is none among {len(features)} features")
-    if others:
-        remarks.append(f"{others} features without a polygon passed over")
-    return tuple(zones), tuple(remarks)
+    return Zones(tuple(zones), tuple(passed), tuple(remarks))
 
 
-def join_zones(zones: Sequence[Zone], path: Path) -> Any:
-    """The one polygon that all zones make together.
+def join_zones(zones: Sequence[Zone]) -> tuple[Any, tuple[Any, ...]]:
+    """The polygon that the zones make together with those they touch: the one nearest to home, and the others.
 
-    Raises:
-        BadInput: they do not touch.
+    From one to the other no flight may go.
     """
     whole = shapely.union_all([zone.shape for zone in zones])
-    if whole.geom_type != "Polygon":
-        raise BadInput(f"{path}: expected one flight area, but there are {len(whole.geoms)} that do not touch")
-    return whole
+    parts = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
+    return parts[0], tuple(parts[1:])
+
+
+def _why_no_zone(rest: Sequence[Any], near: bool) -> Reason:
+    if not near:
+        return FAR
+    if not rest:
+        return Reason("without a geometry", False)
+    lines = any(part.geom_type != "Point" for part in rest)
+    return Reason("a line that encloses no area" if lines else "a point", lines)
+
+
+def _outline(shape: Any) -> Any:
+    closed = shape.geom_type == "LineString" and shape.is_closed and len(shape.coords) > 3
+    return shapely.Polygon(shape) if closed else shape
 
 
 def _flat(shape: Any) -> list[Any]:

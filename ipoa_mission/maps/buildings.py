@@ -1,12 +1,14 @@
 """Which features of a map stand in the way, and as which obstacles: buildings, masts, trees, walls with a height.
 
-What has no height of its own gets a default one; how many did is told, as is all that was mended or passed over.
+What has no height of its own gets a default one; how many did is told, as is all that was mended. What is passed over
+is kept with its place and reason.
 """
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import shapely
@@ -16,37 +18,21 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.heights import foot_of, height_of, metres
+from ipoa_mission.maps.kinds import Reason, are_all_buildings, as_openstreetmap, why_passed_over
+from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, rings_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 
 Ground: TypeAlias = Callable[[NDArray[np.float64]], Vector]  # height under points (n, 2), (n,) [m]
 
-#: Values of `building` and `building:part` that say that there is none.
-NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
-#: What is tall by nature, whether or not its height is known.
-TALL = {
-    "man_made": {
-        "antenna", "chimney", "communications_tower", "cooling_tower", "crane", "flagpole", "gasometer", "lighthouse",
-        "mast", "monitoring_station", "obelisk", "silo", "storage_tank", "telescope", "tower", "utility_pole",
-        "water_tower", "windmill",
-    },
-    "natural": {"tree", "tree_row"},
-    "power": {"tower", "pole", "portal", "terminal"},
-    "generator:source": {"wind"},
-    "aerialway": {"pylon"},
-    "highway": {"street_lamp"},
-    "advertising": {"column", "totem"},
-}  # fmt: skip
-#: Lines in the air: no obstacle unless their height is known, but worth a warning.
-WIRES = {"power": {"line", "minor_line", "cable"}, "aerialway": {"cable_car", "gondola", "chair_lift", "zip_line"}}
-
 
 @dataclass(frozen=True)
 class BuildingRules:
     """How features become obstacles where their tags leave it open, all in metres.
 
-    `height_key` is the property that holds the height. `everything` takes every feature, whatever its tags.
+    `height_key` is the property that holds the height. `take` is `all` for every feature whatever its tags, `tagged`
+    for what tags call a thing that stands, the rest being nothing; None takes a file of nothing but buildings whole.
     """
 
     default_height: float = 8.0
@@ -54,7 +40,7 @@ class BuildingRules:
     point_height: float = 20.0
     point_radius: float = 2.0
     height_key: str = "height"
-    everything: bool = False
+    take: Literal["tagged", "all"] | None = None
 
 
 @dataclass(frozen=True)
@@ -71,27 +57,37 @@ class Standing:
     height: float
 
 
-def find_buildings(
-    features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame
-) -> tuple[tuple[Standing, ...], tuple[str, ...]]:
-    """What stands in the way, in the local frame, and remarks on what was assumed, mended or passed over.
+@dataclass(frozen=True)
+class Buildings:
+    """What a map has: what stands in the way, what is passed over, and remarks on what was assumed or mended."""
+
+    standing: tuple[Standing, ...]
+    passed_over: tuple[PassedOver, ...]
+    remarks: tuple[str, ...]
+
+
+def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
+    """The features of the map `path` in the local frame, each either standing or passed over.
 
     Raises:
-        BadInput: naming file and place of each feature that makes no sense.
+        BadInput: naming file and place of each feature that makes no sense, or that all are far away.
     """
-    taken = [feature for feature in features if rules.everything or _stands(feature, rules)]
-    wires = [feature for feature in features if _tagged(feature, WIRES) and not _stands(feature, rules)]
-    shapes = to_plane([f.shape for f in taken], [f.place for f in taken], frame)
+    features = [as_openstreetmap(feature) for feature in features]
+    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], frame)
+    every = rules.take is None and are_all_buildings(features, rules.height_key)
     counts: Counter[str] = Counter()
     mistakes = Mistakes()
-    found = [
-        mistakes.attempt(_standings, feature, shape, rules, counts)
-        for feature, shape in zip(taken, shapes, strict=True)
-    ]
+    standing: list[Standing] = []
+    passed: list[PassedOver] = []
+    for feature, shape, counted in zip(features, shapes, near, strict=True):
+        why = _why_passed_over(feature, rules, every) if counted else FAR
+        if why is None:
+            standing += mistakes.attempt(_standings, feature, shape, rules, counts) or []
+        else:
+            passed.append(passed_over(feature, shape, why, path))
     mistakes.tell()
-    return tuple(s for several in found if several for s in several), tuple(
-        _remarks(counts, [] if rules.everything else wires)
-    )
+    remarks = (f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in counts.items())
+    return Buildings(tuple(standing), tuple(passed), tuple(remarks))
 
 
 def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
@@ -108,18 +104,11 @@ def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obsta
     )
 
 
-def _stands(feature: Feature, rules: BuildingRules) -> bool:
-    tags = feature.tags
-    if tags.get("location") == "underground" or tags.get("tunnel", "no") != "no":
-        return False
-    said = [tags[key] for key in ("building", "building:part") if key in tags]
-    if said:
-        return any(value not in NO_BUILDING for value in said)
-    return rules.height_key in tags or "building:levels" in tags or _tagged(feature, TALL)
-
-
-def _tagged(feature: Feature, kinds: dict[str, set[str]]) -> bool:
-    return any(feature.tags.get(key) in values for key, values in kinds.items())
+def _why_passed_over(feature: Feature, rules: BuildingRules, every: bool) -> Reason | None:
+    why = why_passed_over(feature, rules.height_key, every)
+    if why is None or (rules.take == "all" and not shapely.is_empty(feature.shape)):
+        return None
+    return Reason(why.words, why.may_stand and rules.take is None)
 
 
 def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Counter[str]) -> list[Standing]:
@@ -132,14 +121,15 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
         foot = 0.0
     made = []
     building = bool(feature.tags.keys() & {"building", "building:part"})
-    for part in _parts(shape, building):
+    hollow = not building and feature.tags.keys() & {"barrier", "natural"}
+    for part in _parts(shape, not hollow):
         thin = part.geom_type != "Polygon"
         if height is None:
             default = rules.point_height if thin else rules.default_height
             counts[f"{'point(s) or line(s)' if thin else 'building(s)'} without a height, given {default:g} m"] += 1
         top = height if height is not None else foot + default
         if thin:
-            if building and not rules.everything:
+            if building and rules.take != "all":
                 raise BadInput(
                     f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
                     hint="export whole outlines (`out geom` in Overpass turbo), not centres",
@@ -153,12 +143,12 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
     return made
 
 
-def _parts(shape: Any, building: bool) -> Iterator[Any]:
-    """Polygons, points and lines of a shape; the closed line of a building is its outline."""
+def _parts(shape: Any, filled: bool) -> Iterator[Any]:
+    """Polygons, points and lines of a shape; where it is filled, a closed line is an outline."""
     for part in shapely.get_parts(shape):
         if hasattr(part, "geoms"):
-            yield from _parts(part, building)
-        elif building and part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3:
+            yield from _parts(part, filled)
+        elif filled and part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3:
             yield shapely.Polygon(part)
         else:
             yield part
@@ -186,12 +176,3 @@ def _obstacle(s: Standing, base: float, top: float) -> Obstacle:
         return Cylinder(s.name, float(s.shape.x), float(s.shape.y), s.reach, base, top)
     shape = s.shape.buffer(s.reach, cap_style="square", join_style="mitre") if s.reach > 0 else s.shape
     return Prism(s.name, *rings_of(shape), base, top)
-
-
-def _remarks(counts: Counter[str], wires: Sequence[Feature]) -> Iterator[str]:
-    for words, count in counts.items():
-        yield f"{count} {words.replace('(s)', '' if count == 1 else 's')}"
-    if wires:
-        named = ", ".join(feature.name for feature in wires[:3]) + (", ..." if len(wires) > 3 else "")
-        which = "1 overhead line has" if len(wires) == 1 else f"{len(wires)} overhead lines have"
-        yield f"{which} no height and cannot be avoided: {named}"

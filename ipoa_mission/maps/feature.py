@@ -19,21 +19,25 @@ DEEPEST = 16  # collections in each other: nobody draws more, and shapely would 
 class Feature:
     """`shape` is a shapely geometry in longitude, latitude [deg, WGS 84], as it stands in the file: it may be invalid.
 
-    `place` names file and feature for messages; `tags` are its properties as text, those without a value left out.
+    It is empty where the file gives none. `place` names file and feature for messages; `tags` are its properties as
+    text, and `blank` the keys of those without a value.
     """
 
     place: str
     shape: Any
     tags: Mapping[str, str]
+    blank: frozenset[str] = frozenset()
 
     @property
     def name(self) -> str:
         """What messages call the thing: its name, or else its number in OpenStreetMap, or its place in the file."""
-        named = (self.tags.get(key) for key in ("name", "addr:housename", "@id", "id", "osm_way_id", "osm_id"))
+        named = (
+            self.tags.get(key) for key in ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
+        )
         return next((name for name in named if name), self.place)
 
 
-def on_earth(corners: Corners, place: str) -> Corners:
+def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:
     """The same corners, if they are longitudes and latitudes.
 
     Raises:
@@ -44,7 +48,7 @@ def on_earth(corners: Corners, place: str) -> Corners:
         x, y = corners[outside][0]
         raise BadInput(
             f"{place}: expected longitude and latitude in degrees, not {x:g}, {y:g}",
-            hint="export the file in WGS 84 (EPSG:4326)",
+            hint=hint,
         )
     return corners
 

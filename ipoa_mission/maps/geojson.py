@@ -18,6 +18,7 @@ from pyproj.exceptions import CRSError
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
+from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags
 
 MOST_SHOWN = 80  # characters of a place
 HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')
@@ -37,6 +38,8 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         raise BadInput(f"{path}: expected a map, not brackets nested without end") from None
     except ValueError:
         raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
+    if is_ed269(document):
+        return ed269_features(document, path)
     kind = document.get("type") if isinstance(document, dict) else None
     if kind == "FeatureCollection":
         features = document.get("features")
@@ -61,27 +64,49 @@ def _number(feature: Any) -> str:
     return f" ({number})" if isinstance(number, str) and number else ""
 
 
-def _feature(place: str, feature: Any, to_degrees: "_Degrees") -> Feature | None:
-    """A feature, or None if it has no geometry."""
+def _feature(place: str, feature: Any, to_degrees: "_Degrees") -> Feature:
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput(f"{place}: expected a Feature")
     geometry, properties = feature.get("geometry"), feature.get("properties")
-    if geometry is None:
-        return None
-    tags = dict(_tags(properties if isinstance(properties, dict) else {}))
+    properties = properties if isinstance(properties, dict) else {}
+    tags = dict(tags_of(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
-    return Feature(place, _shape(geometry, f"{place}.geometry", to_degrees), tags)
+    shape = shapely.GeometryCollection() if geometry is None else _shape(geometry, f"{place}.geometry", to_degrees)
+    if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
+        tags |= dict(layer_tags(geometry["layer"]))
+    return Feature(place, shape, tags, frozenset(blank_keys(properties)))
 
 
-def _tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Properties as tags; of those under `tags` and `other_tags` too. What has no value is left out."""
     for key, value in properties.items():
         if key == "tags" and isinstance(value, dict):
-            yield from _tags(value)
+            yield from tags_of(value)
         elif key == "other_tags" and isinstance(value, str):
             yield from ((_unescaped(k), _unescaped(v)) for k, v in HSTORE.findall(value))
-        elif isinstance(value, str | int | float) and not isinstance(value, bool) and str(value).strip():
+        elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
+            yield "name", value["primary"]  # Overture's
+        elif key == "limitedApplicability" and isinstance(value, list) and value:
+            yield key, "yes"
+        elif isinstance(value, bool):
+            yield key, "yes" if value else "no"
+        elif isinstance(value, str | int | float) and not _is_blank(value):
             yield key, str(value).strip()
+
+
+def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
+    """Keys of the properties that have no value."""
+    for key, value in properties.items():
+        if key == "tags" and isinstance(value, dict):
+            yield from blank_keys(value)
+        elif _is_blank(value):
+            yield key
+
+
+def _is_blank(value: Any) -> bool:
+    """Null, a text of nothing, or NaN, which is what pandas makes of them."""
+    return value is None or (isinstance(value, str) and not value.strip()) or value != value
 
 
 def _unescaped(text: str) -> str:
@@ -100,6 +125,9 @@ def _shape(geometry: Any, place: str, to_degrees: "_Degrees", depth: int = 0) ->
         return shapely.GeometryCollection(shapes)
     if not isinstance(geometry, dict) or not isinstance(kind, str) or kind not in SHAPES:
         raise BadInput(f"{place}.type: expected a kind of geometry, such as 'Polygon', not {kind!r}")
+    extent = geometry.get("extent")
+    if kind == "Point" and isinstance(extent, dict):  # ED-318
+        return circle(geometry.get("coordinates"), extent.get("radius"), f"{place}.extent")
     return SHAPES[kind](geometry.get("coordinates"), f"{place}.coordinates", to_degrees)
 
 

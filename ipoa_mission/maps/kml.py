@@ -1,8 +1,10 @@
-"""KML 2.2 as Google Earth, Google My Maps and flight planners write it: the placemarks with a point, line or polygon.
+"""KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: its points, lines and polygons.
 
 Heights in a KML are not read: a scenario says how high a zone or a building is.
 """
 
+import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,17 +18,44 @@ from ipoa_mission.files import read_text
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
 
 MOST_FOLDERS = 64
+LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may hold a thousand times its size
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
 def read_kml(path: Path) -> tuple[Feature, ...]:
-    """Every placemark that has a shape, with its name and extended data as tags.
+    """Every placemark with its name and extended data as tags; its shape is empty where it has none that we know.
+
+    Raises:
+        BadInput: naming file and place, and what was expected there.
+    """
+    return _read(read_text(path).encode(), path)
+
+
+def read_kmz(path: Path) -> tuple[Feature, ...]:
+    """The same of the first KML in a KMZ, which is the one that Google Earth shows.
 
     Raises:
         BadInput: naming file and place, and what was expected there.
     """
     try:
-        root = ElementTree.fromstring(read_text(path).encode())
+        with zipfile.ZipFile(path) as archive:
+            name = next((each for each in archive.namelist() if each.lower().endswith(".kml")), None)
+            if name is None:
+                raise BadInput(f"{path}: expected a .kml in it, but there is none")
+            with archive.open(name) as file:
+                text = file.read(LARGEST + 1)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+        raise BadInput(f"{path}: expected a KMZ, a .kml in a zip archive: {error}") from error
+    if len(text) > LARGEST:
+        raise BadInput(f"{path}: expected a .kml of at most {LARGEST >> 20} MB in it")
+    return _read(text, path)
+
+
+def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
+    try:
+        root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         raise BadInput(f"{path}: line {error.position[0]}: expected well-formed XML") from error
     if _local(root) != "kml":
@@ -52,10 +81,8 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
         inside += [(child, depth + 1) for child in reversed(element)]
 
 
-def _feature(placemark: ElementTree.Element, place: str) -> Feature | None:
+def _feature(placemark: ElementTree.Element, place: str) -> Feature:
     shapes = list(_shapes(placemark, place))
-    if not shapes:
-        return None
     return Feature(place, shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes), dict(_tags(placemark)))
 
 

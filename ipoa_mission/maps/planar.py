@@ -15,27 +15,45 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.world.frame import REACH, LocalFrame
 
 LEAST_AREA = 1e-3  # [m^2]
+LONGEST_EDGE = 0.02  # a straight edge in degrees is bent in the plane: by 0.1 m over so much at 45 degrees [deg]
+EARTH = 6.36e6  # a least radius [m]
 
 
-def to_plane(shapes: Sequence[Any], places: Sequence[str], frame: LocalFrame) -> NDArray[Any]:
-    """Shapes in longitude, latitude [deg] as shapes in east, north [m], as many.
+def to_plane(shapes: Sequence[Any], places: Sequence[str], frame: LocalFrame) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Shapes in longitude, latitude [deg] as shapes in east, north [m], as many, and which come within 100 km of home.
+
+    Those that do not are empty. Edges are straight in longitude and latitude, as the formats say: long ones are cut.
 
     Raises:
-        BadInput: one of them is more than 100 km from home.
+        BadInput: none of them does.
     """
     height = frame.home.altitude
+    degrees = np.array(shapes, dtype=object)
+    near = _near(shapely.bounds(degrees).reshape(-1, 4), frame) | shapely.is_empty(degrees)
+    if len(near) and not (near & ~shapely.is_empty(degrees)).any() and not shapely.is_empty(degrees).all():
+        raise BadInput(
+            f"{places[int(np.argmin(near))]}.geometry: expected a place within {REACH / 1000:g} km of home",
+            hint="a map is in longitude and latitude, in this order, and of the place where home is",
+        )
+    degrees[~near] = shapely.GeometryCollection()
 
     def convert(corners: NDArray[np.float64]) -> NDArray[np.float64]:
         return frame.to_local(corners[:, 1], corners[:, 0], np.full(len(corners), height))[:, :2]
 
-    local = shapely.transform(np.array(shapes, dtype=object), convert)
-    far = ~(np.abs(shapely.bounds(local)) < REACH).all(axis=1) & ~shapely.is_empty(local)
-    if far.any():
-        raise BadInput(
-            f"{places[int(np.argmax(far))]}.geometry: expected a place within {REACH / 1000:g} km of home",
-            hint="GeoJSON has longitude first, then latitude",
-        )
-    return np.asarray(local)
+    sides = np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2), axis=1).max(axis=1)
+    long = sides > LONGEST_EDGE
+    degrees[long] = shapely.segmentize(degrees[long], LONGEST_EDGE)
+    return np.asarray(shapely.transform(degrees, convert)), near
+
+
+def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
+    """Which boxes (n, 4) of longitudes and latitudes meet the square of 100 km round home; longitudes go round."""
+    home, reach = frame.home, np.degrees(REACH / EARTH)
+    wide = min(reach / max(np.cos(np.radians(home.latitude_deg)), 1e-9), 180.0)
+    west, south, east, north = boxes.T
+    level = (south <= home.latitude_deg + reach) & (north >= home.latitude_deg - reach)
+    turns = [home.longitude_deg + turn for turn in (-360.0, 0.0, 360.0)]
+    return np.asarray(level & np.any([(west <= here + wide) & (east >= here - wide) for here in turns], axis=0))
 
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:

@@ -6,8 +6,8 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.areas import Zone, find_zones
-from ipoa_mission.maps.buildings import BuildingRules, Standing, find_buildings
+from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
+from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.section import Positive, Section
 from ipoa_mission.world.frame import LocalFrame
@@ -18,7 +18,8 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Path
-    """A GeoJSON (`.geojson`, `.json`) or KML (`.kml`) file, relative to the scenario file."""
+    """A GeoJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), Shapefile (`.shp`), FlatGeobuf (`.fgb`) or GeoPackage
+    (`.gpkg`) file, relative to the scenario file."""
 
     @field_validator("file")
     @classmethod
@@ -30,8 +31,10 @@ class BuildingsMap(MapFile):
     """Buildings, masts and trees that stand on the ground, as OpenStreetMap's exports have them."""
 
     kind: Literal["buildings"]
-    take: Literal["tagged", "all"] = "tagged"
-    """`tagged`: what OpenStreetMap's tags call a building, a mast, a tree or give a height; `all`: every feature."""
+    take: Literal["tagged", "all"] | None = None
+    """`all`: every feature is an obstacle. `tagged`: what tags call a building, a mast, a tree, or give a height; the
+    rest is nothing. Left out: as `tagged`, but a file of nothing but buildings is taken whole, and a flight near what
+    is passed over and may stand there is refused."""
     height_key: str = "height"
     """The property that holds the height of the top above the ground [m, or feet if it says so]."""
     default_height: Positive = 8.0
@@ -43,24 +46,24 @@ class BuildingsMap(MapFile):
     point_radius: Positive = 2.0
     """Radius of a mast, tree or other point; also half the width of a wall [m]."""
 
-    def read(self, frame: LocalFrame) -> tuple[tuple[Standing, ...], tuple[str, ...]]:
-        """What stands in the way, and remarks on what was assumed."""
+    def read(self, frame: LocalFrame) -> Buildings:
+        """What stands in the way, what is passed over, and remarks on what was assumed."""
         rules = BuildingRules(
             default_height=self.default_height,
             storey_height=self.storey_height,
             point_height=self.point_height,
             point_radius=self.point_radius,
             height_key=self.height_key,
-            everything=self.take == "all",
+            take=self.take,
         )
         features = read_features(self.file)
-        standing, remarks = find_buildings(features, rules, frame)
-        if not standing:
+        found = find_buildings(features, rules, frame, self.file)
+        if not found.standing:
             raise BadInput(
                 f"{self.file}: expected buildings, but none of {len(features)} features is tagged as one",
                 hint='`take = "all"` takes every feature, whatever its tags',
             )
-        return standing, remarks
+        return found
 
 
 class ZoneMap(MapFile):
@@ -69,8 +72,8 @@ class ZoneMap(MapFile):
     geofence: bool = True
     """Also put it into the mission, so that the vehicle itself keeps it."""
 
-    def read(self, frame: LocalFrame) -> tuple[tuple[Zone, ...], tuple[str, ...]]:
-        """The polygons, and remarks on what was mended or passed over."""
+    def read(self, frame: LocalFrame) -> Zones:
+        """The polygons, what is passed over, and remarks on what was mended."""
         return find_zones(read_features(self.file), frame, self.file)
 
 
@@ -82,6 +85,13 @@ class NoFlyMap(ZoneMap):
     """Lower end of the zones [m above home]; left out, they begin below everything."""
     top: float | None = None
     """Upper end [m above home]; left out, they have none. Zones with an end are no geofence: fences have no height."""
+    restrictions: tuple[Restriction, ...] = RESTRICTIONS
+    """Which zones of an ED-269 or ED-318 file to keep out of; those with lower and upper limits have them unless `base`
+    or `top` is given."""
+
+    def read(self, frame: LocalFrame) -> Zones:
+        """The polygons, what is passed over, and remarks on what was mended."""
+        return find_zones(read_features(self.file), frame, self.file, self.restrictions)
 
     @model_validator(mode="after")
     def _ordered(self) -> "NoFlyMap":

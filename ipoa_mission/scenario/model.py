@@ -3,6 +3,7 @@
 The smallest valid scenario has `home`, `start` and `goal`.
 """
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
@@ -10,6 +11,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.scenario.maps import MapSection
 from ipoa_mission.scenario.places import (
     BoundsSection,
@@ -26,6 +28,9 @@ from ipoa_mission.scenario.surroundings import Surroundings, survey
 from ipoa_mission.scenario.vehicle import VehicleSection
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, LocalFrame
+
+#: The tables that the world is made from.
+WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence"}
 
 
 class CostSection(Section):
@@ -161,6 +166,24 @@ class Scenario(Section):
                 )
         return self
 
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
+        """A copy with some values replaced, unchecked; its world is the same one unless they describe it."""
+        copied = super().model_copy(update=update, deep=deep)
+        if not WORLD & (update or {}).keys():
+            copied.__dict__ |= {
+                name: self.__dict__[name] for name in ("frame", "_surroundings") if name in self.__dict__
+            }
+        return copied
+
+    def survey(self) -> None:
+        """Read the maps and make the world of them, now rather than when it is first asked for.
+
+        Raises:
+            BadInput: naming the map file and the place in it that makes no sense, or that home lies outside.
+            MissionError: a library that reads a map is not installed.
+        """
+        _ = self._surroundings
+
     @cached_property
     def frame(self) -> LocalFrame:
         """The local frame at home."""
@@ -200,6 +223,11 @@ class Scenario(Section):
     def remarks(self) -> tuple[str, ...]:
         """What was assumed, mended or left out when the maps were read, for the user to know."""
         return self._surroundings.remarks
+
+    @property
+    def passed_over(self) -> tuple[PassedOver, ...]:
+        """What the maps have that became no obstacle."""
+        return self._surroundings.passed_over
 
     def _point(self, place: Place) -> Vector:
         return place.point(self.frame, self.airspace.terrain.height)

@@ -155,9 +155,9 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
         raise BadInput(f"{path}: expected buildings, but it has no features")
     west, south, east, north = shapely.total_bounds([feature.shape for feature in features])
     frame = LocalFrame(Geodetic((south + north) / 2, (west + east) / 2))
-    standing, _ = find_buildings(features, BuildingRules(), frame)
+    standing = find_buildings(features, BuildingRules(), frame, path).standing
     if not standing:
-        standing, _ = find_buildings(features, BuildingRules(everything=True), frame)
+        standing = find_buildings(features, BuildingRules(take="all"), frame, path).standing
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in standing]
     reach = np.minimum(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0) / 2 + 2 * ROOM, APART)
     sides = [np.arange(-each, each + STEP, STEP) for each in reach]

@@ -16,9 +16,10 @@ from ipoa_mission.scenario.maps import ElevationTerrain
 from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
-from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, Terrain
+from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
 Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
+LEAST_DROP = 0.01  # flat ground that falls below home's plane by less than this is a plane [m]
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
 
 
@@ -101,15 +102,16 @@ class Place(Horizontal):
 
 
 class FlatTerrain(Section):
-    """A plain."""
+    """A plain at one height above mean sea level: over kilometres it curves as the Earth does."""
 
     kind: Literal["flat"] = "flat"
     height: float = 0.0
     """Height of the ground [m above home]."""
 
-    def build(self) -> Terrain:
-        """The terrain itself."""
-        return Flat(self.height)
+    def build(self, home: Geodetic, reach: float) -> Terrain:
+        """The terrain itself, asked for as far as `reach` from home [m]; near home the Earth's curve is nothing."""
+        ground = SeaLevel.around(home, self.height, reach)
+        return ground if ground.drop > LEAST_DROP else Flat(self.height)
 
 
 class PeakSection(Section):

@@ -24,25 +24,32 @@ _WORDS = re.compile(
 
 
 def read_scenario(path: str | Path) -> Scenario:
-    """The scenario in a TOML file; its name is the file's unless it says otherwise.
+    """The scenario in a TOML file, every map that it names read; its name is the file's unless it says otherwise.
 
     Raises:
-        BadInput: naming file and place, and what was expected there.
+        BadInput: naming file and place, and what was expected there, be it in the scenario or in a map.
+        MissionError: a library that reads a map is not installed.
     """
     path = Path(path)
     return parse_scenario(read_text(path), path)
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
-    """The scenario in a TOML text; files that it names are sought beside `path`, which errors also name."""
+    """The scenario in a TOML text; files that it names are sought beside `path`, which errors also name.
+
+    Raises:
+        BadInput, MissionError: as `read_scenario`.
+    """
     table = _parse(text, path)
     try:
-        return Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
+        scenario = Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
     except ValidationError as error:
         lines = [f"{path}: {_explain(problem, table)}" for problem in error.errors()]
         raise BadInput(
             "\n".join(lines), hint="`ipoa-mission schema` prints every key that a scenario may have"
         ) from error
+    scenario.survey()
+    return scenario
 
 
 def _parse(text: str, path: Path) -> dict[str, Any]:

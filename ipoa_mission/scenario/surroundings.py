@@ -5,7 +5,7 @@ hand, and those things on the maps that are near; what lies well outside the bou
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 import shapely
@@ -14,31 +14,91 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import Zone, join_zones
 from ipoa_mission.maps.buildings import Standing, raise_buildings
+from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.maps.planar import rings_of
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
-from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
-from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
+from ipoa_mission.scenario.places import (
+    BoundsSection,
+    FenceSection,
+    FlatTerrain,
+    ObstacleSection,
+    Place,
+    TerrainSection,
+)
 from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.obstacles import Zone as NoFly
 from ipoa_mission.world.polygon import Polygon
-from ipoa_mission.world.terrain import Terrain
-
-if TYPE_CHECKING:
-    from ipoa_mission.scenario.model import Scenario
+from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
 BEYOND = 100.0  # what lies farther outside the bounds is left out [m]
+SAME = 1e-6  # [m]
 GLANCES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
 
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner
 
 
+class Layout(Protocol):
+    """What of a scenario its world is made from."""
+
+    @property
+    def frame(self) -> LocalFrame:
+        """The local frame at home."""
+        ...
+
+    @property
+    def start(self) -> Place:
+        """Where the planned path begins."""
+        ...
+
+    @property
+    def goal(self) -> Place:
+        """Where it ends."""
+        ...
+
+    @property
+    def via(self) -> tuple[Place, ...]:
+        """Places to pass on the way."""
+        ...
+
+    @property
+    def bounds(self) -> BoundsSection:
+        """The box in which the flight must stay."""
+        ...
+
+    @property
+    def terrain(self) -> TerrainSection:
+        """The ground."""
+        ...
+
+    @property
+    def obstacles(self) -> tuple[ObstacleSection, ...]:
+        """What was drawn by hand."""
+        ...
+
+    @property
+    def maps(self) -> tuple[MapSection, ...]:
+        """Files of others."""
+        ...
+
+    @property
+    def fence(self) -> tuple[FenceSection, ...]:
+        """The geofence drawn by hand."""
+        ...
+
+
 @dataclass(frozen=True)
 class Surroundings:
-    """A scenario's world, the geofence of its mission, and remarks on what was assumed or mended in its maps."""
+    """A scenario's world, the geofence of its mission, and what its maps have beyond that.
+
+    `remarks` say what was assumed, mended or passed over.
+    """
 
     airspace: Airspace
     geofence: tuple[FenceSection, ...]
+    passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]
 
 
@@ -46,14 +106,15 @@ class Surroundings:
 class _Maps:
     """What was found in all maps."""
 
-    standing: tuple[Standing, ...]
+    standing: tuple[tuple[BuildingsMap, Standing], ...]
     no_fly: tuple[tuple[NoFlyMap, Zone], ...]
     area: Any | None
     area_fenced: bool
+    passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]
 
 
-def survey(scenario: "Scenario") -> Surroundings:
+def survey(scenario: Layout) -> Surroundings:
     """The world of a scenario.
 
     Raises:
@@ -62,44 +123,55 @@ def survey(scenario: "Scenario") -> Surroundings:
     """
     maps = _read_maps(scenario)
     allowed = allowed_area(scenario.fence, scenario.frame)
-    lower, upper, near = _horizontal_bounds(scenario, maps, allowed)
+    lower, upper = _horizontal_bounds(scenario, maps, allowed)
+    near, beyond = _near(maps, (lower, upper))
     terrain, said = _terrain(scenario, lower, upper)
     drawn = _drawn(scenario, terrain)
     raised = raise_buildings(near, terrain.height)
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
     below, above = min(up[0], 0.0) - BEYOND, up[1] + BEYOND
-    zones = (*_no_fly_prisms(maps, (lower, upper), up), *forbidden(scenario.fence, scenario.frame, below, above))
+    prisms = _no_fly_prisms(maps, (lower, upper), up, terrain, scenario.frame)
+    zones = (*prisms, *forbidden(scenario.fence, scenario.frame, below, above))
     areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
     footprint = Polygon(*rings_of(_one(areas))) if areas else None
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
-    left_out = len(maps.standing) - len(near)
-    if left_out:
-        said = (*said, f"{left_out} things on the maps are more than {BEYOND:g} m outside the bounds and left out")
     airspace = Airspace(bounds, terrain, (*drawn, *raised, *zones))
-    return Surroundings(airspace, (*scenario.fence, *_geofence(maps, (lower, upper))), (*maps.remarks, *said))
+    passed = (*maps.passed_over, *beyond)
+    remarks = (*maps.remarks, *said, *(counted.words() for counted in count_passed_over(passed)))
+    return Surroundings(airspace, (*scenario.fence, *_geofence(maps, (lower, upper))), passed, remarks)
 
 
-def _read_maps(scenario: "Scenario") -> _Maps:
-    standing: list[Standing] = []
+def _read_maps(scenario: Layout) -> _Maps:
+    standing: list[tuple[BuildingsMap, Standing]] = []
     no_fly: list[tuple[NoFlyMap, Zone]] = []
     areas: list[Any] = []
+    passed: list[PassedOver] = []
     remarks: list[str] = []
     fenced = False
     for section in scenario.maps:
         if isinstance(section, BuildingsMap):
-            found, said = section.read(scenario.frame)
-            standing += found
+            buildings = section.read(scenario.frame)
+            standing += [(section, thing) for thing in buildings.standing]
+            passed += buildings.passed_over
+            said = buildings.remarks
         else:
-            zones, said = section.read(scenario.frame)
+            found = section.read(scenario.frame)
+            zones, said = found.zones, found.remarks
+            passed += found.passed_over
             if isinstance(section, NoFlyMap):
                 no_fly += [(section, zone) for zone in zones]
             else:
-                areas.append(join_zones(zones, section.file))
+                area, others = join_zones(zones)
+                areas.append(area)
+                why = "an area that does not touch the one in which home is"
+                passed += [
+                    PassedOver(section.file.name, f"area {n}", why, each, False) for n, each in enumerate(others, 2)
+                ]
                 fenced |= section.geofence
             _expect_home_allowed(section, zones)
         remarks += [f"{section.file.name}: {remark}" for remark in said]
     area = _one(areas) if areas else None
-    return _Maps(tuple(standing), tuple(no_fly), area, fenced, tuple(remarks))
+    return _Maps(tuple(standing), tuple(no_fly), area, fenced, tuple(passed), tuple(remarks))
 
 
 def _one(areas: list[Any]) -> Any:
@@ -117,25 +189,23 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, .
             raise BadInput(f"{section.file}: expected home inside the flight area, not {distance:.1f} m outside of it")
     elif section.base is None or section.base <= 0:
         for zone in zones:
-            if zone.shape.contains(home):
+            if zone.shape.contains(home) and (zone.lower is None or section.base is not None):
                 raise BadInput(f"{section.file}: expected home outside of no-fly zones, but it is in {zone.name}")
 
 
-def _horizontal_bounds(
-    scenario: "Scenario", maps: _Maps, allowed: Any | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[Standing, ...]]:
-    """Lower and upper corner (2,) of the bounds, and what stands near enough to them to matter."""
+def _horizontal_bounds(scenario: Layout, maps: _Maps, allowed: Any | None) -> Box:
+    """Lower and upper corner (2,) of the bounds."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = np.array([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places)])
     drawn = [o.build("", scenario.frame, _level) for o in scenario.obstacles]
     things = np.vstack([ends, *(obstacle.bounds[:, :2] for obstacle in drawn)])
-    boxes = np.array([shapely.bounds(s.shape.buffer(s.reach) if s.reach else s.shape) for s in maps.standing])
     margin = scenario.bounds.margin
     if maps.area is not None:
         west, south, east, north = shapely.bounds(maps.area)
         least, most = np.array([west, south]), np.array([east, north])
     else:
         reach = max(margin, float(np.linalg.norm(np.ptp(ends, axis=0))) / 2)
+        boxes = _boxes(maps)
         around = boxes[_meets(boxes, (things.min(axis=0), things.max(axis=0)), reach)]
         things = np.vstack([things, around.reshape(-1, 2)])
         least, most = things.min(axis=0) - margin, things.max(axis=0) + margin
@@ -145,8 +215,30 @@ def _horizontal_bounds(
     if allowed is not None:
         west, south, east, north = shapely.bounds(allowed)
         least, most = np.maximum(least, (west, south)), np.minimum(most, (east, north))
-    matters = _meets(boxes, (least, most), BEYOND)
-    return least, most, tuple(s for s, counts in zip(maps.standing, matters, strict=True) if counts)
+    return least, most
+
+
+def _boxes(maps: _Maps) -> NDArray[np.float64]:
+    """West, south, east, north of what stands on the maps, (n, 4)."""
+    shapes = [thing.shape.buffer(thing.reach) if thing.reach else thing.shape for _, thing in maps.standing]
+    return np.array(shapely.bounds(shapes)).reshape(-1, 4)
+
+
+def _near(maps: _Maps, corners: Box) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
+    """What stands near enough to the bounds to matter, and the rest, zones among it, as passed over."""
+    near, beyond = list[Standing](), list[PassedOver]()
+    why = f"more than {BEYOND:g} m outside the bounds"
+    for (section, thing), counts in zip(maps.standing, _meets(_boxes(maps), corners, BEYOND), strict=True):
+        if counts:
+            near.append(thing)
+        else:
+            name = thing.name.removeprefix(f"{section.file}: ")
+            beyond.append(PassedOver(section.file.name, name, why, thing.shape, False))
+    for of, zone in maps.no_fly:
+        if not _zone_near(zone, corners):
+            name = zone.name.removeprefix(f"{of.file}: ")
+            beyond.append(PassedOver(of.file.name, name, why, zone.shape, False))
+    return tuple(near), tuple(beyond)
 
 
 def _meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool_]:
@@ -156,23 +248,43 @@ def _meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.boo
 
 
 def _terrain(
-    scenario: "Scenario", lower: NDArray[np.float64], upper: NDArray[np.float64]
+    scenario: Layout, lower: NDArray[np.float64], upper: NDArray[np.float64]
 ) -> tuple[Terrain, tuple[str, ...]]:
     if isinstance(scenario.terrain, ElevationTerrain):
         return scenario.terrain.read(
             scenario.frame, (float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1]))
         )
-    return scenario.terrain.build(), ()
+    if isinstance(scenario.terrain, FlatTerrain):
+        reach = float(np.hypot(*np.maximum(np.abs(lower), np.abs(upper))))
+        return scenario.terrain.build(scenario.frame.home, reach), ()
+    terrain = scenario.terrain.build()
+    if isinstance(terrain, Grid):
+        _expect_cover(terrain, (lower, upper))
+    return terrain, ()
 
 
-def _drawn(scenario: "Scenario", terrain: Terrain) -> tuple[Obstacle, ...]:
+def _expect_cover(grid: Grid, corners: Box) -> None:
+    """Refuse a grid that ends more than half its spacing inside the bounds: beyond its edge nothing is known."""
+    first = np.array([grid.east, grid.north])
+    last = first + grid.spacing * (np.array(grid.heights.shape[::-1]) - 1)
+    missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2
+    side = int(np.argmax(missing))
+    if missing[side] > SAME:
+        raise BadInput(
+            f"terrain: expected a grid over the whole flight area, which lies {missing[side] + grid.spacing / 2:.1f} m "
+            f"beyond its {('west', 'south', 'east', 'north')[side]} edge",
+            hint="give a larger grid, or narrow `bounds` (bounds.margin = 50 is the default)",
+        )
+
+
+def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
     """The obstacles that stand in the scenario itself."""
     return tuple(
         o.build(o.name or f"{o.kind} {i}", scenario.frame, terrain.height) for i, o in enumerate(scenario.obstacles)
     )
 
 
-def _up(scenario: "Scenario", terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
+def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
     """From below all ground, ends and obstacles inside the bounds to above them."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, terrain.height)[2] for place in places)]
@@ -184,18 +296,54 @@ def _up(scenario: "Scenario", terrain: Terrain, corners: Box, obstacles: tuple[O
     return float(everything.min()) - scenario.bounds.margin, float(everything.max()) + scenario.bounds.margin
 
 
-def _no_fly_prisms(maps: _Maps, corners: Box, up: tuple[float, float]) -> tuple[Obstacle, ...]:
+def _no_fly_prisms(
+    maps: _Maps, corners: Box, up: tuple[float, float], terrain: Terrain, frame: LocalFrame
+) -> tuple[Obstacle, ...]:
     """The zones as obstacles; an end that is left out lies well outside the bounds."""
-    return tuple(
-        NoFly(
-            zone.name,
-            *rings_of(zone.shape),
-            section.base if section.base is not None else min(up[0], section.top or 0.0) - BEYOND,
-            section.top if section.top is not None else max(up[1], section.base or 0.0) + BEYOND,
-        )
-        for section, zone in maps.no_fly
-        if _zone_near(zone, corners)
-    )
+    prisms = []
+    for section, zone in maps.no_fly:
+        if _zone_near(zone, corners):
+            base, top = _ends(section, zone, corners, terrain, frame)
+            low = base if base is not None else min(up[0], top or 0.0) - BEYOND
+            high = top if top is not None else max(up[1], base or 0.0) + BEYOND
+            if low < high:
+                prisms.append(NoFly(zone.name, *rings_of(zone.shape), low, high))
+    return tuple(prisms)
+
+
+def _ends(
+    section: NoFlyMap, zone: Zone, corners: Box, terrain: Terrain, frame: LocalFrame
+) -> tuple[float | None, float | None]:
+    """Lower and upper end of a zone above home's plane [m], no narrower than its limits anywhere within the bounds."""
+    base, top = section.base, section.top
+    if zone.lower is None and zone.upper is None:
+        return base, top
+    west, south, east, north = shapely.bounds(zone.shape)
+    box = np.maximum(corners[0] - BEYOND, (west, south)), np.minimum(corners[1] + BEYOND, (east, north))
+    ground = _ground_under(terrain, box)
+    reach = float(np.hypot(*np.maximum(np.abs(box[0]), np.abs(box[1]))))
+    if base is None and zone.lower is not None:
+        level = zone.lower.height - frame.home.altitude
+        at_sea = level - SeaLevel.around(frame.home, level, reach).drop
+        base = at_sea if zone.lower.reference == "AMSL" else ground[0] + zone.lower.height
+    if top is None and zone.upper is not None:
+        at_sea = zone.upper.height - frame.home.altitude
+        top = at_sea if zone.upper.reference == "AMSL" else ground[1] + zone.upper.height
+    return base, top
+
+
+def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
+    """Least and greatest height of the ground in a box; of a grid, that of all its nodes there and round it."""
+    if isinstance(terrain, Grid):
+        rows, columns = terrain.heights.shape
+        origin = np.array([terrain.east, terrain.north])
+        first = np.clip(np.floor((box[0] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
+        last = np.clip(np.ceil((box[1] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
+        heights = terrain.heights[first[1] : last[1] + 1, first[0] : last[0] + 1]
+    else:
+        east, north = (np.linspace(box[0][axis], box[1][axis], GLANCES) for axis in (0, 1))
+        heights = terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
+    return float(heights.min()), float(heights.max())
 
 
 def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:
@@ -205,7 +353,8 @@ def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:
         outer, holes = rings_of(maps.area)
         fences += [FenceSection(polygon=outer), *(FenceSection(polygon=hole, inclusion=False) for hole in holes)]
     for section, zone in maps.no_fly:
-        if section.geofence and section.base is None and section.top is None and _zone_near(zone, corners):
+        endless = all(end is None for end in (section.base, section.top, zone.lower, zone.upper))
+        if section.geofence and endless and _zone_near(zone, corners):
             fences.append(FenceSection(polygon=rings_of(zone.shape)[0], inclusion=False))
     return tuple(fences)
 

@@ -32,6 +32,12 @@ def apart(one: Geodetic, other: Geodetic) -> float:
     return float(_ELLIPSOID.inv(*ends)[2])
 
 
+def radii_of_curvature(latitude_deg: float) -> tuple[float, float]:
+    """The ellipsoid's radii along the meridian and across it [m]."""
+    squared = 1 - _ELLIPSOID.es * np.sin(np.radians(latitude_deg)) ** 2
+    return float(_ELLIPSOID.a * (1 - _ELLIPSOID.es) / squared**1.5), float(_ELLIPSOID.a / np.sqrt(squared))
+
+
 @dataclass(frozen=True)
 class LocalFrame:
     """The tangent frame whose origin is `home`: right to a millimetre within 50 km, across the antimeridian too."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.world.frame import Geodetic, radii_of_curvature
 
 Spot: TypeAlias = tuple[float, int, float]  # a height [m], the leg on which it is, and the fraction of that leg
 REFINED = 1e-4  # bounds on an analytic surface are closed to this [m]
@@ -64,6 +65,64 @@ class Flat:
     def _at(self, points: Points, i: int) -> Spot:
         leg = min(i, len(points) - 2)
         return float(points[i, 2] - self.level), leg, float(i - leg)
+
+
+@dataclass(frozen=True)
+class SeaLevel:
+    """Ground at one height above mean sea level: away from home it falls below home's plane as the Earth does.
+
+    It is `level` at home and lower by `east_bend` east^2 + `north_bend` north^2 [1/m]; `reach` is how far it is asked
+    for [m].
+    """
+
+    level: float
+    east_bend: float
+    north_bend: float
+    reach: float
+
+    @classmethod
+    def around(cls, home: Geodetic, level: float, reach: float) -> "SeaLevel":
+        """The ground `level` above home, by the ellipsoid's radii of curvature there: right to 1 cm within 20 km."""
+        along, across = radii_of_curvature(home.latitude_deg)
+        altitude = home.altitude + level
+        return cls(level, 0.5 / (across + altitude), 0.5 / (along + altitude), reach)
+
+    @property
+    def drop(self) -> float:
+        """How far below home's plane it may be within its reach [m]."""
+        return max(self.east_bend, self.north_bend) * self.reach**2
+
+    @property
+    def steepness(self) -> float:
+        """Its slope at the end of its reach."""
+        return 2 * max(self.east_bend, self.north_bend) * self.reach
+
+    def height(self, points: NDArray[np.float64]) -> Vector:
+        """Height under points (n, 2 or 3), (n,)."""
+        return np.asarray(self.level - points[:, :2] ** 2 @ self._bends)
+
+    def least_height(self, points: Points) -> Spot:
+        """Least height above ground of the legs between points (n, 3): of each leg it is a parabola, open upwards."""
+        step = np.diff(points, axis=0)
+        curvature = step[:, :2] ** 2 @ self._bends
+        slope = step[:, 2] + 2 * (points[:-1, :2] * step[:, :2]) @ self._bends
+        lowest = np.divide(-slope, 2 * curvature, out=np.where(slope < 0, 1.0, 0.0), where=curvature > 0)
+        lowest = np.clip(lowest, 0.0, 1.0)
+        spots = points[:-1] + lowest[:, None] * step
+        heights = spots[:, 2] - self.height(spots)
+        leg = int(np.argmin(heights))
+        return float(heights[leg]), leg, float(lowest[leg])
+
+    def greatest_height(self, points: Points) -> Spot:
+        """Greatest height above ground of the legs between points (n, 3): at an end of one."""
+        heights = points[:, 2] - self.height(points)
+        i = int(np.argmax(heights))
+        leg = min(i, len(points) - 2)
+        return float(heights[i]), leg, float(i - leg)
+
+    @property
+    def _bends(self) -> Vector:
+        return np.array([self.east_bend, self.north_bend])
 
 
 @dataclass(frozen=True, eq=False)

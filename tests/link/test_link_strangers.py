@@ -282,7 +282,7 @@ def test_a_connection_that_is_closed_in_flight_tells_when_the_vehicle_was_heard_
     with run_mock(PX4, 5.0, "tcpin") as running:  # type: ignore[attr-defined]
         vehicle = connect(f"tcp:127.0.0.1:{running.port}")
         vehicle.upload(MISSION)
-        vehicle.arm()
+        vehicle.prepare()
         vehicle.start()
     with vehicle, pytest.raises(LinkDown, match="the other side closed the connection"):
         vehicle.watch()

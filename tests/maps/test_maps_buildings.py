@@ -25,7 +25,7 @@ def slope(points: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
 
 
 def stand(path: Path, frame: LocalFrame, rules: BuildingRules = BuildingRules()) -> tuple[Obstacle, ...]:  # noqa: B008
-    return raise_buildings(find_buildings(read_features(path), rules, frame)[0], slope)
+    return raise_buildings(find_buildings(read_features(path), rules, frame, path).standing, slope)
 
 
 def test_a_building_stands_where_pymap3d_says(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
@@ -93,7 +93,7 @@ def test_only_what_stands_in_the_way_is_taken(write_map: WriteMap, frame: LocalF
     kinds = [{"building": "yes"}, {"building:part": "yes"}, {"height": "4"}, {"man_made": "silo"}]
     path = write_map(*((square(100 * i, 0), tags) for i, tags in enumerate([*others, *kinds])))
     assert [house.bounds[0, 0] for house in stand(path, frame)] == pytest.approx([500, 600, 700, 800], abs=1e-3)
-    assert len(stand(path, frame, BuildingRules(everything=True))) == 9
+    assert len(stand(path, frame, BuildingRules(take="all"))) == 9
 
 
 def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square: Square, at: At) -> None:
@@ -105,13 +105,16 @@ def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square
         (bow, {"building": "yes", "height": "9"}),
         ({"type": "LineString", "coordinates": [at(0, 0), at(9, 9)]}, {"power": "line", "name": "110 kV"}),
     )
-    standing, remarks = find_buildings(read_features(path), BuildingRules(default_height=11), frame)
-    assert remarks == (
+    found = find_buildings(read_features(path), BuildingRules(default_height=11), frame, path)
+    standing = found.standing
+    assert found.remarks == (
         "2 buildings without a height, given 11 m",
         "1 building whose min_height is not below the height, taken to stand on the ground",
         "1 outline mended (a ring with self-intersection)",
-        "1 overhead line has no height and cannot be avoided: 110 kV",
     )
+    assert [(thing.name, thing.reason, thing.may_stand) for thing in found.passed_over] == [
+        ("110 kV", "an overhead line without a height", True)
+    ]
     # A bow tie of 40 m by 20 m is two triangles of 20 m by 20 m / 2.
     assert [s.shape.area for s in standing[3:]] == pytest.approx([200, 200], abs=1e-3)
     assert all(shapely.is_valid(s.shape) for s in standing)

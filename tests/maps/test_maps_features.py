@@ -86,7 +86,8 @@ def test_a_kml_and_a_geojson_of_the_same_area_agree(tmp_path: Path, write_map: C
         <Placemark><name>nothing</name></Placemark></Folder></Document></kml>""",
         encoding="utf-8",
     )
-    (zone,) = read_features(kml)
+    zone, nothing = read_features(kml)
+    assert (nothing.name, nothing.shape.is_empty) == ("nothing", True)
     (twin,) = read_features(write_map(({"type": "Polygon", "coordinates": [RING, hole]}, {})))
     assert (zone.name, zone.tags["class"]) == ("CTR North", "D")
     assert zone.shape.equals(twin.shape)
@@ -157,7 +158,7 @@ def test_all_broken_shapes_are_told_but_not_a_flood(write_map: Callable[..., Pat
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("map.shp", "", "expected a file that ends in .geojson, .json, .kml, not in .shp"),
+        ("map.dxf", "", "expected a file that ends in .geojson, .json, .kml, .kmz, .shp, .fgb, .gpkg, not in .dxf"),
         ("map.kml", "<kml>", "line 1: expected well-formed XML"),
         ("map.kml", "<gpx/>", "expected a kml document, not gpx"),
         (

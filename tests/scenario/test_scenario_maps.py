@@ -64,7 +64,7 @@ def test_buildings_far_from_the_flight_widen_no_bounds_and_are_left_out(read: Re
     assert (bounds.lower[:2], bounds.upper[:2]) == (pytest.approx((-50, -80)), pytest.approx((160, 120)))
     assert bounds.upper[2] == pytest.approx(23 + 50)
     assert [house.name for house in scenario.airspace.obstacles] == ["zone 0", "zone 1"]
-    assert scenario.remarks == ("1 things on the maps are more than 100 m outside the bounds and left out",)
+    assert scenario.remarks == ("x.geojson: 1 passed over, more than 100 m outside the bounds: zone 2",)
 
 
 def test_a_flight_area_is_the_footprint_of_the_bounds_and_a_fence(read: Read) -> None:
@@ -133,35 +133,38 @@ def test_a_fence_that_leaves_home_out_is_refused(read: Read) -> None:
     house = ("kind = 'buildings'", box(40, 25, 60, 30))
     outside = "fence = [{ center = { east = 100, north = 0 }, radius = 60 }]"
     with pytest.raises(BadInput, match=r"^fence: expected home inside of it, not 40\.\d m outside$"):
-        _ = read(*house, flight=FLIGHT + outside, building="yes").airspace
+        read(*house, flight=FLIGHT + outside, building="yes")
     inside = "fence = [{ center = { east = 10, north = 0 }, radius = 60, inclusion = false }]"
     with pytest.raises(BadInput, match=r"^fence\[0\]: expected home outside of an exclusion$"):
-        _ = read(*house, flight=FLIGHT + inside, building="yes").airspace
+        read(*house, flight=FLIGHT + inside, building="yes")
     crossed = "fence = [{ polygon = [[-10, -10], [10, 10], [10, -10], [-10, 10]] }]"
     with pytest.raises(BadInput, match=r"^fence\[0\]: expected a polygon with an inside, not with a self-int"):
-        _ = read(*house, flight=FLIGHT + crossed, building="yes").airspace
+        read(*house, flight=FLIGHT + crossed, building="yes")
 
 
 def test_home_outside_the_flight_area_is_refused(read: Read) -> None:
     with pytest.raises(BadInput, match=r"x\.geojson: expected home inside the flight area, not 25\.0 m outside of it"):
-        _ = read("kind = 'flight_area'", box(25, -30, 150, 60)).airspace
+        read("kind = 'flight_area'", box(25, -30, 150, 60))
 
 
 def test_home_in_a_no_fly_zone_is_refused(read: Read) -> None:
     with pytest.raises(BadInput, match=r"x\.geojson: expected home outside of no-fly zones, but it is in zone 0"):
-        _ = read("kind = 'no_fly'", box(-5, -5, 5, 5)).airspace
+        read("kind = 'no_fly'", box(-5, -5, 5, 5))
 
 
-def test_two_flight_areas_in_one_file_must_touch(read: Read) -> None:
+def test_of_several_flight_areas_the_one_with_home_counts_and_what_touches_it(read: Read) -> None:
     scenario = read("kind = 'flight_area'", box(-20, -20, 50, 50), box(50, -20, 150, 50))
     assert scenario.airspace.bounds.upper[0] == pytest.approx(150)
-    with pytest.raises(BadInput, match="expected one flight area, but there are 2 that do not touch"):
-        _ = read("kind = 'flight_area'", box(-20, -20, 50, 50), box(60, -20, 150, 50)).airspace
+    apart = read("kind = 'flight_area'", box(160, -20, 250, 50), box(-20, -20, 150, 50))
+    assert apart.airspace.bounds.upper[0] == pytest.approx(150)
+    assert len(apart.geofence) == 1
+    told = "x.geojson: 1 passed over, an area that does not touch the one in which home is: area 2"
+    assert told in apart.remarks
 
 
 def test_a_map_of_nothing_is_refused(read: Read) -> None:
     with pytest.raises(BadInput) as told:
-        _ = read("kind = 'buildings'", box(40, 5, 60, 30), leisure="park").airspace
+        read("kind = 'buildings'", box(40, 5, 60, 30), leisure="park")
     assert str(told.value).endswith("x.geojson: expected buildings, but none of 1 features is tagged as one")
     assert 'take = "all"' in str(told.value.hint)
     assert len(read("kind = 'buildings', take = 'all'", box(40, 5, 60, 30), leisure="park").airspace.obstacles) == 1

@@ -129,8 +129,8 @@ def test_an_elevation_model_answers_for_the_altitude(missions: Path, tmp_path: P
     answers = {"home": "46.44, 9.84", "goal": "46.4415, 9.842"}
     text = new_scenario(answers, tmp_path / "valley.toml", elevation=missions / "oldtown.tif")
     assert parse_scenario(text, tmp_path / "valley.toml").home.altitude_amsl == pytest.approx(1719.6, abs=0.11)
-    stubborn = new_scenario(answers | {"altitude": "7"}, tmp_path / "valley.toml", elevation=missions / "oldtown.tif")
-    assert parse_scenario(stubborn, tmp_path / "valley.toml").home.altitude_amsl == 7
+    with pytest.raises(BadInput, match=r"home\.altitude_amsl: expected about 1719\.6 m"):
+        new_scenario(answers | {"altitude": "7"}, tmp_path / "valley.toml", elevation=missions / "oldtown.tif")
 
 
 def test_a_map_without_features_suggests_nothing(tmp_path: Path) -> None:

@@ -187,3 +187,30 @@ def test_strings_that_never_end_are_read_once() -> None:
     with pytest.raises(BadInput):
         parse_scenario('\\"""' * 200_000, Path("a.toml"))
     assert time.process_time() - began < 2.0
+
+
+def test_flat_ground_over_kilometres_follows_the_earth() -> None:
+    text = SMALLEST.replace(
+        "goal = { east = 100, north = 0, up = 10 }", "goal = {east = 3000, north = 0, height_above_ground = 10}"
+    )
+    scenario = parse_scenario(text, HERE)
+    assert scenario.frame.geodetic(scenario.goal_point).altitude == pytest.approx(
+        scenario.home.altitude_amsl + 10, abs=0.01
+    )
+    assert scenario.goal_point[2] == pytest.approx(10 - 3000**2 / 2 / 6.37e6, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("east", "side"),
+    [(-200, None), (-140, "130.0 m beyond its east edge"), (0, "50.0 m beyond its west edge")],
+)
+def test_a_grid_smaller_than_the_flight_is_refused(east: int, side: str | None) -> None:
+    """The bounds are from 50 m west to 150 m east; a grid counts to half its spacing beyond its edge."""
+    text = SMALLEST + f"terrain = {{ kind = 'grid', east = {east}, north = -200, spacing = 80, heights = {{}} }}"
+    rows = 6 if side is None else 3
+    text = text.replace("{}", str([[0.0] * rows] * 6))
+    if side is None:
+        parse_scenario(text, HERE)
+        return
+    with pytest.raises(BadInput, match=side):
+        parse_scenario(text, HERE)

@@ -7,7 +7,8 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, Terrain
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
 Rng = np.random.Generator
 
@@ -26,7 +27,11 @@ def analytic(rng: Rng) -> Terrain:
     return Analytic(*rng.uniform(-2, 2, 7), peaks, rng.uniform(0, 5))
 
 
-KINDS: dict[str, Callable[[Rng], Terrain]] = {"flat": flat, "grid": grid, "analytic": analytic}
+def sea_level(rng: Rng) -> Terrain:
+    return SeaLevel(rng.uniform(-10, 10), *rng.uniform(0, 0.1, 2), 200.0)
+
+
+KINDS: dict[str, Callable[[Rng], Terrain]] = {"flat": flat, "sea level": sea_level, "grid": grid, "analytic": analytic}
 
 
 def heights_above(ground: Terrain, a: np.ndarray, b: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -114,3 +119,17 @@ def test_the_papers_surface_is_the_higher_of_landform_and_mountains() -> None:
 def test_an_impossible_grid_is_refused(make: Callable[[], Terrain], place: str) -> None:
     with pytest.raises(BadInput, match=place):
         make()
+
+
+@pytest.mark.parametrize("latitude", [-60.0, 0.0, 47.0])
+def test_ground_at_one_height_above_the_sea_is_so_by_proj(latitude: float) -> None:
+    """Two kilometres away it lies 0.3 m below home's plane."""
+    home = Geodetic(latitude, 8.0, 500.0)
+    ground = SeaLevel.around(home, 3.0, 20_000.0)
+    rng = np.random.default_rng(3)
+    spots = rng.uniform(-14_000, 14_000, (500, 2))
+    points = np.column_stack([spots, ground.height(spots)])
+    np.testing.assert_allclose(LocalFrame(home).to_geodetic(points)[2], 503.0, atol=0.01)
+    assert ground.height(np.array([[2000.0, 0.0]]))[0] - 3.0 == pytest.approx(-0.314, abs=0.003)
+    slopes = np.abs(np.diff(ground.height(np.column_stack([np.arange(0.0, 20_000.0), np.zeros(20_000)]))))
+    assert slopes.max() <= ground.steepness

@@ -1,0 +1,142 @@
+"""What the tags of a feature say that it is: something that stands in the way, something flat, or nothing at all.
+
+The tags are OpenStreetMap's. Those of Overture's buildings are read as the tags of OpenStreetMap that mean the same.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import shapely
+
+from ipoa_mission.maps.feature import Feature
+
+#: Values of `building` and `building:part` that say that there is none.
+NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
+#: What is tall by nature, whether or not its height is known.
+TALL = {
+    "man_made": {
+        "antenna", "chimney", "communications_tower", "cooling_tower", "crane", "flagpole", "gasometer", "lighthouse",
+        "mast", "monitoring_station", "obelisk", "silo", "storage_tank", "telescope", "tower", "utility_pole",
+        "water_tower", "windmill",
+    },
+    "natural": {"tree", "tree_row"},
+    "power": {"tower", "pole", "portal", "terminal"},
+    "generator:source": {"wind"},
+    "aerialway": {"pylon"},
+    "highway": {"street_lamp"},
+    "advertising": {"column", "totem"},
+}  # fmt: skip
+#: Lines in the air: no obstacle unless their height is known, but in the way.
+WIRES = {"power": {"line", "minor_line", "cable"}, "aerialway": {"cable_car", "gondola", "chair_lift", "zip_line"}}
+#: Trees over an area: no obstacle unless their height is known, but in the way.
+WOODS = {"natural": {"wood"}, "landuse": {"forest", "orchard"}, "landcover": {"trees"}}
+#: What lies on the ground, or is only an area: all values of these keys but those named.
+GROUNDS: Mapping[str, set[str]] = {
+    "highway": {"elevator"},
+    "railway": {"station"},
+    "waterway": {"dam", "weir", "lock_gate"},
+    "landuse": {"forest", "orchard"},
+    "natural": {"wood", "tree", "tree_row", "arch", "cliff", "rock", "stone"},
+    "leisure": {"stadium", "sports_hall", "sports_centre", "grandstand", "bleachers", "ice_rink", "bandstand"},
+    "boundary": set(),
+    "place": set(),
+    "route": set(),
+    "admin_level": set(),
+    "aeroway": {"hangar", "terminal", "tower"},
+    "landcover": {"trees"},
+    "golf": set(),
+}
+#: Areas by `amenity` in which buildings are mapped on their own.
+FLAT_AMENITIES = {
+    "bench", "bicycle_parking", "clinic", "college", "fountain", "grave_yard", "hospital", "kindergarten",
+    "marketplace", "parking", "parking_entrance", "parking_space", "place_of_worship", "school", "university",
+    "waste_basket",
+}  # fmt: skip
+#: Keys by which a file of buildings is known even where they are null.
+HEIGHTS = {"height", "building:levels", "num_floors", "min_height", "roof_height"}
+OVERTURE = {"num_floors", "num_floors_underground", "min_floor", "roof_height", "has_parts", "is_underground"}
+AS_OPENSTREETMAP = {"num_floors": "building:levels", "min_floor": "building:min_level", "roof_height": "roof:height"}
+#: Tags that say which thing it is, not what.
+NAMING = {"name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJECTID", "Name", "Id", "description"}
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a feature is passed over; `may_stand`: it may be in the way all the same."""
+
+    words: str
+    may_stand: bool
+
+
+def as_openstreetmap(feature: Feature) -> Feature:
+    """The same feature with Overture's tags under the names that OpenStreetMap has for them."""
+    if not OVERTURE & (feature.tags.keys() | feature.blank):
+        return feature
+    tags = {AS_OPENSTREETMAP.get(key, key): value for key, value in feature.tags.items()}
+    if tags.pop("is_underground", "no") == "yes":
+        tags["location"] = "underground"
+    return replace(feature, tags=tags)
+
+
+def are_all_buildings(features: Sequence[Feature], height_key: str) -> bool:
+    """Whether a file holds buildings and nothing else: some with a place for a height, none with a tag of another kind.
+
+    So are Overture's files, a cadastre's, and what people draw.
+    """
+    keys = HEIGHTS | OVERTURE | {height_key}
+    mapped = any(_has_kind(feature) for feature in features)
+    return not mapped and any(keys & (feature.tags.keys() | feature.blank) for feature in features)
+
+
+def why_passed_over(feature: Feature, height_key: str, all_buildings: bool) -> Reason | None:
+    """Why a feature does not stand in the way; None if it does."""
+    tags, areal = feature.tags, is_areal(feature.shape)
+    if shapely.is_empty(feature.shape):
+        return Reason("without a geometry", False)
+    if tags.get("location") == "underground" or tags.get("tunnel", "no") != "no":
+        return Reason("underground", False)
+    said = [tags[key] for key in ("building", "building:part") if key in tags]
+    if said:
+        gone = all(value in NO_BUILDING for value in said)
+        return Reason(f"tagged building={said[0]}", False) if gone else None
+    if height_key in tags or "building:levels" in tags or tagged(tags, TALL):
+        return None
+    if tagged(tags, WIRES):
+        return Reason("an overhead line without a height", True)
+    if tagged(tags, WOODS):
+        return Reason("trees without a height", True)
+    if _is_flat(tags):
+        return Reason("tagged as something flat", False)
+    if areal and (all_buildings or (HEIGHTS | {height_key}) & feature.blank):
+        return None
+    unknown = "of a kind unknown" if tags.keys() - NAMING else "untagged"
+    if areal:
+        return Reason(f"an area {unknown}", True)
+    return Reason(f"a point or line {unknown}", bool((HEIGHTS | {height_key}) & feature.blank))
+
+
+def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
+    """Whether the tags have one of the values of one of the keys."""
+    return any(tags.get(key) in values for key, values in kinds.items())
+
+
+def is_areal(shape: Any) -> bool:
+    """Whether a shape has an area, or is the closed line round one."""
+    parts = [part for piece in shapely.get_parts(shape) for part in shapely.get_parts(piece)]
+    return any(
+        part.geom_type in ("Polygon", "MultiPolygon", "GeometryCollection")
+        or (part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3)
+        for part in parts
+    )
+
+
+def _has_kind(feature: Feature) -> bool:
+    tags = feature.tags
+    mapped = "building" in tags or "building:part" in tags or any(tagged(tags, kinds) for kinds in (TALL, WIRES, WOODS))
+    return mapped or _is_flat(tags)
+
+
+def _is_flat(tags: Mapping[str, str]) -> bool:
+    on_the_ground = any(key in tags and tags[key] not in tall for key, tall in GROUNDS.items())
+    return on_the_ground or tags.get("amenity") in FLAT_AMENITIES

@@ -1,0 +1,61 @@
+"""What a map has and a scenario does not take: named, counted by reason, and kept in its place for the check."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.kinds import Reason
+
+MOST_NAMED = 3
+FAR = Reason("more than 100 km from home", False)
+
+
+@dataclass(frozen=True, eq=False)
+class PassedOver:
+    """One thing of the map `file` that is no obstacle, and why; `shape` is local, east, north [m], or empty.
+
+    `may_stand`: it may be in the way all the same, because nothing says that it is not.
+    """
+
+    file: str
+    name: str
+    reason: str
+    shape: Any
+    may_stand: bool
+
+
+@dataclass(frozen=True)
+class PassedCount:
+    """How many things of a map were passed over for one reason; `names` are those of the first."""
+
+    file: str
+    reason: str
+    may_stand: bool
+    count: int
+    names: tuple[str, ...]
+
+    def words(self) -> str:
+        """The count in a sentence without a full stop."""
+        dots = ", ..." if self.count > len(self.names) else ""
+        return f"{self.file}: {self.count} passed over, {self.reason}: {', '.join(self.names)}{dots}"
+
+
+def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> PassedOver:
+    """A feature of the map `path`, `shape` in the local plane, that is not taken."""
+    return PassedOver(path.name, feature.name.removeprefix(f"{path}: "), why.words, shape, why.may_stand)
+
+
+def count_passed_over(things: Iterable[PassedOver]) -> Iterator[PassedCount]:
+    """By file and reason, those that may stand in the way first."""
+    for key, several in groupby(sorted(things, key=_key), key=_key):
+        every = list(several)
+        first = every[0]
+        names = tuple(thing.name for thing in every[:MOST_NAMED])
+        yield PassedCount(first.file, first.reason, not key[0], len(every), names)
+
+
+def _key(thing: PassedOver) -> tuple[bool, str, str]:
+    return not thing.may_stand, thing.file, thing.reason

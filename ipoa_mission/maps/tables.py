@@ -1,0 +1,91 @@
+"""Shapefile, FlatGeobuf and GeoPackage, as GDAL reads them (needs pyogrio): each row is a feature.
+
+GDAL goes by what a file holds, not by its name, and some formats name other files: a file must begin as its name says.
+"""
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from pyproj import CRS, Transformer
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth
+from ipoa_mission.maps.geojson import blank_keys, tags_of
+
+#: How files begin, by their suffix.
+BEGINS = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
+MOST_ROWS = 5_000_000
+WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
+
+
+def read_table(path: Path) -> tuple[Feature, ...]:
+    """The features of all layers that have shapes; fields are tags.
+
+    Raises:
+        BadInput: naming the file, the layer and the row, and what was expected there.
+        MissionError: pyogrio is not installed.
+    """
+    try:
+        import pyogrio
+    except ImportError as error:
+        raise MissionError(
+            f"{path}: reading it needs pyogrio, which is not installed", hint="pip install 'ipoa-mission[maps]'"
+        ) from error
+    suffix = path.suffix.lower()
+    try:
+        with path.open("rb") as file:
+            begins = file.read(16)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    if not begins.startswith(BEGINS[suffix]):
+        raise BadInput(f"{path}: expected a {suffix} file, but it does not begin like one")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what GDAL mends it says; what it makes of it is judged here
+            layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
+            found = [feature for layer in layers for feature in _rows(path, layer, pyogrio.raw, len(layers) > 1)]
+    except (pyogrio.errors.DataSourceError, pyogrio.errors.DataLayerError, pyogrio.errors.FieldError) as error:
+        beside = "; the .shx and .dbf files must lie beside a .shp" if suffix == ".shp" else ""
+        raise BadInput(f"{path}: cannot be read: {error}{beside}") from error
+    if not found:
+        raise BadInput(f"{path}: expected shapes, but there are none that can be read")
+    return tuple(found)
+
+
+def _rows(path: Path, layer: str, raw: Any, named: bool) -> Iterator[Feature]:
+    meta, numbers, shapes, fields = raw.read(path, layer=layer, return_fids=True, max_features=MOST_ROWS)
+    place = f"{path}: {layer}" if named else f"{path}: row"
+    if not meta["crs"]:
+        raise BadInput(
+            f"{path}: expected a file that names its coordinate system",
+            hint="a Shapefile says it in the .prj file beside it",
+        )
+    to_degrees = Transformer.from_crs(CRS.from_user_input(meta["crs"]), "OGC:CRS84", always_xy=True)
+    mistakes, found = Mistakes(), []
+    for n, (number, shape) in enumerate(zip(numbers, shapes, strict=True)):
+        row = {str(name): _plain(column[n]) for name, column in zip(meta["fields"], fields, strict=True)}
+        found.append(mistakes.attempt(_feature, f"{place}[{number}]", shape, row, to_degrees))
+    mistakes.tell()
+    yield from (feature for feature in found if feature is not None)
+
+
+def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transformer) -> Feature:
+    def convert(corners: Corners) -> Corners:
+        return on_earth(np.column_stack(to_degrees.transform(*corners.T)), place, WRONG_SYSTEM)
+
+    if shape is None:
+        return Feature(place, shapely.GeometryCollection(), dict(tags_of(row)), frozenset(blank_keys(row)))
+    try:
+        flat = shapely.transform(shapely.force_2d(shapely.from_wkb(shape)), convert)
+    except shapely.errors.GEOSException as error:
+        raise BadInput(f"{place}: expected a shape: {error}") from error
+    return Feature(place, flat, dict(tags_of(row)), frozenset(blank_keys(row)))
+
+
+def _plain(value: Any) -> Any:
+    """A field's value without NumPy's type."""
+    return value.item() if isinstance(value, np.generic) else value
