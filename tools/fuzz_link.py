@@ -170,7 +170,7 @@ def mislead_a_client(chance: random.Random) -> None:
     """A conversation with a vehicle that says anything at all."""
     family = chance.choice(list(Autopilot))
     job = Upload(ITEMS, family)
-    departure = Departure(VehicleState(family), 1)
+    departure = Departure(VehicleState(family), 1, 1)
     dialogue = chance.choice(
         [
             lambda: upload(job),
