@@ -94,7 +94,7 @@ def fly(map_: str, profile: str | None, seeds: int) -> Flight:
         raise SystemExit(f"{map_}, profile {profile}: no path by any of {seeds} seeds")
     plan = min(plans, key=lambda each: each.cost.total)
     terms = plan.cost
-    predicted = estimate(assemble(plan, scenario), scenario.vehicle.autopilot_parameters())
+    predicted = estimate(assemble(plan, scenario))
     used = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
     assert used is not None
     nodes = plan.curve.sample(2000)

@@ -36,11 +36,13 @@ def upload(
 ) -> None:
     """Put a mission on a vehicle, read it back and compare every item; fence and rally points go with it.
 
-    First it is checked as this vehicle's firmware would meet it, and the vehicle's home is held against the mission's.
+    First it is checked as this vehicle's firmware would meet it, and the vehicle's home is held against the mission's;
+    then its parameters against those that the mission was made for (NAME.params).
 
     Example: `ipoa-mission upload campus.plan --link udpin:127.0.0.1:14550`
     """
     from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.link.set_up import other_values
 
     mission, beside = read_with_parameters(file, autopilot)
     with connect_to(
@@ -49,6 +51,8 @@ def upload(
         if not states_firmware(file, autopilot):
             mission, beside = read_with_parameters(file, vehicle.autopilot)
         remarks = (*beside, *put(mission, vehicle, anyway))
+        others, missing = other_values(vehicle, mission.parameters)
+        remarks += (*map(str, others), *(f"the vehicle has no parameter {name}" for name in missing))
         name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:

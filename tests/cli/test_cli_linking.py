@@ -2,6 +2,7 @@
 
 import json
 import signal
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Request
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -43,6 +44,20 @@ def test_a_mission_goes_up_comes_down_and_goes_away(run, autopilot, mission: Pat
         assert json.loads(run(f"download empty.plan --link {link} --json").out)["items"] == 0
     for log in ("up", "back-download", "set-current", "clear"):
         assert Path(f"{log}.tlog").stat().st_size > 100
+
+
+def test_upload_tells_what_the_mission_was_made_for_and_the_vehicle_has_otherwise(
+    run, autopilot, mission: Path
+) -> None:
+    own = replace(read_mission(mission), parameters={"MPC_ACC_HOR": 1.5, "MPC_JERK_AUTO": 4.0, "MPC_XY_WARP": 9.0})
+    write_mission(own, "slow.plan")
+    with autopilot() as link:
+        told = json.loads(run(f"upload slow.plan --link {link} --json").out)["remarks"]
+    assert told == [
+        "parameters from slow.params: MPC_ACC_HOR 1.5, MPC_JERK_AUTO 4, MPC_XY_WARP 9",
+        "MPC_ACC_HOR is 3 on the vehicle, and the mission was made for 1.5",
+        "the vehicle has no parameter MPC_XY_WARP",
+    ]
 
 
 def test_a_mission_made_for_the_other_firmware_is_refused(run, autopilot, mission: Path) -> None:
