@@ -1,12 +1,10 @@
 """Plan an obstacle-free flight, write it as a QGroundControl mission, upload it, and know how long it will fly.
 
-    from ipoa_mission import assemble, estimate, plan_path, read_scenario, write_plan
+    from ipoa_mission import plan_flight, read_scenario
 
-    scenario = read_scenario("missions/campus.toml")
-    plan = plan_path(scenario, seed=7)
-    mission = assemble(plan, scenario)
-    write_plan(mission, "campus.plan")
-    print(estimate(mission).total_s)
+    flight = plan_flight(read_scenario("missions/campus.toml"), seed=7)
+    flight.write("out")
+    print(flight.estimate.total_s)
 
 Names are imported when they are first used, so that `import ipoa_mission` costs nothing. docs/api.md shows them all.
 In a notebook, `%load_ext ipoa_mission` lets missions, plans, estimates and flights be seen as tables.
@@ -16,71 +14,157 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ipoa_mission.errors import BadInput, MissionError
-    from ipoa_mission.link.flight_log import read_flight
-    from ipoa_mission.link.vehicle import connect
-    from ipoa_mission.mission.assemble import assemble, weigh_routes
-    from ipoa_mission.mission.check import check_mission
-    from ipoa_mission.mission.exports import write_export
-    from ipoa_mission.mission.files import read_mission, write_mission
-    from ipoa_mission.mission.plan_file import write_plan
-    from ipoa_mission.mission.table import mission_table
-    from ipoa_mission.mission.waypoints_file import write_waypoints
-    from ipoa_mission.planning.planner import plan_path
-    from ipoa_mission.report.compare import compare_flight
-    from ipoa_mission.report.page import write_report
-    from ipoa_mission.scenario import read_scenario
-    from ipoa_mission.simulator.fly import fly
-    from ipoa_mission.timing.estimate import estimate
+    from ipoa_mission.energy.flight import NotEnoughBattery as NotEnoughBattery
+    from ipoa_mission.errors import BadInput as BadInput
+    from ipoa_mission.errors import MissionError as MissionError
+    from ipoa_mission.flight import Flight as Flight
+    from ipoa_mission.flight import plan_flight as plan_flight
+    from ipoa_mission.link.channel import LinkDown as LinkDown
+    from ipoa_mission.link.conversations import MissionRefused as MissionRefused
+    from ipoa_mission.link.departure import NotReady as NotReady
+    from ipoa_mission.link.dialogue import Cancelled as Cancelled
+    from ipoa_mission.link.dialogue import NoAnswer as NoAnswer
+    from ipoa_mission.link.dialogue import TimeUp as TimeUp
+    from ipoa_mission.link.flight_log import read_flight as read_flight
+    from ipoa_mission.link.line import Contested as Contested
+    from ipoa_mission.link.logbook import FlightRecord as FlightRecord
+    from ipoa_mission.link.orders import CommandRefused as CommandRefused
+    from ipoa_mission.link.upload import ReadBackDiffers as ReadBackDiffers
+    from ipoa_mission.link.upload import Replaced as Replaced
+    from ipoa_mission.link.upload import Unflyable as Unflyable
+    from ipoa_mission.link.vehicle import Vehicle as Vehicle
+    from ipoa_mission.link.vehicle import connect as connect
+    from ipoa_mission.mission.assemble import assemble as assemble
+    from ipoa_mission.mission.assemble import weigh_routes as weigh_routes
+    from ipoa_mission.mission.check import Finding as Finding
+    from ipoa_mission.mission.check import Severity as Severity
+    from ipoa_mission.mission.check import check_mission as check_mission
+    from ipoa_mission.mission.check_start import NotAtStart as NotAtStart
+    from ipoa_mission.mission.exports import write_export as write_export
+    from ipoa_mission.mission.files import read_mission as read_mission
+    from ipoa_mission.mission.files import write_mission as write_mission
+    from ipoa_mission.mission.items import Command as Command
+    from ipoa_mission.mission.items import FenceCircle as FenceCircle
+    from ipoa_mission.mission.items import FencePolygon as FencePolygon
+    from ipoa_mission.mission.items import Frame as Frame
+    from ipoa_mission.mission.items import Item as Item
+    from ipoa_mission.mission.items import Mission as Mission
+    from ipoa_mission.mission.plan_file import write_plan as write_plan
+    from ipoa_mission.mission.route import NoRoute as NoRoute
+    from ipoa_mission.mission.table import mission_table as mission_table
+    from ipoa_mission.mission.unsafe import Unsafe as Unsafe
+    from ipoa_mission.mission.waypoints_file import write_waypoints as write_waypoints
+    from ipoa_mission.planning.obstruction import NoPath as NoPath
+    from ipoa_mission.planning.plan import Plan as Plan
+    from ipoa_mission.planning.planner import plan_path as plan_path
+    from ipoa_mission.report.compare import Comparison as Comparison
+    from ipoa_mission.report.compare import compare_flight as compare_flight
+    from ipoa_mission.report.page import write_report as write_report
+    from ipoa_mission.scenario import Scenario as Scenario
+    from ipoa_mission.scenario import read_scenario as read_scenario
+    from ipoa_mission.simulator.faults import Faults as Faults
+    from ipoa_mission.simulator.fly import fly as fly
+    from ipoa_mission.timing.estimate import Estimate as Estimate
+    from ipoa_mission.timing.estimate import ItemTime as ItemTime
+    from ipoa_mission.timing.estimate import estimate as estimate
+    from ipoa_mission.vehicle import Autopilot as Autopilot
+    from ipoa_mission.wind import Wind as Wind
+    from ipoa_mission.world.frame import Geodetic as Geodetic
 
-_WHERE = {
-    "BadInput": "errors",
-    "MissionError": "errors",
-    "assemble": "mission.assemble",
-    "check_mission": "mission.check",
-    "compare_flight": "report.compare",
-    "connect": "link.vehicle",
-    "estimate": "timing.estimate",
-    "fly": "simulator.fly",
-    "mission_table": "mission.table",
-    "plan_path": "planning.planner",
-    "read_flight": "link.flight_log",
-    "read_mission": "mission.files",
-    "read_scenario": "scenario",
-    "weigh_routes": "mission.assemble",
-    "write_export": "mission.exports",
-    "write_mission": "mission.files",
-    "write_plan": "mission.plan_file",
-    "write_report": "report.page",
-    "write_waypoints": "mission.waypoints_file",
+    __version__: str
+
+_NAMES = {
+    "energy.flight": ("NotEnoughBattery",),
+    "errors": (
+        "BadInput",
+        "MissionError",
+    ),
+    "flight": (
+        "Flight",
+        "plan_flight",
+    ),
+    "link.channel": ("LinkDown",),
+    "link.conversations": ("MissionRefused",),
+    "link.departure": ("NotReady",),
+    "link.dialogue": (
+        "Cancelled",
+        "NoAnswer",
+        "TimeUp",
+    ),
+    "link.flight_log": ("read_flight",),
+    "link.line": ("Contested",),
+    "link.logbook": ("FlightRecord",),
+    "link.orders": ("CommandRefused",),
+    "link.upload": (
+        "ReadBackDiffers",
+        "Replaced",
+        "Unflyable",
+    ),
+    "link.vehicle": (
+        "Vehicle",
+        "connect",
+    ),
+    "mission.assemble": (
+        "assemble",
+        "weigh_routes",
+    ),
+    "mission.check": (
+        "Finding",
+        "Severity",
+        "check_mission",
+    ),
+    "mission.check_start": ("NotAtStart",),
+    "mission.exports": ("write_export",),
+    "mission.files": (
+        "read_mission",
+        "write_mission",
+    ),
+    "mission.items": (
+        "Command",
+        "FenceCircle",
+        "FencePolygon",
+        "Frame",
+        "Item",
+        "Mission",
+    ),
+    "mission.plan_file": ("write_plan",),
+    "mission.route": ("NoRoute",),
+    "mission.table": ("mission_table",),
+    "mission.unsafe": ("Unsafe",),
+    "mission.waypoints_file": ("write_waypoints",),
+    "planning.obstruction": ("NoPath",),
+    "planning.plan": ("Plan",),
+    "planning.planner": ("plan_path",),
+    "report.compare": (
+        "Comparison",
+        "compare_flight",
+    ),
+    "report.page": ("write_report",),
+    "scenario": (
+        "Scenario",
+        "read_scenario",
+    ),
+    "simulator.faults": ("Faults",),
+    "simulator.fly": ("fly",),
+    "timing.estimate": (
+        "Estimate",
+        "ItemTime",
+        "estimate",
+    ),
+    "vehicle": ("Autopilot",),
+    "wind": ("Wind",),
+    "world.frame": ("Geodetic",),
 }
+_WHERE = {name: f"ipoa_mission.{module}" for module, names in _NAMES.items() for name in names}
 
-__all__ = [
-    "BadInput",
-    "MissionError",
-    "assemble",
-    "check_mission",
-    "compare_flight",
-    "connect",
-    "estimate",
-    "fly",
-    "mission_table",
-    "plan_path",
-    "read_flight",
-    "read_mission",
-    "read_scenario",
-    "weigh_routes",
-    "write_export",
-    "write_mission",
-    "write_plan",
-    "write_report",
-    "write_waypoints",
-]
+__all__ = sorted(_WHERE)
 
 
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        return import_module("importlib.metadata").version("ipoa-mission")
     if name in _WHERE:
-        return getattr(import_module(f"ipoa_mission.{_WHERE[name]}"), name)
+        return getattr(import_module(_WHERE[name]), name)
     raise AttributeError(f"module 'ipoa_mission' has no attribute {name!r}")
 
 

@@ -120,6 +120,18 @@ def by_old_names(parameters: Parameters) -> dict[str, float]:
     return old | {RENAMED[name][0]: value * RENAMED[name][1] for name, value in parameters.items() if name in RENAMED}
 
 
+def overridden(parameters: Parameters, by: Parameters) -> dict[str, float]:
+    """All of these parameters, with the value that `by` gives where it names one, by its name before or after 4.7.
+
+    >>> overridden({"WP_SPD": 8.0, "RTL_ALT": 3000.0}, {"WPNAV_SPEED": 500.0})
+    {'RTL_ALT': 3000.0, 'WPNAV_SPEED': 500.0}
+    """
+    given = by_old_names(dict.fromkeys(by, 0.0))
+    return {name: value for name, value in parameters.items() if not by_old_names({name: 0.0}).keys() & given} | dict(
+        by
+    )
+
+
 @dataclass(frozen=True)
 class Px4Return:
     """How high PX4 returns: RTL_RETURN_ALT, RTL_DESCEND_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""

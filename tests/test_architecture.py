@@ -9,7 +9,7 @@ import ipoa_mission
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
-GROUND = {"errors", "files", "geometry", "touchdown", "vehicle"}
+GROUND = {"errors", "files", "geometry", "touchdown", "vehicle", "wind"}
 
 MAY_IMPORT = {
     "world": set(),
@@ -23,6 +23,7 @@ MAY_IMPORT = {
     "link": {"mission", "world"},
     "simulator": {"link", "mission", "world"},
     "experiments": {"optimize", "planning", "scenario", "world", "mission", "timing", "simulator", "link", "report"},
+    "flight": {"scenario", "maps", "world", "planning", "mission", "timing", "link", "energy", "report"},
     "report": {"scenario", "world", "planning", "mission", "timing", "link", "energy"},
 }
 #: `mission` and `timing` meet in data only: timing may know these files of mission and no others.
@@ -46,6 +47,7 @@ NO_CLOCK = {
     "scenario",
     "touchdown",
     "vehicle",
+    "wind",
     "errors",
 }
 

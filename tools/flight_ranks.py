@@ -21,8 +21,8 @@ from ipoa_mission.timing.body import PX4_SIMULATOR  # noqa: E402
 from ipoa_mission.timing.itinerary import itinerary  # noqa: E402
 from ipoa_mission.timing.px4 import _Flight, _Plan  # noqa: E402
 from ipoa_mission.timing.px4_parameters import px4_limits  # noqa: E402
-from ipoa_mission.timing.wind import CALM  # noqa: E402
 from ipoa_mission.vehicle import Autopilot  # noqa: E402
+from ipoa_mission.wind import CALM  # noqa: E402
 
 
 def model_runs(flight: Recorded, runs: int) -> list[dict[int, float]]:

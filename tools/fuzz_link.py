@@ -26,12 +26,14 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
 from ipoa_mission.link.conversations import clear, download
+from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.events import event_number
 from ipoa_mission.link.mavftp import FileMessage, Opcode
 from ipoa_mission.link.mission_file import read_file, upload_by_file
-from ipoa_mission.link.orders import arm, parameters, set_current, start
+from ipoa_mission.link.orders import parameters, set_current
 from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item
@@ -168,6 +170,7 @@ def mislead_a_client(chance: random.Random) -> None:
     """A conversation with a vehicle that says anything at all."""
     family = chance.choice(list(Autopilot))
     job = Upload(ITEMS, family)
+    departure = Departure(VehicleState(family), 1)
     dialogue = chance.choice(
         [
             lambda: upload(job),
@@ -175,8 +178,8 @@ def mislead_a_client(chance: random.Random) -> None:
             lambda: download(0),
             lambda: clear(255),
             lambda: set_current(1),
-            lambda: arm(3),
-            lambda: start(family),
+            lambda: prepare(departure),
+            lambda: depart(departure),
             lambda: parameters(("A", "B"), family),
             lambda: read_file("x"),
         ]

@@ -95,7 +95,7 @@ def compare() -> None:
     flight = FlightRecord(reached, facts["end_s"], path, (), True)
     track = flown_track(mission, flight)
     picture = draw_comparison(
-        compare_flight(mission, predicted, flight),
+        compare_flight(predicted, flight),
         predicted.track.points,
         None if track is None else track.points,
         f"ArduCopter {facts['version'].split()[0]} against its estimate",

@@ -36,22 +36,23 @@ def check(
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
-    from ipoa_mission.cli.summary import passed_over_as_json
+    from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.flight.summary import passed_over_as_json
     from ipoa_mission.mission.check import Severity, check_mission
-    from ipoa_mission.mission.files import read_mission
     from ipoa_mission.scenario import read_scenario
 
-    mission = read_mission(file, autopilot)
+    mission, remarks = read_with_parameters(file, autopilot)
     world = None if scenario is None else read_scenario(scenario)
+    remarks += () if world is None else world.remarks
     findings = check_mission(mission, world)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
-        about = {} if world is None else {"remarks": list(world.remarks), "passed_over": passed_over_as_json(world)}
-        tell_json({"ok": not errors, "findings": rows} | about)
+        about = {} if world is None else {"passed_over": passed_over_as_json(world)}
+        tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
+        tell(*notes(remarks))
         tell(*(line for f in findings for line in (str(f), *([f"hint: {f.hint}"] if f.hint else []))))
-        tell(*notes(world.remarks if world is not None else ()))
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
         tell(f"{file}: {counts} for {mission.autopilot}")
     if errors:
@@ -72,14 +73,15 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
-    from ipoa_mission.mission.files import read_mission
+    from ipoa_mission.cli.reading import read_with_parameters
     from ipoa_mission.mission.items import short_name
     from ipoa_mission.timing.estimate import estimate as predict
 
-    mission = read_mission(file, autopilot)
-    found = predict(mission, read_parameter_options(param, param_file), read_wind_option(wind))
+    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
+    found = predict(mission, wind=read_wind_option(wind))
+    remarks += found.remarks
     if as_json:
-        tell_json(estimate_as_json(found))
+        tell_json(estimate_as_json(found) | {"remarks": list(remarks)})
         return
     rows = [
         (
@@ -97,7 +99,7 @@ def estimate(
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "what keeps it slow"]
     title = f"{file.name} on {mission.autopilot}; time zero: armed, in the mission mode, on the ground"
     tell_table(title, columns, rows, width=100)
-    tell(*notes(found.remarks))
+    tell(*notes(remarks))
     tell(
         *route_in_words(found),
         f"estimated {found.total_s:.1f} s (between {found.low_s:.0f} and {found.high_s:.0f}); "
@@ -118,12 +120,14 @@ def route_in_words(found: "Estimate") -> list[str]:
 
 def estimate_as_json(found: "Estimate") -> dict[str, Any]:
     """An estimate for machines; items are numbered as in the file, where home is 0."""
+    from ipoa_mission.flight.summary import route_summary
+
     return {
         "total_s": round(found.total_s, 3),
         "low_s": round(found.low_s, 3),
         "high_s": round(found.high_s, 3),
         "qgroundcontrol_s": round(found.qgroundcontrol_s, 3),
-        "route": route_as_json(found),
+        "route": route_summary(found),
         "items": [
             {
                 "seq": item.seq,
@@ -136,14 +140,6 @@ def estimate_as_json(found: "Estimate") -> dict[str, Any]:
         ],
         "remarks": list(found.remarks),
     }
-
-
-def route_as_json(found: "Estimate") -> dict[str, float] | None:
-    """The time of the route, the least time on it, and how many times that it takes; None where there is no route."""
-    route = found.route
-    if not route.seconds > 0:
-        return None
-    return {"seconds": round(route.seconds, 3), "least": round(route.least, 3), "ratio": round(route.ratio, 4)}
 
 
 def _count(number: int, what: str) -> str:

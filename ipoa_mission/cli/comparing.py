@@ -58,7 +58,8 @@ def compare(
     flown = read_flights(log)
     if autopilot not in (None, flown.autopilot):
         raise BadInput(f"{log}: expected a log of {autopilot}, not of {flown.autopilot}")
-    mission = None if file is None else _read_mission(file, log, flown.autopilot, autopilot is None)
+    own = () if file is None else _read_mission(file, log, flown.autopilot, autopilot is None)
+    mission, beside = own or (None, ())
     if number is not None and number > len(flown.flights):
         raise BadInput(f"--flight {number}: expected a number up to {len(flown.flights)}, so many are in {log}")
     numbers = range(1, len(flown.flights) + 1) if number is None else [number]
@@ -71,7 +72,7 @@ def compare(
         raise MissionError(f"{log}: {_no_mission(flown.autopilot, log)}", hint="compare FILE LOG, with what was flown")
     if picture is not None:
         _draw(held[numbers[0]], picture, (file or log).stem)
-    remarks = [*flown.remarks]
+    remarks = [*beside, *flown.remarks]
     remarks += [f"flight {n}: {_no_mission(flown.autopilot, log)}; left out" for n in found if n not in held]
     on = f"{flown.autopilot} {flown.version}".strip()
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
@@ -83,17 +84,17 @@ def compare(
     _tell(held, title, remarks)
 
 
-def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> "Mission":
+def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
     """The mission in a file, for the autopilot of the log; what a plan says of itself may differ if nobody insists."""
-    from ipoa_mission.mission.files import read_mission
+    from ipoa_mission.cli.reading import read_with_parameters
 
-    mission = read_mission(file, None if may_differ and file.suffix == ".plan" else autopilot)
+    mission, remarks = read_with_parameters(file, None if may_differ and file.suffix == ".plan" else autopilot)
     if mission.autopilot is not autopilot:
         raise BadInput(
             f"{file}: expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}",
             hint=f"--autopilot {autopilot}, if that is what was flown",
         )
-    return mission
+    return mission, remarks
 
 
 def _no_mission(autopilot: Autopilot, log: Path) -> str:

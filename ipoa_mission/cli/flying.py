@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -78,13 +79,15 @@ def fly(
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
     from ipoa_mission.cli.checking import route_in_words
-    from ipoa_mission.cli.job import PlannedJob, prepare
-    from ipoa_mission.cli.real_flight import RealFlight
-    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, passed_over_as_json, route_rows
-    from ipoa_mission.cli.writing import write_files
+    from ipoa_mission.cli.job import prepare
+    from ipoa_mission.cli.real_flight import RealFlight, no_flight_yet
+    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
     from ipoa_mission.errors import BadInput
+    from ipoa_mission.flight.summary import passed_over_as_json
+    from ipoa_mission.mission.check_start import begun_at
     from ipoa_mission.mission.firmware import to_wire
     from ipoa_mission.simulator.faults import Faults
+    from ipoa_mission.timing.estimate import estimate
 
     faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
     if report and source.suffix != ".toml":
@@ -103,36 +106,38 @@ def fly(
         raise BadInput(f"--nak-at: expected a number from 0 to {sent - 1}, not {nak_at}: {sent} items are sent")
     make_folder(out)
     written: list[Path] = []
-    if isinstance(job, PlannedJob):
-        written += write_files(job, out)
+    if job.flight is not None:
+        written += job.flight.write(out)
         if not as_json:
-            tell(*describe(job))
-            tell_table("start to goal, by how the waypoints are chosen", ROUTE_COLUMNS, route_rows(job))
+            tell(*describe(job.flight))
+            tell_table("start to goal, by how the waypoints are chosen", ROUTE_COLUMNS, route_rows(job.flight))
             tell(f"written: {', '.join(map(str, written))}")
     log = out / f"{job.name}.tlog"
-    remarks: tuple[str, ...] = ()
+    told: tuple[str, ...] = ()
     if link is None:
         from ipoa_mission.simulator.fly import fly as fly_here
 
         with left_behind(f"the flight was broken off; {log} has it so far"), _flight_bar(len(job.mission.items)) as bar:
-            blown = (air.east, air.north)
-            record = fly_here(job.mission, job.parameters, seed, faults, log, flying=bar, wind=blown)
+            record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=air)
     else:
-        with connect_to(link, system, key, backend, None, log, timeout, anyway) as vehicle:
+        begun_at(job.mission, begin - 1)
+        with no_flight_yet(), connect_to(link, system, key, backend, None, log, timeout, anyway) as vehicle:
             if not states_firmware(source, autopilot):
                 job = prepare(source, autopilot=vehicle.autopilot, parameters=parameters, wind=air)
+            if begin != 1:
+                job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=air))
             flight = RealFlight(job, vehicle, begin - 1, anyway, set_params)
-            remarks, record = flight.fly(_flight_bar)
-    if report and isinstance(job, PlannedJob):
-        from ipoa_mission.report.page import write_report
-
+            told, record = flight.fly(_flight_bar)
+    remarks = told if job.flight else tuple(dict.fromkeys((*job.remarks, *told)))
+    if report and job.flight is not None:
         written.append(out / f"{job.name}.html")
-        write_report(written[-1], job.scenario, job.plan, job.mission, job.estimate, record, job.remarks)
+        job.flight.report(written[-1], record)
     if as_json:
         files = [str(path) for path in (*written, log) if path.exists()]
-        known = flight_as_json(job.estimate, record) | {"remarks": [*job.remarks, *remarks], "written": files}
-        if isinstance(job, PlannedJob):
-            known["passed_over"] = passed_over_as_json(job.scenario)
+        said = list(dict.fromkeys((*job.remarks, *remarks)))
+        known = flight_as_json(job.estimate, record) | {"remarks": said, "written": files}
+        if job.flight is not None:
+            known["passed_over"] = passed_over_as_json(job.flight.scenario)
         tell_json(known | ({"error": record.why_not} if record.why_not else {}))
     else:
         tell(*notes(remarks), *(() if record.completed else record.messages))

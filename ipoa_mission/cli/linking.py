@@ -19,7 +19,7 @@ from ipoa_mission.cli.options import (
     TimeoutOption,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.cli.vehicles import Backend, connect_to, get, patience_of, put, states_firmware
+from ipoa_mission.cli.vehicles import Backend, connect_to, get, put, states_firmware
 
 
 def upload(
@@ -40,15 +40,15 @@ def upload(
 
     Example: `ipoa-mission upload campus.plan --link udpin:127.0.0.1:14550`
     """
-    from ipoa_mission.mission.files import read_mission
+    from ipoa_mission.cli.reading import read_with_parameters
 
-    mission = read_mission(file, autopilot)
+    mission, beside = read_with_parameters(file, autopilot)
     with connect_to(
         link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog"), timeout, anyway
     ) as vehicle:
         if not states_firmware(file, autopilot):
-            mission = read_mission(file, vehicle.autopilot)
-        remarks = put(mission, vehicle, anyway)
+            mission, beside = read_with_parameters(file, vehicle.autopilot)
+        remarks = (*beside, *put(mission, vehicle, anyway))
         name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:
@@ -65,6 +65,7 @@ def download(
     key: KeyOption = None,
     timeout: TimeoutOption = None,
     backend: BackendOption = Backend.BUILTIN,
+    anyway: AnywayOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Read the mission on a vehicle, with its fence and rally points, into a file.
@@ -79,7 +80,7 @@ def download(
     usual = file.with_name(f"{file.stem}-download.tlog")
     with (
         left_behind("nothing was written"),
-        connect_to(link, system, key, backend, log, usual, timeout) as vehicle,
+        connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle,
     ):
         mission = get(vehicle)
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
@@ -97,19 +98,18 @@ def clear(
     log: LogOption = None,
     key: KeyOption = None,
     timeout: TimeoutOption = None,
+    anyway: AnywayOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Have a vehicle forget its mission, fence and rally points.
 
     Example: `ipoa-mission clear --link udpin:127.0.0.1:14550`
     """
-    from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.link.messages import MissionType
-    from ipoa_mission.link.vehicle import connect
 
     with (
         left_behind("the vehicle may have forgotten some of its lists", hint="the same command goes on"),
-        connect(link, system, log or Path("clear.tlog"), signer_of(key), patience_of(timeout)) as vehicle,
+        connect_to(link, system, key, Backend.BUILTIN, log, Path("clear.tlog"), timeout, anyway) as vehicle,
     ):
         vehicle.clear(MissionType.ALL)
     if as_json:
@@ -127,6 +127,7 @@ def set_current(
     key: KeyOption = None,
     timeout: TimeoutOption = None,
     backend: BackendOption = Backend.BUILTIN,
+    anyway: AnywayOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Have a vehicle go on with another item of its mission.
@@ -135,7 +136,7 @@ def set_current(
 
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
-    with connect_to(link, system, key, backend, log, Path("set-current.tlog"), timeout) as vehicle:
+    with connect_to(link, system, key, backend, log, Path("set-current.tlog"), timeout, anyway) as vehicle:
         with left_behind("the vehicle may go on with either item"):
             vehicle.set_current(item - 1)
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
@@ -158,12 +159,26 @@ def scan(
     from ipoa_mission.link.vehicle import scan as listen
 
     with open_line(link) as line:
-        found = listen(line, seconds)
+        rows = [
+            {
+                "system": one.system,
+                "autopilot": str(one.autopilot),
+                "armed": one.armed,
+                "contested": line.contested(one.system),
+            }
+            for one in listen(line, seconds)
+        ]
     if as_json:
-        tell_json([{"system": one.system, "autopilot": str(one.autopilot), "armed": one.armed} for one in found])
-    elif found:
-        tell(*(f"system {one.system}: {one.autopilot}{', armed' if one.armed else ''}" for one in found))
+        tell_json(rows)
+    elif rows:
+        tell(*(_in_words(row) for row in rows))
     else:
         tell(f"nobody is heard on {link} within {seconds:g} s")
-    if not found:
+    if not rows:
         raise typer.Exit(1)
+
+
+def _in_words(row: dict[str, object]) -> str:
+    armed = ", armed" if row["armed"] else ""
+    contested = ", and another vehicle with the same system id" if row["contested"] else ""
+    return f"system {row['system']}: {row['autopilot']}{armed}{contested}"

@@ -13,7 +13,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicle import SINGLE_MAX, Autopilot
 
 if TYPE_CHECKING:
-    from ipoa_mission.timing.wind import Wind
+    from ipoa_mission.wind import Wind
 
 log = logging.getLogger(__name__)
 
@@ -168,7 +168,7 @@ AnywayOption: TypeAlias = Annotated[
         "--anyway",
         metavar="",
         rich_help_panel=ON_THE_LINK,
-        help="Send what fails the checks, or takes off somewhere else. You have been told.",
+        help="Do it although a check fails: mission, home, firmware, another vehicle with its id.",
     ),
 ]
 FromOption: TypeAlias = Annotated[
@@ -244,7 +244,7 @@ def read_wind_option(given: str | None) -> "Wind":
     Raises:
         BadInput: what is not such a pair of numbers.
     """
-    from ipoa_mission.timing.wind import CALM, Wind
+    from ipoa_mission.wind import CALM, Wind
 
     if given is None:
         return CALM
@@ -266,7 +266,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
     """
     parameters: dict[str, float] = {}
     if file is not None:
-        from ipoa_mission.timing.parameters import read_parameters
+        from ipoa_mission.mission.parameter_file import read_parameters
 
         parameters.update(read_parameters(file))
     for text in given or ():

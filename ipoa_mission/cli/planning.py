@@ -40,24 +40,22 @@ def plan(
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
     from ipoa_mission.cli.folders import expect_folder
-    from ipoa_mission.cli.job import adapt_scenario, plan_mission
-    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows, summarise
-    from ipoa_mission.cli.writing import write_files
+    from ipoa_mission.cli.job import adapt_scenario
+    from ipoa_mission.cli.job import plan as plan_it
+    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
 
     expect_folder(out)
     parameters, air = read_parameter_options(param, param_file), read_wind_option(wind)
-    job = plan_mission(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters), seed, air)
-    files = write_files(job, out)
+    flight = plan_it(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters), seed, air)
+    files = [*flight.write(out)]
     if report:
-        from ipoa_mission.report.page import write_report
-
-        files.append(out / f"{job.name}.html")
-        write_report(files[-1], job.scenario, job.plan, job.mission, job.estimate, remarks=job.remarks)
+        files.append(out / f"{flight.name}.html")
+        flight.report(files[-1])
     if as_json:
-        tell_json(summarise(job) | {"written": [str(file) for file in files]})
+        tell_json(flight.summary() | {"written": [str(file) for file in files]})
     else:
-        tell(*describe(job))
-        tell_table("start to goal, by how the waypoints are chosen", ROUTE_COLUMNS, route_rows(job))
+        tell(*describe(flight))
+        tell_table("start to goal, by how the waypoints are chosen", ROUTE_COLUMNS, route_rows(flight))
         tell(f"written: {', '.join(map(str, files))}")
 
 

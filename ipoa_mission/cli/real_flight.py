@@ -1,23 +1,33 @@
 """A flight on a vehicle at the other end of a link, from the first look at it until it stands again."""
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.cli.interrupting import left_behind
-from ipoa_mission.cli.job import Job, PlannedJob
+from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import AnyVehicle, put
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.set_up import other_values
-from ipoa_mission.mission.check_start import NotAtStart, begun_at, check_start
+from ipoa_mission.mission.check_start import NotAtStart, check_start
 from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
 
 FlightBar: TypeAlias = Callable[[int], AbstractContextManager[Callable[[int], None]]]
+
+
+@contextmanager
+def no_flight_yet() -> Iterator[None]:
+    """What fails in here tells machines that no flight was flown, and of the vehicle what is known, if anything."""
+    try:
+        yield
+    except MissionError as error:
+        error.known = {"completed": False, "armed": None, "in_air": None} | error.known
+        raise
 
 
 @dataclass
@@ -40,7 +50,6 @@ class RealFlight:
         job, vehicle = self.job, self.vehicle
         try:
             vehicle.expect_on_ground()
-            begun_at(job.mission, self.first)
             self.remarks += self._parameters()
             self.remarks += put(job.mission, vehicle, self.anyway)
             with left_behind("the vehicle was not armed"), progress_bar("getting ready") as show:
@@ -59,7 +68,7 @@ class RealFlight:
             raise
 
     def _permit(self, there: Geodetic) -> None:
-        scenario = self.job.scenario if isinstance(self.job, PlannedJob) else None
+        scenario = self.job.flight.scenario if self.job.flight else None
         try:
             self.remarks += check_start(self.job.mission, self.first, there, scenario)
         except NotAtStart as elsewhere:
@@ -70,7 +79,7 @@ class RealFlight:
 
     def _parameters(self) -> tuple[str, ...]:
         """Hold the vehicle's parameters against those that the mission was made for, and set them if that is wished."""
-        others, missing = other_values(self.vehicle, self.job.parameters)
+        others, missing = other_values(self.vehicle, self.job.mission.parameters)
         remarks = tuple(f"the vehicle has no parameter {name}" for name in missing)
         if not self.set_params:
             return remarks + tuple(f"{other}: --set-params writes it" for other in others)

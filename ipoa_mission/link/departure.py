@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, TimeUp
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
 from ipoa_mission.link.messages import (
     CUSTOM_MODE_FLAG,
     CommandResult,
@@ -43,6 +43,7 @@ NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STAT
 STREAM_S, SHOWN_S, LOOK_S = 8.0, 5.0, 3.0
 #: A vehicle that says it could be armed may still need a moment.
 ARMING_ATTEMPTS = 5
+ARMING = "arm"
 READY_S = 180.0
 #: A climb counts as done so far below its height [m], and is waited for so long [s].
 CLIMBED, CLIMB_S = 0.5, 120.0
@@ -56,11 +57,14 @@ class NotReady(MissionError):
 class Departure:
     """A flight about to begin at item `first` (as numbered on the wire); `report` is told what is waited for.
 
-    `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that by itself.
+    `moving`: the first item from there on that moves the vehicle, which ArduPilot calls current where others, done at
+    once, stand before it. `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that
+    by itself.
     """
 
     state: VehicleState
     first: int
+    moving: int
     climb: float = 0.0
     report: Callable[[str], None] = lambda words: None
 
@@ -68,18 +72,6 @@ class Departure:
     def autopilot(self) -> Autopilot:
         """Which firmware it is."""
         return self.state.autopilot
-
-
-def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
-    """Listen until it holds, for so many seconds at most; whether it does."""
-    if condition():
-        return True
-    heard = yield Pause(seconds)
-    while heard is not None:
-        if condition():
-            return True
-        heard = yield None
-    return condition()
 
 
 def subscribe(state: VehicleState) -> Dialogue[None]:
@@ -141,7 +133,7 @@ def prepare(departure: Departure, ready_s: float = READY_S) -> Dialogue[None]:
         departure.report(hinders)
         if waited_s > ready_s:
             raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
-        yield from until(lambda: False, 1.0)
+        yield from wait(1.0)
     expect_on_ground(state)
     yield from _set_first(departure)
 
@@ -153,29 +145,35 @@ def depart(departure: Departure) -> Dialogue[None]:
         CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
             was still on the ground.
     """
-    state = departure.state
     try:
         yield from _arm()
-        if departure.autopilot is Autopilot.ARDUPILOT:
-            if departure.climb > 0.0:
-                yield from _order("take off", NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
-                yield from until(lambda: _height(state) > departure.climb - CLIMBED, CLIMB_S)
-            yield from _order("start the mission", MISSION_START)
-        mode = MISSION_MODE[departure.autopilot]
-        if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
-            raise NotReady(f"the vehicle did not begin its mission: {state}")
+        yield from _begin(departure)
     except MissionError as broken_off:
-        yield from _disarm_on_ground(state)
-        broken_off.hint = str(state)
+        if not (isinstance(broken_off, CommandRefused) and broken_off.what == ARMING):
+            yield from _disarm_on_ground(departure.state)
+        broken_off.hint = str(departure.state)
         raise
+
+
+def _begin(departure: Departure) -> Dialogue[None]:
+    state = departure.state
+    if departure.autopilot is Autopilot.ARDUPILOT:
+        if departure.climb > 0.0:
+            yield from _order("take off", NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
+            yield from until(lambda: _height(state) > departure.climb - CLIMBED, CLIMB_S)
+        yield from _order("start the mission", MISSION_START)
+    mode = MISSION_MODE[departure.autopilot]
+    if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
+        raise NotReady(f"the vehicle did not begin its mission: {state}")
 
 
 def _set_first(departure: Departure) -> Dialogue[None]:
     """The flight begins at its first item: said, and seen in MISSION_CURRENT."""
     state, first = departure.state, departure.first
+    begins = range(first, departure.moving + 1)
     state.current = None
     yield from set_current(first, restart=True)
-    if not (yield from until(lambda: state.current is not None and state.current.seq == first, SHOWN_S)):
+    if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
         stands = "it does not tell where" if state.current is None else f"at item {state.current.seq}"
         raise NotReady(f"the mission was set to begin at item {first}, but it stands {stands}")
 
@@ -214,8 +212,8 @@ def _arm() -> Dialogue[None]:
         if result == CommandResult.ACCEPTED:
             return
         if attempt == ARMING_ATTEMPTS:
-            raise CommandRefused("arm", result, words)
-        yield from until(lambda: False, 1.0)
+            raise CommandRefused(ARMING, result, words)
+        yield from wait(1.0)
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:

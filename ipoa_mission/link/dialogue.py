@@ -13,7 +13,7 @@ into it at the place where it waits, so a dialogue can try another way.
 """
 
 import math
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Generic, TypeAlias, TypeVar
 
@@ -67,6 +67,25 @@ class Pause:
 
 Step: TypeAlias = Ask | Tell | Remark | Pause | None
 Dialogue: TypeAlias = Generator[Step, Message | None, T]
+
+
+def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
+    """Listen until it holds, for so many seconds at most; whether it does."""
+    if condition():
+        return True
+    heard = yield Pause(seconds)
+    while heard is not None:
+        if condition():
+            return True
+        heard = yield None
+    return condition()
+
+
+def wait(seconds: float) -> Dialogue[None]:
+    """Listen for so many seconds, whatever is heard."""
+    heard = yield Pause(seconds)
+    while heard is not None:
+        heard = yield None
 
 
 @dataclass(frozen=True)

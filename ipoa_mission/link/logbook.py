@@ -159,7 +159,7 @@ class Logbook:
 
     def record(self) -> FlightRecord:
         """The flight so far."""
-        flight = self._flight or _Flight(self._clock, self._first)
+        flight = self._flight if self._flight and self._flight.confirmed else _Flight(self._clock, self._first)
         reached = {index: t for index, t in sorted(flight.reached.items()) if 0 <= index < len(self._items)}
         why_not = self._why_not(flight)
         if self.lands:

@@ -21,6 +21,7 @@ class Opcode(IntEnum):
     CREATE_FILE = 6
     WRITE_FILE = 7
     OPEN_FILE_WO = 11
+    BURST_READ_FILE = 15
     ACK = 128
     NAK = 129
 
@@ -46,19 +47,22 @@ class FileMessage:
     offset: int = 0
     data: bytes = b""
     size: int | None = None  # of a READ_FILE request: how many bytes are wanted
+    ends_burst: bool = False
 
     def pack(self) -> FileTransfer:
         """As it is sent."""
         size = len(self.data) if self.size is None else self.size
-        head = HEADER.pack(self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, 0, 0, self.offset)
+        head = HEADER.pack(
+            self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, self.ends_burst, 0, self.offset
+        )
         return FileTransfer((head + self.data).ljust(251, b"\0"))
 
 
 def unpack(message: FileTransfer) -> FileMessage:
     """As it was received; `size` may be more than there is data."""
-    sequence, session, opcode, size, request, _, _, offset = HEADER.unpack_from(message.payload)
+    sequence, session, opcode, size, request, ends_burst, _, offset = HEADER.unpack_from(message.payload)
     data = message.payload[HEADER.size : HEADER.size + size]
-    return FileMessage(sequence, opcode, session, request, offset, data, size)
+    return FileMessage(sequence, opcode, session, request, offset, data, size, bool(ends_burst))
 
 
 def nak(question: FileMessage, error: FileError) -> FileMessage:

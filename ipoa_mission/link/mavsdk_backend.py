@@ -20,8 +20,7 @@ from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import EVERYONE, Heard, Target
 from ipoa_mission.link.conversations import MissionRefused, Progress, list_name, silent
-from ipoa_mission.link.departure import until
-from ipoa_mission.link.dialogue import Cancelled, NoAnswer
+from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.messages import (
     STATION_COMPONENT,

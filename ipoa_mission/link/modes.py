@@ -71,3 +71,8 @@ def does_next(autopilot: Autopilot, custom_mode: int) -> str:
     if custom_mode in LAND_MODES[autopilot]:
         return "it lands where it is"
     return "it stays in this mode"
+
+
+def knows_mode(autopilot: Autopilot, custom_mode: int) -> bool:
+    """Whether the autopilot has a mode of this number, as far as this table knows."""
+    return custom_mode in _NAMES[autopilot]

@@ -42,7 +42,7 @@ class CommandRefused(MissionError):
     """The vehicle would not do what it was told; the message has its words."""
 
     def __init__(self, what: str, result: int, words: str = "") -> None:
-        self.result = result
+        self.what, self.result = what, result
         name = CommandResult(result).name if result in set(CommandResult) else str(result)
         super().__init__(f"{what}: the vehicle answered {name}" + (f": {words}" if words else ""))
 
@@ -177,7 +177,7 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
         MissionError: it keeps another value.
     """
     kind = (yield from parameters([(name,)], autopilot))[name].param_type
-    step: Step = Ask(ParamSet(name, _spelled(value, kind, autopilot), kind))
+    step: Step = Ask(ParamSet(name, spelled_parameter(value, kind, autopilot), kind))
     while True:
         heard = yield step
         step = None
@@ -195,7 +195,8 @@ def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
     return float(struct.unpack("<i", struct.pack("<f", heard.param_value))[0])
 
 
-def _spelled(value: float, kind: int, autopilot: Autopilot) -> float:
+def spelled_parameter(value: float, kind: int, autopilot: Autopilot) -> float:
+    """The inverse of `parameter_value`, for a parameter of this type."""
     if kind not in INT_TYPES or autopilot is not Autopilot.PX4:
         return value
     return float(struct.unpack("<f", struct.pack("<i", round(value)))[0])

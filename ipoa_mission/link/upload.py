@@ -19,7 +19,7 @@ from ipoa_mission.link.conversations import (
     overhearing,
     silent,
 )
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.link.wire import expect_items
 from ipoa_mission.mission.firmware import Difference, compare
@@ -223,7 +223,7 @@ def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
                 refusal.hint = _leftover(job)
                 raise
             refused_before = refusal
-            yield from _wait(1.0)
+            yield from wait(1.0)
         else:
             difference = _difference(job, stored)
             if difference is None:
@@ -266,12 +266,6 @@ def _withdraw(kind: int) -> Dialogue[None]:
                 step = Pause(1.0)
             case _:
                 step = None
-
-
-def _wait(seconds: float) -> Dialogue[None]:
-    heard = yield Pause(seconds)
-    while heard is not None:
-        heard = yield None
 
 
 def _verdict(ears: Ears) -> Dialogue[int]:

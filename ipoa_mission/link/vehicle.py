@@ -28,7 +28,7 @@ from ipoa_mission.link.departure import (
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier, Line, converse
-from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
+from ipoa_mission.link.logbook import LAST_NAV, FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STANDBY,
@@ -44,10 +44,12 @@ from ipoa_mission.link.mission_file import FileRefused, upload_by_file
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
+from ipoa_mission.mission.check import check_mission
 from ipoa_mission.mission.check_start import begun_at, check_start
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.unsafe import refuse_errors
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -205,14 +207,20 @@ class Vehicle:
 
     # --- missions ---------------------------------------------------------------------------------------------------
 
-    def upload(self, mission: Mission, progress: Progress = silent) -> None:
+    def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
         """Put a mission on the vehicle, with its fence and rally points if it has some, and verify each list.
 
+        `checked`: first it is checked as this vehicle's firmware would meet it.
+
         Raises:
+            Unsafe: the check found errors, and nothing was sent.
             MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, TimeUp, Cancelled.
         """
+        suited = replace(mission, autopilot=self.autopilot)
+        if checked:
+            refuse_errors(check_mission(suited))
         with noted_interrupts() as interrupt, self._in_time():
-            self.upload_items(to_wire(replace(mission, autopilot=self.autopilot)), MissionType.MISSION, progress)
+            self.upload_items(to_wire(suited), MissionType.MISSION, progress)
             try:
                 if mission.fence:
                     self.upload_items(fence_to_wire(mission.fence), MissionType.FENCE)
@@ -288,7 +296,9 @@ class Vehicle:
         """
         mission = self._mission
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
-        self._departure = Departure(self.state, first + self._first, climb, report)
+        items = () if mission is None else mission.items
+        moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
+        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, report)
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():

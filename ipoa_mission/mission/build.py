@@ -70,6 +70,7 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         cruise_speed=scenario.vehicle.cruise_speed,
         fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
         rally=_rally(scenario),
+        parameters=scenario.vehicle.autopilot_parameters(),
     )
 
 

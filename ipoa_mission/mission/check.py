@@ -22,16 +22,18 @@ __all__ = ["Finding", "Severity", "check_mission"]
 def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[Finding, ...]:
     """What is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
 
-    Legs are looked at only where every position is sound. Errors come before warnings, items in their order.
+    The vehicle has the mission's parameters, and those of the scenario that the mission does not name. Legs are looked
+    at only where every position is sound. Errors come before warnings, items in their order.
     """
-    findings = [*check_firmware(mission), *check_positions(mission)]
-    if not any(finding.severity is Severity.ERROR for finding in check_positions(mission)):
+    positions = tuple(check_positions(mission))
+    findings = [*check_firmware(mission), *positions]
+    if not any(finding.severity is Severity.ERROR for finding in positions):
         if scenario is None:
             frame = LocalFrame(mission.home)
             findings += check_fence(mission, frame, flown_legs(mission, frame))
         else:
-            frame, parameters = scenario.frame, scenario.vehicle.autopilot_parameters()
-            legs = flown_legs(mission, frame, scenario.airspace.ground, parameters)
+            mission, frame = mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame
+            legs = flown_legs(mission, frame, scenario.airspace.ground)
             findings += [*check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
             findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
     return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))

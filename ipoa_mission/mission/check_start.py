@@ -67,7 +67,7 @@ def check_start(mission: Mission, first: int, there: Geodetic, scenario: Scenari
     place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
     ground = float(scenario.airspace.ground(place[None, :])[0])
     home = Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude + ground)
-    begun = begun_at(mission, first, home)
+    begun = begun_at(mission, first, home).assuming(scenario.vehicle.autopilot_parameters())
     legs = flown_legs(begun, frame, scenario.airspace.ground)
     errors = [f for f in check_airspace(begun, scenario, legs) if f.severity is Severity.ERROR]
     if errors:

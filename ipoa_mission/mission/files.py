@@ -5,20 +5,26 @@ from pathlib import Path
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.parameter_file import beside, read_parameters
 from ipoa_mission.mission.plan_file import read_plan, write_plan
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, read_waypoints, write_waypoints
 from ipoa_mission.vehicle import Autopilot
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
-    """Read a `.plan` or a `.waypoints` file, whatever it is called.
+    """Read a `.plan` or a `.waypoints` file, whatever it is called, and the parameters that lie beside it: NAME.params.
 
     `autopilot` goes before what a `.plan` says of itself; a `.waypoints` file says nothing, and is for PX4 without it.
 
     Raises:
         BadInput: the file cannot be read or is neither; the message names the place.
     """
-    path = Path(path)
+    mission = _read(Path(path), autopilot)
+    lying = beside(Path(path))
+    return mission.with_parameters(read_parameters(lying)) if lying.is_file() else mission
+
+
+def _read(path: Path, autopilot: Autopilot | None) -> Mission:
     beginning = read_text(path).lstrip()[: len(FIRST_LINE)]
     if beginning.startswith("{") or (path.suffix == ".plan" and not beginning.startswith("QGC WPL")):
         return read_plan(path, autopilot)
@@ -29,6 +35,8 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
 
 def write_mission(mission: Mission, path: str | Path) -> tuple[str, ...]:
     """Write a `.plan` or a `.waypoints` file, by the suffix; returned in words: what the file could not hold.
+
+    The mission's parameters go beside it (NAME.params), where `read_mission` finds them.
 
     Raises:
         BadInput: another suffix, or the mission cannot be put into this format.

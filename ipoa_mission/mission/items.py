@@ -6,10 +6,10 @@ Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPil
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.vehicle import Autopilot, Parameters, overridden
 from ipoa_mission.world.frame import Geodetic
 
 
@@ -198,6 +198,15 @@ class Mission:
     """What the vehicle will do. `items[0]` is the first thing done; rally points hold altitudes above home.
 
     `cruise_speed` [m/s] is what ground stations show in a plan's header; the vehicle obeys DO_CHANGE_SPEED.
+    `parameters` are those of the vehicle that differ from its autopilot's defaults, by the autopilot's own names.
+
+    >>> home = Geodetic(47.397742, 8.545594, 488.0)
+    >>> there = Geodetic(47.398642, 8.545594, 488.0)
+    >>> mission = Mission(home, (takeoff(home, 15.0), waypoint(there, 20.0), return_to_launch()))
+    >>> mission.altitude_above_home(mission.items[1])
+    20.0
+    >>> dict(mission.with_parameters({"MPC_XY_CRUISE": 8.0}).parameters)
+    {'MPC_XY_CRUISE': 8.0}
     """
 
     home: Geodetic
@@ -205,7 +214,16 @@ class Mission:
     autopilot: Autopilot = Autopilot.PX4
     cruise_speed: float | None = None
     fence: tuple[FencePolygon | FenceCircle, ...] = ()
-    rally: tuple[Geodetic, ...] = field(default=())
+    rally: tuple[Geodetic, ...] = ()
+    parameters: Parameters = field(default_factory=dict, hash=False)
+
+    def with_parameters(self, parameters: Parameters) -> "Mission":
+        """The same on a vehicle that has these parameters too; they go before those that it carries."""
+        return replace(self, parameters=overridden(self.parameters, parameters)) if parameters else self
+
+    def assuming(self, parameters: Parameters) -> "Mission":
+        """The same on a vehicle that has these parameters too; those that it carries go before them."""
+        return replace(self, parameters=overridden(parameters, self.parameters)) if parameters else self
 
     def altitude_above_home(self, item: Item) -> float:
         """Altitude of an item over home [m]; NaN where it is given over terrain."""

@@ -17,7 +17,7 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import FLOWN_TO, Command, Frame, Item, Mission, plain_frame
 from ipoa_mission.timing.copter_spline import Place, flies_on_to, spline_chords, spline_tangents
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters, Px4Return
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters, Px4Return, by_old_names
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
@@ -54,15 +54,13 @@ class Leg:
     stray: float = 0.0
 
 
-def flown_legs(
-    mission: Mission, frame: LocalFrame, ground: Ground | None = None, parameters: Parameters | None = None
-) -> tuple[Leg, ...]:
+def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None) -> tuple[Leg, ...]:
     """The legs of a mission in the order of its items, from home on the ground to the ground.
 
-    `parameters` that differ from the autopilot's defaults say how high it returns. Without `ground` the ground is as
-    high as home. Items with wrong positions are the business of `check_positions`; here they are left out.
+    The mission's parameters say how high it returns. Without `ground` the ground is as high as home. Items with wrong
+    positions are the business of `check_positions`; here they are left out.
     """
-    return tuple(_Flight(mission, frame, ground, parameters or {}).legs())
+    return tuple(_Flight(mission, frame, ground).legs())
 
 
 def join(legs: Sequence[Leg]) -> tuple[Points, float]:
@@ -74,11 +72,11 @@ def join(legs: Sequence[Leg]) -> tuple[Points, float]:
 class _Flight:
     """Where the vehicle is, item after item."""
 
-    def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None, parameters: Parameters) -> None:
+    def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None) -> None:
         self.mission, self.frame = mission, frame
         self.home = frame.local(mission.home)
         self.ground: Ground = ground or (lambda points: np.full(len(points), self.home[2]))
-        self.parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **parameters}
+        self.parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
         self.at = self.home
         self.flown_in: Vector | None = None
         """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""

@@ -17,6 +17,7 @@ from ipoa_mission.files import write_atomically
 from ipoa_mission.mission.document import Node, read_document
 from ipoa_mission.mission.firmware import settle_frames
 from ipoa_mission.mission.items import Command, FenceCircle, FencePolygon, Frame, Item, Mission, command_name
+from ipoa_mission.mission.parameter_file import write_beside
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -32,11 +33,14 @@ CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and params[6
 def write_plan(mission: Mission, path: str | Path) -> None:
     """Write a mission with its fence and rally points; the same mission gives the same bytes.
 
+    Its parameters go beside it (NAME.params).
+
     Raises:
         BadInput: the file cannot be written, or the mission holds what no `.plan` can: a place that is no number, a
             jump to nowhere.
     """
     text = json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False)
+    write_beside(mission, Path(path))
     write_atomically(Path(path), text + "\n")
 
 

@@ -47,11 +47,12 @@ def mission_table(mission: Mission, scenario: Scenario | None = None) -> tuple[R
         BadInput: a position or height that no leg can lead to.
     """
     refuse_unsound(mission)
-    frame = LocalFrame(mission.home) if scenario is None else scenario.frame
-    ground = None if scenario is None else scenario.airspace.ground
-    parameters = None if scenario is None else scenario.vehicle.autopilot_parameters()
+    frame, ground = LocalFrame(mission.home), None
+    if scenario is not None:
+        frame, ground = scenario.frame, scenario.airspace.ground
+        mission = mission.assuming(scenario.vehicle.autopilot_parameters())
     legs: dict[int, list[Leg]] = defaultdict(list)
-    for leg in flown_legs(mission, frame, ground, parameters):
+    for leg in flown_legs(mission, frame, ground):
         if not leg.alternative:
             legs[leg.seq].append(leg)
     home = Row(0, "home", mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude, 0.0)

@@ -79,15 +79,16 @@ def thinned(path: Points, stray: float) -> Points:
 
 
 def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, sure: bool) -> Flown:
-    known, autopilot = scenario.vehicle.autopilot_parameters(), mission.autopilot
-    _, found = predict(mission, known, fast=True, sure=sure)
+    _, found = predict(mission, fast=True, sure=sure)
     first = 0 if starts_over_home(route) else 2  # the take-off, a change of speed, the start
     last = len(route.points) if first == 0 else len(route.points) + 1
     begin, end = float(found.done[first]), float(found.done[last])
     track = in_local_frame(found.track)
     path = track.points[(track.times >= begin) & (track.times <= end)]
     motion = _motion(track, end)
-    stand = path[-1] + motion * float(np.linalg.norm(motion)) / (2 * kinematics(autopilot, known).accel)
+    stand = path[-1] + motion * float(np.linalg.norm(motion)) / (
+        2 * kinematics(mission.autopilot, mission.parameters).accel
+    )
     ahead = motion / max(float(np.linalg.norm(motion)), 1e-9)
     overrun = float((stand - route.points[-1]) @ ahead)
     return Flown(curve, end - begin, np.vstack([path, stand]), overrun)

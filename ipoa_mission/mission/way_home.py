@@ -13,7 +13,7 @@ from ipoa_mission.mission.items import Command, Mission, waypoint
 from ipoa_mission.mission.legs import Leg, Phase, flown_legs
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicle import Autopilot, Parameters
+from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 STEP, HIGHEST = 5, 500  # [m] above home
@@ -34,8 +34,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
-    known = scenario.vehicle.autopilot_parameters()
-    if _is_clear(_ways_home(mission, scenario, known), scenario):
+    if _is_clear(_ways_home(mission, scenario), scenario):
         return mission
     last = mission.items[-2]
     stopped = replace(last, params=(1.0, *last.params[1:])) if last.command == Command.NAV_SPLINE_WAYPOINT else last
@@ -45,7 +44,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
         raised = replace(mission, items=(*mission.items[:-2], stopped, climb, mission.items[-1]))
         way_up, *ways = (
             leg
-            for leg in flown_legs(raised, scenario.frame, scenario.airspace.ground, known)
+            for leg in flown_legs(raised, scenario.frame, scenario.airspace.ground)
             if leg.seq == len(mission.items) or leg.phase is Phase.RETURN
         )
         if any(check.slack < 0 for check in prove(way_up.points, scenario).checks if check.limit != "climb"):
@@ -63,10 +62,9 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     """
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     names, unit = PARAMETERS[mission.autopilot]
-    known = scenario.vehicle.autopilot_parameters()
     for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0)):
         value = altitude / unit
-        if _is_clear(_ways_home(mission, scenario, {**known, **dict.fromkeys(names, value)}), scenario):
+        if _is_clear(_ways_home(mission.with_parameters(dict.fromkeys(names, value)), scenario), scenario):
             told = f"{' and '.join(names)} = {value:.0f} make{'s' * (len(names) == 1)} it clear"
             return f"{told}, in the vehicle and under [vehicle.parameters]; or {others}"
     return others
@@ -86,8 +84,8 @@ def _heights(above: float) -> Iterator[float]:
     return (float(height) for height in range(STEP, HIGHEST + 1, STEP) if height > above)
 
 
-def _ways_home(mission: Mission, scenario: Scenario, parameters: Parameters) -> list[Leg]:
-    legs = flown_legs(mission, scenario.frame, scenario.airspace.ground, parameters)
+def _ways_home(mission: Mission, scenario: Scenario) -> list[Leg]:
+    legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
     return [leg for leg in legs if leg.phase is Phase.RETURN]
 
 

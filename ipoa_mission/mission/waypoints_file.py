@@ -16,6 +16,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_atomically
 from ipoa_mission.mission.firmware import home_item, settle_frames
 from ipoa_mission.mission.items import Command, Frame, Item, Mission, command_name
+from ipoa_mission.mission.parameter_file import write_beside
 from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -28,6 +29,8 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | r
 def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
     """Write home and items; what the format cannot hold is returned in words, for the caller to tell.
 
+    The mission's parameters go beside it (NAME.params).
+
     Raises:
         BadInput: the file cannot be written, or an altitude is above terrain or no number.
     """
@@ -37,6 +40,7 @@ def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
     if mission.autopilot is Autopilot.ARDUPILOT:
         items = tuple(map(_without_nan, items))
     lines = [FIRST_LINE, *(_line(seq, item) for seq, item in enumerate((home_item(mission.home), *items)))]
+    write_beside(mission, Path(path))
     write_atomically(Path(path), "\n".join(lines) + "\n")
     return left_out(mission)
 

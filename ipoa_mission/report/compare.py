@@ -66,8 +66,8 @@ class Comparison:
         return self.estimated_total_s / self.flown_total_s - 1 if self.flown_total_s > 0 else math.nan
 
 
-def compare_flight(mission: Mission, estimate: Estimate, flight: FlightRecord) -> Comparison:
-    """Hold a flight of `mission` against its estimate.
+def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
+    """Hold a flight against the estimate of its mission.
 
     An item that is flown several times (a loop) is known to the flight by its first time only, and compared so.
     """
@@ -111,17 +111,19 @@ class ComparedFlight:
 def compare_logged(flight: LoggedFlight, mission: Mission | None, parameters: Parameters) -> ComparedFlight | None:
     """A flight of a log against the estimate of `mission`; without one, of what the log says that was flown.
 
-    `parameters` go before those of the log. None where nothing says which mission it was.
+    `parameters` go before those of the log, and these before the mission's own. None where nothing says which mission
+    it was.
     """
     flown = mission or flight.mission
     if flown is None:
         return None
-    used = {**flight.parameters, **parameters}
-    found = estimate(flown, used)
+    flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
+    found = estimate(flown)
     record = flight.record(flown)
-    comparison = compare_flight(flown, found, record)
+    comparison = compare_flight(found, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
-    return ComparedFlight(flight.armed_s, flown, found, record, comparison, _changed(used, flight.autopilot), remarks)
+    changed = _changed(flown.parameters, flight.autopilot)
+    return ComparedFlight(flight.armed_s, flown, found, record, comparison, changed, remarks)
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:

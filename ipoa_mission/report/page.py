@@ -4,6 +4,7 @@ All is drawn here as HTML and SVG; the script on the page links the views and tu
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
@@ -12,12 +13,14 @@ from string import Template
 
 import numpy as np
 
+from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.items import Command, Mission
 from ipoa_mission.mission.prove_route import cruise, prove_mission
 from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.course import dangers, follow
 from ipoa_mission.report.extent import extent_of
@@ -35,6 +38,19 @@ from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.vehicle import Autopilot
 
 AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What a page is made from; `plan` is None where nobody knows how the mission was planned."""
+
+    scenario: Scenario
+    plan: Plan | None
+    mission: Mission
+    estimate: Estimate
+    remarks: Sequence[str]
+    proof: Proof | None
+    energy: Consumption | None
 
 
 def write_report(
@@ -65,6 +81,14 @@ def report_html(
     remarks: Sequence[str] = (),
 ) -> str:
     """The whole page."""
+    proof = prove_mission(mission, scenario) if cruise(mission, scenario) else None
+    energy = flight_energy(scenario, estimate.track.times, estimate.track.points, estimate.track.speeds)
+    return page_html(Subject(scenario, plan, mission, estimate, remarks, proof, energy), flight)
+
+
+def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
+    """The same, of what was proved already."""
+    scenario, mission, estimate, proof = subject.scenario, subject.mission, subject.estimate, subject.proof
     airspace, required = scenario.airspace, limits_of(scenario).obstacle_distance
     found = stops(mission, estimate, scenario)
     course = follow(estimate.track, airspace)
@@ -73,16 +97,16 @@ def report_html(
     places = np.array([stop.place for stop in found if stop.place is not None])
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
-    proof = prove_mission(mission, scenario) if cruise(mission, scenario) else None
-    comparison = None if flight is None else compare_flight(mission, estimate, flight)
-    energy = flight_energy(scenario, estimate.track.times, estimate.track.points, estimate.track.speeds)
+    comparison = None if flight is None else compare_flight(estimate, flight)
     battery = scenario.vehicle.battery
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
         "verdict": verdict(proof, danger),
-        "figures": figures(estimate, proof, float(course.along[-1]), _waypoints(found), comparison, energy, battery),
-        "warnings": warnings(danger, [*remarks, *estimate.remarks]),
+        "figures": figures(
+            estimate, proof, float(course.along[-1]), _waypoints(found), comparison, subject.energy, battery
+        ),
+        "warnings": warnings(danger, [*subject.remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, found, course, flown),
         "legend": legend(scenario, extent, flown is not None),
         "profile": height_profile(course, airspace, required, found, flown),
@@ -95,8 +119,8 @@ def report_html(
         "legs": legs(found, None if flight is None else done_in_flight(found, flight.item_reached_s)),
         "legs_note": LEGS_NOTE,
         "limits": "" if proof is None else limits_table(proof),
-        "search": "" if plan is None else search_panel(plan, scenario),
-        "footer": _footer(scenario, plan, mission),
+        "search": "" if subject.plan is None else search_panel(subject.plan, scenario),
+        "footer": _footer(scenario, subject.plan, mission),
         "css": _asset("page.css"),
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
@@ -119,7 +143,7 @@ def _subtitle(scenario: Scenario, mission: Mission) -> str:
 
 def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
     """What the report was made from, so that it can be made again."""
-    home, changed = mission.home, scenario.vehicle.autopilot_parameters()
+    home, changed = mission.home, mission.parameters
     rows = {
         "home": f"{home.latitude_deg:.7f}, {home.longitude_deg:.7f}, {home.altitude:g} m above mean sea level",
         "vehicle": f"radius {scenario.vehicle.radius:g} m, safety distance {scenario.safety_distance:g} m",

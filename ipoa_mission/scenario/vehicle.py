@@ -3,13 +3,14 @@
 import math
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field, StringConstraints, model_validator
 
 from ipoa_mission.energy.flight import Battery
 from ipoa_mission.energy.power import KAPPA, Airframe
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
-from ipoa_mission.vehicle import SINGLE_MAX, Autopilot, Parameters
+from ipoa_mission.vehicle import SINGLE_MAX, Autopilot, Parameters, overridden
 
+ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
 Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
 
 
@@ -72,7 +73,7 @@ class VehicleSection(Section):
     """Left out: what the autopilot's parameters say [m/s]."""
     descent_speed: Positive | None = None
     """Left out: what the autopilot's parameters say [m/s]."""
-    parameters: dict[str, Single] = Field(default_factory=dict)
+    parameters: dict[ParameterName, Single] = Field(default_factory=dict)
     """Parameters of the autopilot that differ from its defaults, by its own names and units."""
     airframe: AirframeSection | None = None
     """Left out, no energy is estimated."""
@@ -89,7 +90,7 @@ class VehicleSection(Section):
         """Parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""
         names, unit = _SPEEDS[self.autopilot]
         speeds = zip(names, (self.climb_speed, self.descent_speed), strict=True)
-        return {name: speed * unit for name, speed in speeds if speed is not None} | self.parameters
+        return overridden({name: speed * unit for name, speed in speeds if speed is not None}, self.parameters)
 
 
 #: Names of the climb and descent speed, and their unit in metres per second.

@@ -59,6 +59,10 @@ class ArduPilotPilot:
         if self._manoeuvre == self._follow and before[ahead] != after[ahead] and now < len(after):
             self._begin(now)
 
+    def climb(self, height: float) -> None:
+        """Take off outside a mission, in GUIDED, to a height above home."""
+        self._begin_takeoff((self._body.x, self._body.y, height))
+
     def step(self, dt: float) -> None:
         """Decide, and let the body move."""
         if not self._now.armed or self._now.time_s - self._now.armed_s < self._lift_s:
@@ -180,7 +184,7 @@ class ArduPilotPilot:
         self._fly((x, y), dt)
         if self._height.height >= top - 0.01 and self._height.climb < 0.1 * most:
             self._complete = (self._body.x, self._body.y, top + ROUNDING)
-            self._done()
+            self._done() if self._now.mode is FlightMode.MISSION else self._stay()
 
     def _begin_return(self) -> None:
         here = self._stopping_place()

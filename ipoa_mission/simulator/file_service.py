@@ -11,6 +11,7 @@ from ipoa_mission.link.mission_file import HEADER, MISSION_FILE, RECORD, pack_mi
 from ipoa_mission.mission.items import Item
 
 MOST_CLIENTS = 16
+LONGEST_BURST = 100  # messages
 
 
 @dataclass
@@ -19,7 +20,7 @@ class Session:
 
     reading: bytes | None = None
     writing: bytearray | None = None
-    last: FileMessage | None = field(default=None)
+    last: tuple[FileMessage, ...] = field(default=())
 
 
 class FileService:
@@ -38,16 +39,17 @@ class FileService:
         self._replace = replace
         self._sessions: dict[Target, Session] = {}
 
-    def answer(self, message: FileTransfer, client: Target) -> FileTransfer:
-        """What to say to a client's question."""
+    def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
+        """What to say to a client's question: one message, or a burst of them."""
         question = unpack(message)
         session = self._sessions.setdefault(client, Session())
         while len(self._sessions) > MOST_CLIENTS:
             del self._sessions[next(iter(self._sessions))]
-        last = session.last
-        if last is None or last.sequence != (question.sequence + 1) & 0xFFFF or last.request != question.opcode:
-            session.last = self._act(question, session)
-        return (session.last or nak(question, FileError.FAIL)).pack()
+        first = session.last[0] if session.last else None
+        if first is None or first.sequence != (question.sequence + 1) & 0xFFFF or first.request != question.opcode:
+            is_burst = question.opcode == Opcode.BURST_READ_FILE and session.reading is not None
+            session.last = _burst(question, session.reading or b"") if is_burst else (self._act(question, session),)
+        return [answer.pack() for answer in session.last]
 
     def _act(self, question: FileMessage, session: Session) -> FileMessage:
         match question.opcode:
@@ -68,7 +70,7 @@ class FileService:
                 return _ack(question)
             case Opcode.TERMINATE_SESSION:
                 return self._close(question, session)
-            case Opcode.READ_FILE | Opcode.WRITE_FILE:
+            case Opcode.READ_FILE | Opcode.WRITE_FILE | Opcode.BURST_READ_FILE:
                 return nak(question, FileError.INVALID_SESSION)
         return nak(question, FileError.UNKNOWN_COMMAND)
 
@@ -90,6 +92,26 @@ class FileService:
         except MissionError:
             taken = False
         return _ack(question) if taken else nak(question, FileError.FAIL)
+
+
+def _burst(question: FileMessage, content: bytes) -> tuple[FileMessage, ...]:
+    """A whole file from an offset on, piece by piece; behind its end, the error that says so."""
+    size = min(question.size or LONGEST_DATA, LONGEST_DATA)
+    starts = range(question.offset, len(content), size)[:LONGEST_BURST]
+    if not starts:
+        return (nak(question, FileError.END_OF_FILE),)
+    return tuple(
+        FileMessage(
+            (question.sequence + 1 + n) & 0xFFFF,
+            Opcode.ACK,
+            question.session,
+            question.opcode,
+            start,
+            content[start : start + size],
+            ends_burst=start == starts[-1],
+        )
+        for n, start in enumerate(starts)
+    )
 
 
 def _ack(question: FileMessage, data: bytes = b"") -> FileMessage:

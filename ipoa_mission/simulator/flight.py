@@ -158,8 +158,8 @@ class Flight:
             if now.mode is FlightMode.MISSION:
                 self.hold()
             return
-        if now.current >= len(items) or self.landed:
-            now.current = 0
+        if now.current >= len(items):
+            now.current = len(items) - 1 if self.autopilot is Autopilot.PX4 else 0
         if now.mode is FlightMode.MISSION:
             self._pilot.replaced(before)
         else:
@@ -170,6 +170,7 @@ class Flight:
         if self.armed:
             return
         self._now.armed, self._now.armed_s = True, self.time_s
+        self._now.reached.clear()
         self._pilot = PILOTS[self.autopilot](self._body, self._now, self.parameters, self._chance)
         self._pilot.enter()
 
@@ -204,6 +205,19 @@ class Flight:
             self._pilot.enter()
         elif now.mission is MissionState.COMPLETE:
             now.mission = MissionState.PAUSED
+
+    def rewind(self) -> None:
+        """The mission, which nobody flies, stands at its first item again."""
+        self._now.current = 0
+        self._now.program.jumped.clear()
+        if self._now.program.items:
+            self._now.mission = MissionState.NOT_STARTED
+
+    def climb(self, height: float) -> None:
+        """Take off to a height above home [m], and stay there; ArduPilot only."""
+        self._now.mode = FlightMode.HOLD
+        if isinstance(self._pilot, ArduPilotPilot):
+            self._pilot.climb(height)
 
     def return_home(self) -> None:
         """Return to home and land there."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from types import MappingProxyType
 
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.conversations import Progress, silent
@@ -16,29 +17,31 @@ from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.server import PERFECT
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicle import Parameters
+from ipoa_mission.wind import CALM, Wind
 
-CALM = (0.0, 0.0)
+NO_PARAMETERS: Parameters = MappingProxyType({})
 
 
 def fly(
     mission: Mission,
-    parameters: Parameters | None = None,
+    parameters: Parameters = NO_PARAMETERS,
     seed: int = 0,
     faults: Faults = PERFECT,
-    log: Path | None = None,
+    log: str | Path | None = None,
     uploading: Progress = silent,
     flying: Callable[[int], None] = lambda done: None,
-    wind: tuple[float, float] = CALM,
+    wind: Wind = CALM,
 ) -> FlightRecord:
     """Upload a mission to the built-in autopilot that it was made for, fly it, and return what happened.
 
-    `log` gets every frame; `wind` blows towards east and north [m/s]. The same arguments give the same bytes.
+    `parameters` of the vehicle go before those that the mission carries; `log` gets every frame. The same arguments
+    give the same bytes. The mission is not checked: what happens to a bad one can be seen here.
 
     Raises:
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
     """
     with board(mission, parameters, seed, faults, log, wind) as vehicle:
-        vehicle.upload(mission, uploading)
+        vehicle.upload(mission, uploading, checked=False)
         vehicle.prepare()
         vehicle.start()
         return vehicle.watch(flying)
@@ -46,15 +49,16 @@ def fly(
 
 def board(
     mission: Mission,
-    parameters: Parameters | None = None,
+    parameters: Parameters = NO_PARAMETERS,
     seed: int = 0,
     faults: Faults = PERFECT,
-    log: Path | None = None,
-    wind: tuple[float, float] = CALM,
+    log: str | Path | None = None,
+    wind: Wind = CALM,
 ) -> Vehicle:
     """A connected simulated vehicle that stands at the mission's home."""
-    family, faulty = mission.autopilot, faults.nak_at
-    station = Station(Autopilot(family, mission.home, parameters, nak_at=faulty, seed=seed, wind=wind))
+    known, blown = mission.with_parameters(parameters).parameters, (wind.east, wind.north)
+    autopilot = Autopilot(mission.autopilot, mission.home, known, nak_at=faults.nak_at, seed=seed, wind=blown)
+    station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)
     return meet(line)

@@ -1,29 +1,104 @@
-"""The parameter protocol of the built-in autopilot: names and floats, in a fixed order."""
+"""The parameter protocol of the built-in autopilot: each value in the type that its firmware declares."""
 
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRead, ParamSet, ParamValue
+from ipoa_mission.link.orders import parameter_value, spelled_parameter
 from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot
 
-REAL32 = 9
+INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
 #: What ground stations look for besides what moves a mission.
 _OTHERS: Mapping[Autopilot, Mapping[str, float]] = {
-    Autopilot.ARDUPILOT: {"SYSID_THISMAV": 1.0, "FRAME_CLASS": 1.0, "FENCE_ENABLE": 0.0, "RTL_ALT_TYPE": 0.0},
+    Autopilot.ARDUPILOT: {
+        "MAV_SYSID": 1.0,
+        "FRAME_CLASS": 1.0,
+        "ARMING_CHECK": 1.0,
+        "AUTO_OPTIONS": 0.0,
+        "GUID_OPTIONS": 0.0,
+        "MIS_OPTIONS": 0.0,
+        "MIS_RESTART": 0.0,
+        "LOG_DISARMED": 0.0,
+        "FENCE_ENABLE": 0.0,
+        "FENCE_TYPE": 7.0,
+        "FENCE_ACTION": 1.0,
+        "FENCE_OPTIONS": 0.0,
+        "FENCE_MARGIN": 2.0,
+        "RTL_ALT_TYPE": 0.0,
+    },
     Autopilot.PX4: {
         "MAV_SYS_ID": 1.0,
         "SYS_AUTOSTART": 4001.0,
         "GF_ACTION": 2.0,
+        "GF_MAX_HOR_DIST": 0.0,
+        "GF_MAX_VER_DIST": 0.0,
         "MIS_DIST_1WP": 10_000.0,
+        "MIS_TAKEOFF_ALT": 2.5,
         "MIS_TKO_LAND_REQ": 0.0,
+        "COM_DISARM_LAND": 2.0,
+        "COM_DISARM_PRFLT": 10.0,
+        "COM_RC_IN_MODE": 1.0,
+        "NAV_DLL_ACT": 0.0,
     },
 }
+_AS_DECLARED: Mapping[Autopilot, Mapping[int, tuple[str, ...]]] = {
+    Autopilot.ARDUPILOT: {
+        INT8: (
+            "WP_YAW_BEHAVIOR",
+            "DISARM_DELAY",
+            "FRAME_CLASS",
+            "FENCE_ENABLE",
+            "FENCE_ACTION",
+            "FENCE_TYPE",
+            "RTL_ALT_TYPE",
+            "MIS_RESTART",
+            "LOG_DISARMED",
+            "TERRAIN_ENABLE",
+        ),
+        INT16: (
+            "ANGLE_MAX",
+            "LAND_SPEED",
+            "LAND_SPEED_HIGH",
+            "LAND_ALT_LOW",
+            "RTL_SPEED",
+            "RTL_ALT_FINAL",
+            "RTL_CLIMB_MIN",
+            "MAV_SYSID",
+            "FENCE_OPTIONS",
+            "MIS_OPTIONS",
+        ),
+        INT32: ("RTL_ALT", "RTL_LOIT_TIME", "AUTO_OPTIONS", "GUID_OPTIONS", "ARMING_CHECK"),
+    },
+    Autopilot.PX4: {
+        INT32: (
+            "MPC_YAW_MODE",
+            "RTL_CONE_ANG",
+            "MAV_SYS_ID",
+            "SYS_AUTOSTART",
+            "GF_ACTION",
+            "MIS_TKO_LAND_REQ",
+            "COM_RC_IN_MODE",
+            "NAV_DLL_ACT",
+        ),
+    },
+}
+#: What the real ones declare, by name; a name that is not here holds a float.
+TYPES: Mapping[Autopilot, Mapping[str, int]] = MappingProxyType(
+    {
+        autopilot: MappingProxyType({name: kind for kind, names in kinds.items() for name in names})
+        for autopilot, kinds in _AS_DECLARED.items()
+    }
+)
+#: PARAM_VALUE.param_index of ArduPilot where a parameter was asked for by its name.
+BY_NAME = 65535
 
 
 class ParameterTable:
     """The values, and the answers to those who ask for them."""
 
     def __init__(self, autopilot: Autopilot, given: Mapping[str, float]) -> None:
+        self._autopilot = autopilot
         self.values = {**DEFAULT_PARAMETERS[autopilot], **_OTHERS[autopilot], **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
@@ -31,18 +106,33 @@ class ParameterTable:
         names = sorted(self.values)
         match message:
             case ParamRequestList():
-                return [self._value(name, names) for name in names]
+                return [self._value(name, index, len(names)) for index, name in enumerate(names)]
             case ParamRequestRead(_, index) if 0 <= index < len(names):
-                return [self._value(names[index], names)]
+                return [self._value(names[index], index, len(names))]
             case ParamRequestRead(name, -1):
-                return [self._value(name, names)] if name in self.values else []
-            case ParamSet(name, value):
-                if name in self.values and math.isfinite(value):
-                    self.values[name] = value
-                return [self._value(name, names)] if name in self.values else []
+                return self._named(name, names)
+            case ParamSet(name, value, kind):
+                self._set(name, value, kind)
+                return self._named(name, names)
             case ParamRequestRead():
                 return []
         return None
 
-    def _value(self, name: str, names: list[str]) -> ParamValue:
-        return ParamValue(name, self.values[name], REAL32, len(names), names.index(name))
+    def _set(self, name: str, value: float, kind: int) -> None:
+        """PX4 takes no value of another type; ArduPilot looks at the number alone."""
+        own = TYPES[self._autopilot].get(name, REAL32)
+        if name not in self.values or (self._autopilot is Autopilot.PX4 and kind != own):
+            return
+        told = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
+        if math.isfinite(told):
+            self.values[name] = told if own == REAL32 else float(round(told))
+
+    def _named(self, name: str, names: list[str]) -> list[ParamValue]:
+        if name not in self.values:
+            return []
+        index = BY_NAME if self._autopilot is Autopilot.ARDUPILOT else names.index(name)
+        return [self._value(name, index, len(names))]
+
+    def _value(self, name: str, index: int, count: int) -> ParamValue:
+        kind = TYPES[self._autopilot].get(name, REAL32)
+        return ParamValue(name, spelled_parameter(self.values[name], kind, self._autopilot), kind, count, index)

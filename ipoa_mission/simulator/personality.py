@@ -10,10 +10,15 @@ from types import MappingProxyType
 
 from ipoa_mission.link.conversations import Manners
 from ipoa_mission.link.dialogue import Patience
-from ipoa_mission.link.messages import Firmware, MissionType, Result
+from ipoa_mission.link.messages import CommandResult, Firmware, MissionType, Result
+from ipoa_mission.link.modes import px4_mode
 from ipoa_mission.mission.firmware_facts import FIRMWARE
 from ipoa_mission.simulator.flight import FlightMode
 from ipoa_mission.vehicle import Autopilot
+
+#: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
+_SPOKEN = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768
+_BYTEWISE, _FTP = 16, 32
 
 
 class Answer(Enum):
@@ -24,6 +29,19 @@ class Answer(Enum):
     DENIED = "DENIED"
     ERROR = "ERROR"
     OBEY = "does it, and the upload ends"
+
+
+@dataclass(frozen=True)
+class StartUp:
+    """Seconds from power-up until it takes lists, has an origin, has sensors that agree, and has a position."""
+
+    listens_s: float
+    origin_s: float
+    steady_s: float
+    position_s: float
+    unsteady: str  # what hinders arming until then
+    unplaced: str
+    no_mission: str  # what hinders it in the mission mode without a mission
 
 
 @dataclass(frozen=True)
@@ -55,9 +73,33 @@ class Personality:
     reached_slot_s: float  # an item that is done within this time of another hides it
     rewinds_after_landing: bool  # a mission that ends in LAND stands at its first item again
     takes_orders_as_items: bool  # an item with current 2 ("go there now") or 3 ("change altitude")
+    clears_all: bool  # MISSION_CLEAR_ALL of type 255, or of one that does not exist
+    stored_text: Mapping[int, str]  # said when a list has been taken
+    flags_kept: frozenset[int]  # the lists whose autocontinue is 1 when they are read back, else 0
+    int_frames: bool  # frames are read back with their `_INT`
+    tells_list_id: bool  # MISSION_ACK and MISSION_CURRENT name the list that is kept
+    no_total: int  # MISSION_CURRENT.total where there is no mission
     missing_takeoff_text: str | None  # said when a mission without take-off is started on the ground
-    boot_s: float  # until then a COUNT gets NO_SPACE, and arming is refused
+    start_up: StartUp
     modes: Mapping[FlightMode, int]  # HEARTBEAT.custom_mode
+    first_mode: int  # after power-up
+    placed_modes: frozenset[int]  # those that need a position
+    armable_modes: frozenset[int]
+    mission_arms: bool  # MISSION_START arms by itself
+    tells_prearm: bool  # SYS_STATUS has the pre-arm check among its sensors, and texts say what it lacks
+    refused_arming: int  # COMMAND_ACK of an arming, or of a disarming in flight, that is refused
+    arm_words: tuple[str, str, str, str]  # armed, disarmed by order, by landing, by standing too long
+    disarm_delay: str  # the parameter that says how long it may stand armed on the ground [s]
+    mode_acks: int  # COMMAND_ACKs to one DO_SET_MODE
+    acks_first: bool  # the COMMAND_ACK comes before the message that was asked for
+    heartbeat_on_change: bool  # a HEARTBEAT at once when the mode changes
+    streams: Mapping[str, float]  # what is told unasked, and every how many seconds
+    fixed_streams: frozenset[str]  # whose rate nobody can change
+    no_such_stream: int  # COMMAND_ACK of an interval for a message that it does not send
+    no_such_message: int  # and of a request for one
+    no_such_interval: tuple[int, int]  # what MESSAGE_INTERVAL says of such a message, and the COMMAND_ACK with it
+    base_mode: int  # HEARTBEAT.base_mode while disarmed
+    capabilities: int  # AUTOPILOT_VERSION: what of MAV_PROTOCOL_CAPABILITY it has, and this stand-in does
     version: int  # AUTOPILOT_VERSION.flight_sw_version: major, minor, patch, type
 
     @property
@@ -79,10 +121,6 @@ class Personality:
 def _asks_every(seconds: float, give_up_s: float) -> Patience:
     retries = round(give_up_s / seconds) - 1
     return Patience(seconds, seconds, retries, retries, retries, adapt=False, echo_s=0.0)
-
-
-def _px4_mode(main: int, sub: int = 0) -> int:
-    return main << 16 | sub << 24
 
 
 ARDUCOPTER = Personality(
@@ -111,9 +149,35 @@ ARDUCOPTER = Personality(
     reached_slot_s=0.02,
     rewinds_after_landing=True,
     takes_orders_as_items=True,
+    clears_all=False,
+    stored_text=MappingProxyType({MissionType.MISSION: "Flight plan received"}),
+    flags_kept=frozenset({MissionType.MISSION}),
+    int_frames=False,
+    tells_list_id=False,
+    no_total=0,
     missing_takeoff_text="Auto: Missing Takeoff Cmd",
-    boot_s=45.0,
+    start_up=StartUp(
+        3.0, 20.0, 23.5, 41.4, "Gyros inconsistent", "Need Position Estimate", no_mission="Mode requires mission"
+    ),
     modes=MappingProxyType({FlightMode.HOLD: 5, FlightMode.MISSION: 3, FlightMode.RETURN: 6, FlightMode.LAND: 9}),
+    first_mode=0,
+    placed_modes=frozenset({3, 4, 5, 6, 7, 16, 17, 21, 27}),
+    armable_modes=frozenset({0, 1, 2, 4, 5, 16}),
+    mission_arms=False,
+    tells_prearm=True,
+    refused_arming=CommandResult.FAILED,
+    arm_words=("Arming motors", "Disarming motors", "Disarming motors", "Disarming motors"),
+    disarm_delay="DISARM_DELAY",
+    mode_acks=1,
+    acks_first=True,
+    heartbeat_on_change=True,
+    streams=MappingProxyType({"HEARTBEAT": 1.0, "TIMESYNC": 10.0}),
+    fixed_streams=frozenset(),
+    no_such_stream=CommandResult.DENIED,
+    no_such_message=CommandResult.FAILED,
+    no_such_interval=(0, CommandResult.FAILED),
+    base_mode=81,
+    capabilities=_SPOKEN | _FTP,
     version=0x04070000,
 )
 
@@ -143,17 +207,60 @@ PX4 = Personality(
     reached_slot_s=0.1,
     rewinds_after_landing=False,
     takes_orders_as_items=False,
+    clears_all=True,
+    stored_text=MappingProxyType({}),
+    flags_kept=frozenset({MissionType.MISSION, MissionType.RALLY}),
+    int_frames=True,
+    tells_list_id=True,
+    no_total=65535,
     missing_takeoff_text=None,
-    boot_s=0.0,
+    start_up=StartUp(0.5, 1.0, 1.5, 1.5, *(3 * ("Resolve system health failures first",))),
     modes=MappingProxyType(
         {
-            FlightMode.HOLD: _px4_mode(4, 3),
-            FlightMode.MISSION: _px4_mode(4, 4),
-            FlightMode.RETURN: _px4_mode(4, 5),
-            FlightMode.LAND: _px4_mode(4, 6),
+            FlightMode.HOLD: px4_mode(4, 3),
+            FlightMode.MISSION: px4_mode(4, 4),
+            FlightMode.RETURN: px4_mode(4, 5),
+            FlightMode.LAND: px4_mode(4, 6),
         }
     ),
-    version=0x011100FF,
+    first_mode=px4_mode(4, 3),
+    placed_modes=frozenset(px4_mode(4, sub) for sub in range(2, 7)),
+    armable_modes=frozenset({px4_mode(4, 3), px4_mode(4, 4)}),
+    mission_arms=True,
+    tells_prearm=False,
+    refused_arming=CommandResult.TEMPORARILY_REJECTED,
+    arm_words=(
+        "Armed by external command\t",
+        "Disarmed by external command\t",
+        "Disarmed by landing\t",
+        "Disarmed by auto preflight disarming\t",
+    ),
+    disarm_delay="COM_DISARM_PRFLT",
+    mode_acks=2,
+    acks_first=False,
+    heartbeat_on_change=False,
+    streams=MappingProxyType(
+        {
+            "HEARTBEAT": 1.0,
+            "SYS_STATUS": 1.0,
+            "SYSTEM_TIME": 1.0,
+            "GPS_RAW_INT": 0.2,
+            "GLOBAL_POSITION_INT": 0.2,
+            "LOCAL_POSITION_NED": 1.0,
+            "ATTITUDE": 1.0 / 15,
+            "VFR_HUD": 0.25,
+            "EXTENDED_SYS_STATE": 1.0,
+            "MISSION_CURRENT": 1.0,
+            "HOME_POSITION": 2.0,
+        }
+    ),
+    fixed_streams=frozenset({"HEARTBEAT", "MISSION_CURRENT"}),
+    no_such_stream=CommandResult.FAILED,
+    no_such_message=CommandResult.DENIED,
+    no_such_interval=(-1, CommandResult.ACCEPTED),
+    base_mode=29,
+    capabilities=_SPOKEN | _BYTEWISE,
+    version=0x01110080,
 )
 
 PERSONALITIES: Mapping[Autopilot, Personality] = MappingProxyType({Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4})

@@ -28,10 +28,12 @@ def serve(
     system: int = 1,
     seed: int = 0,
     signer: Signer | None = None,
-    boot_s: float = 0.0,
+    cold: bool = True,
     until: Callable[[], bool] = lambda: False,
 ) -> None:
     """Run an autopilot at `url` until `until` says so (asked ten times a second), or Ctrl-C.
+
+    `cold`: it is powered up now, and like a real one it has no position for a while.
 
     Raises:
         BadInput, LinkDown: the link cannot be opened.
@@ -40,7 +42,7 @@ def serve(
         raise BadInput(f"speedup: expected 0.01 to 1000, not {speedup}")
     channel = open_channel(url)
     try:
-        autopilot = Autopilot(family, home, parameters, boot_s, faults.nak_at)
+        autopilot = Autopilot(family, home, parameters, cold, faults.nak_at)
         station = Station(autopilot, system, signer, channel.datagrams)
         Server(channel, station, speedup, faults, seed).run(until)
     finally:

@@ -1,10 +1,10 @@
-"""What an autopilot tells unasked, and how often; each interval can be changed by command 511."""
+"""What an autopilot tells unasked or when asked by command 511, how often, and what it says then."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from types import MappingProxyType
 
-from ipoa_mission.link.codec import message_name
+from ipoa_mission.link.codec import Target, message_name
 from ipoa_mission.link.messages import (
     Attitude,
     ExtendedState,
@@ -21,23 +21,8 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.wire import saturated
 from ipoa_mission.simulator.flight import Flight
 
-#: Seconds between two messages of a kind.
-INTERVALS_S: Mapping[str, float] = MappingProxyType(
-    {
-        "HEARTBEAT": 1.0,
-        "SYS_STATUS": 1.0,
-        "SYSTEM_TIME": 1.0,
-        "GPS_RAW_INT": 0.5,
-        "GLOBAL_POSITION_INT": 0.2,
-        "LOCAL_POSITION_NED": 0.5,
-        "ATTITUDE": 0.2,
-        "VFR_HUD": 0.5,
-        "EXTENDED_SYS_STATE": 0.5,
-        "MISSION_CURRENT": 0.2,
-        "HOME_POSITION": 5.0,
-    }
-)
 FASTEST_S, SLOWEST_S = 0.01, 2000.0
+MOST_LISTENERS = 16
 
 GYRO, ACCEL, MAG, PRESSURE, GPS = 1, 2, 4, 8, 32
 GEOFENCE, AHRS, BATTERY, PREARM = 0x100000, 0x200000, 0x2000000, 0x10000000
@@ -45,31 +30,51 @@ SENSORS = GYRO | ACCEL | MAG | PRESSURE | GPS | GEOFENCE | AHRS | BATTERY
 
 
 class Schedule:
-    """When which stream is due."""
+    """When which stream is due.
 
-    def __init__(self) -> None:
-        self._intervals = dict(INTERVALS_S)
-        self._due = dict.fromkeys(INTERVALS_S, 0.0)
+    Every listener has the rates that it asked for, or those of the firmware; a message goes to all, as often as the one
+    who wants it most often wants it.
+    """
 
-    def set_interval(self, number: int, interval_us: float, now: float) -> bool:
-        """Command 511: -1 stops a stream, 0 restores it; whether there is such a stream."""
+    def __init__(self, usual: Mapping[str, float], fixed: Set[str]) -> None:
+        """`usual`: the streams that nobody has to ask for, and their intervals [s]; nobody changes the `fixed` ones."""
+        self._usual = usual
+        self._fixed = fixed
+        self._wishes: dict[Target, dict[str, float]] = {}
+        self._intervals = dict(usual)
+        self._due = dict.fromkeys(usual, 0.0)
+
+    def hear(self, listener: Target) -> None:
+        """Somebody is there."""
+        if listener not in self._wishes:
+            while len(self._wishes) >= MOST_LISTENERS:
+                del self._wishes[next(iter(self._wishes))]
+            self._wishes[listener] = {}
+
+    def set_interval(self, number: int, interval_us: float, now: float, listener: Target) -> bool:
+        """Command 511: -1 stops a stream, 0 restores it; whether that can be had."""
         name = message_name(number)
-        if name is None or name not in INTERVALS_S or math.isnan(interval_us):
+        if name is None or name not in KNOWN or name in self._fixed or math.isnan(interval_us):
             return False
-        if interval_us < 0:
-            self._due[name] = math.inf
+        self.hear(listener)
+        wishes = self._wishes[listener]
+        if interval_us == 0:
+            wishes.pop(name, None)
         else:
-            wanted_s = interval_us / 1e6 if interval_us else INTERVALS_S[name]
-            self._intervals[name] = min(max(wanted_s, FASTEST_S), SLOWEST_S)
+            wishes[name] = math.inf if interval_us < 0 else min(max(interval_us / 1e6, FASTEST_S), SLOWEST_S)
+        before = self._intervals.get(name, math.inf)
+        self._intervals[name] = min(self._interval(name, one) for one in self._wishes)
+        if self._intervals[name] != before:
             self._due[name] = now + self._intervals[name]
         return True
 
-    def interval_us(self, number: int) -> int:
-        """What command 510 asks: microseconds, -1 for a stream that is off, 0 for none."""
+    def interval_us(self, number: int, listener: Target) -> int | None:
+        """What command 510 asks: microseconds, -1 for a stream that is off; None: there is no such stream."""
         name = message_name(number)
-        if name not in self._due:
-            return 0
-        return -1 if math.isinf(self._due[name]) else round(self._intervals[name] * 1e6)
+        if name is None or name not in KNOWN:
+            return None
+        interval = self._interval(name, listener)
+        return -1 if math.isinf(interval) else round(interval * 1e6)
 
     def due(self, now: float) -> list[str]:
         """The streams that are due by now, each once."""
@@ -82,6 +87,10 @@ class Schedule:
     def deadline(self) -> float:
         """When the next is due."""
         return min(self._due.values())
+
+    def _interval(self, name: str, listener: Target) -> float:
+        usual = self._usual.get(name, math.inf)
+        return self._wishes.get(listener, {}).get(name, usual)
 
 
 def position(flight: Flight, now: float) -> Position:
@@ -135,10 +144,14 @@ FROM_FLIGHT: Mapping[str, Callable[[Flight, float], Message]] = MappingProxyType
 )
 
 
-def status(is_ready: bool) -> SystemStatus:
-    """SYS_STATUS: all sensors healthy, and the pre-arm check once it is passed."""
-    bits = SENSORS | PREARM
-    return SystemStatus(bits, bits, bits if is_ready else SENSORS)
+def status(is_ready: bool, tells_prearm: bool) -> SystemStatus:
+    """SYS_STATUS: all sensors healthy, and the pre-arm check once it is passed; PX4 calls that one healthy only."""
+    bits = SENSORS | (PREARM if tells_prearm else 0)
+    return SystemStatus(bits, bits, SENSORS | (PREARM if is_ready else 0))
+
+
+#: What can be asked for, as a stream or once.
+KNOWN = frozenset({"HEARTBEAT", "SYS_STATUS", "MISSION_CURRENT", "TIMESYNC", *FROM_FLIGHT})
 
 
 def _half_turn(angle: float) -> float:

@@ -4,12 +4,13 @@ Where nothing else is said, a habit was measured (see `personality`); the rest i
 """
 
 import math
+import zlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.codec import Target
+from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Dialogue, Exchange, NoAnswer, Tell
 from ipoa_mission.link.messages import (
@@ -27,13 +28,14 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.firmware import home_item
-from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.items import SAME_FRAME, Item
 from ipoa_mission.simulator.judgement import JUDGES
 from ipoa_mission.simulator.personality import Answer, Personality
 from ipoa_mission.simulator.store import Store
 from ipoa_mission.world.frame import Geodetic
 
-WARNING = 4
+WARNING, INFO = 4, 6
+INT_FRAMES = {int(plain): int(whole) for whole, plain in SAME_FRAME.items()}
 KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
 #: Values of an item's `current` that make it an order of its own, and the answer of a vehicle that is not in guided
@@ -237,8 +239,11 @@ class Transfers:
         if result == Result.ACCEPTED:
             store.commit()
             self._last_done = (incoming.client, incoming.kind, incoming.count - 1)
-        self._say(Ack(result, incoming.kind), incoming.client)
+        number = self.list_id(incoming.kind) if result == Result.ACCEPTED else 0
+        self._say(Ack(result, incoming.kind, number), incoming.client)
         if result == Result.ACCEPTED:
+            if words := self._habits.stored_text.get(incoming.kind):
+                self._say(Text(INFO, words), EVERYONE)
             self._changed(incoming.kind)
 
     @staticmethod
@@ -273,7 +278,21 @@ class Transfers:
             self._flush_reader((client, kind), exchange)
 
     def _reading(self, kind: int) -> Dialogue[int | None]:
-        return offer(self.listed(kind), kind, Tell)
+        return offer(self._read_back(kind), kind, Tell)
+
+    def _read_back(self, kind: int) -> tuple[Item, ...]:
+        """A list with the flags and frames that this firmware tells."""
+        items = self.listed(kind)
+        if kind not in self._habits.flags_kept:
+            items = tuple(replace(item, autocontinue=False) for item in items)
+        if self._habits.int_frames:
+            items = tuple(replace(item, frame=INT_FRAMES.get(item.frame, item.frame)) for item in items)
+        return items
+
+    def list_id(self, kind: int) -> int:
+        """The number by which PX4 names a list that it keeps."""
+        items = self.stores[MissionType(kind)].items
+        return zlib.crc32(repr(items).encode()) if items and self._habits.tells_list_id else 0
 
     def _read(self, seq: int, kind: int, message: Request, client: Target, now: float) -> None:
         if kind not in KINDS:
@@ -284,7 +303,7 @@ class Transfers:
             reader.receive(message, now)
             self._flush_reader((client, kind), reader)
         elif self._habits.answers_requests_at_any_time:
-            items = self.listed(kind)
+            items = self._read_back(kind)
             known = seq < len(items)
             self._say(ItemAt(seq, items[seq], kind) if known else Ack(Result.INVALID_SEQUENCE, kind), client)
 
@@ -306,7 +325,7 @@ class Transfers:
 
     def _clear(self, kind: int, client: Target) -> None:
         kinds = KINDS if kind == MissionType.ALL else tuple(one for one in KINDS if one == kind)
-        if not kinds:
+        if kind not in KINDS and not self._habits.clears_all:
             self._say(Ack(Result.UNSUPPORTED, kind), client)
             return
         busy = {self._slot(one) for one in kinds} & set(self._incoming)

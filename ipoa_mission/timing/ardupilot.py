@@ -31,9 +31,9 @@ from ipoa_mission.timing.copter_vertical import Climb, descend, take_off
 from ipoa_mission.timing.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
-from ipoa_mission.timing.wind import CALM, Wind
 from ipoa_mission.touchdown import ARMING_DELAY_S, CENTIMETRE, LAND_DETECTOR_S, LIFT_S, THROTTLE_DOWN_S
 from ipoa_mission.vehicle import Parameters
+from ipoa_mission.wind import CALM, Wind
 
 STEP = 0.02  # [s]
 SAMPLE_STEPS = 5  # a sample of the track every so many steps

@@ -13,8 +13,8 @@ from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.timing.route import RouteTime, route_time
-from ipoa_mission.timing.wind import CALM, Wind
 from ipoa_mission.vehicle import Autopilot, Parameters
+from ipoa_mission.wind import CALM, Wind
 
 NO_PARAMETERS: Parameters = MappingProxyType({})
 EARTH_RADIUS = 6_371_000.0  # [m]
@@ -72,15 +72,25 @@ def estimate(
 ) -> Estimate:
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
-    `parameters` replace the autopilot's defaults by its own names; names that the model does not use are passed over.
+    `parameters` of the vehicle go before those that the mission carries, and these before the autopilot's defaults;
+    names that the model does not use are passed over.
     `fast` runs the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
     mission), plain (False), or, by default, compiled only where that is ready and quicker. The result is the same.
+
+    >>> from ipoa_mission.mission.items import land, takeoff, waypoint
+    >>> from ipoa_mission.world.frame import Geodetic
+    >>> home, there = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.398642, 8.545594, 488.0)
+    >>> items = (takeoff(home, 15.0), waypoint(there, 15.0), land(there))
+    >>> quad = Mission(home, items, Autopilot.ARDUPILOT, parameters={"LAND_SPEED": 40.0})
+    >>> estimate(quad).total_s > estimate(quad, {"LAND_SPEED": 50.0}).total_s
+    True
 
     Raises:
         BadInput: the mission has no end, or a parameter has no sense.
         MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
     """
-    route, prediction = predict(mission, parameters, wind, fast)
+    mission = mission.with_parameters(parameters)
+    route, prediction = predict(mission, wind, fast)
     items = _item_times(route, prediction)
     remarks = prediction.remarks
     if route.over_terrain:
@@ -97,7 +107,7 @@ def estimate(
         low_s=items[-1].low_s if items else 0.0,
         high_s=items[-1].high_s if items else 0.0,
         qgroundcontrol_s=qgroundcontrol_time(mission),
-        route=route_time(route, prediction.done, prediction.track, mission.autopilot, parameters),
+        route=route_time(route, prediction.done, prediction.track, mission.autopilot, mission.parameters),
         items=items,
         track=in_local_frame(prediction.track),
         remarks=tuple(dict.fromkeys(remarks)),
@@ -105,18 +115,15 @@ def estimate(
 
 
 def predict(
-    mission: Mission,
-    parameters: Parameters = NO_PARAMETERS,
-    wind: Wind = CALM,
-    fast: bool | None = None,
-    sure: bool = False,
+    mission: Mission, wind: Wind = CALM, fast: bool | None = None, sure: bool = False
 ) -> tuple[Itinerary, Prediction]:
     """What the vehicle meets in flight, and what the model says of it.
 
     `sure`: the vehicle knows where it is, so that PX4 is flown once and not many times; else as in `estimate`.
     """
     route, body = itinerary(mission), BODIES[mission.autopilot]
-    return route, MODELS[mission.autopilot](route, parameters, wind, fast, replace(body, senses=None) if sure else body)
+    body = replace(body, senses=None) if sure else body
+    return route, MODELS[mission.autopilot](route, mission.parameters, wind, fast, body)
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:

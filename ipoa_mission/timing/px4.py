@@ -23,9 +23,9 @@ from ipoa_mission.timing.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_a
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4_parameters import Px4Limits, px4_limits
 from ipoa_mission.timing.reasons import corner_deg, slow_because
-from ipoa_mission.timing.wind import CALM, Wind
 from ipoa_mission.touchdown import RANGE_LAG_S, Px4Touchdown
 from ipoa_mission.vehicle import Parameters
+from ipoa_mission.wind import CALM, Wind
 
 STEP = 0.04  # [s]
 SAMPLE_STEPS = 3  # a sample of the track every so many steps

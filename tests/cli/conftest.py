@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.cli.app import main
-from ipoa_mission.cli.job import PlannedJob, adapt_scenario, plan_mission
-from ipoa_mission.cli.writing import write_files
+from ipoa_mission.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
+from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
@@ -57,16 +57,16 @@ def run(
 
 
 @pytest.fixture(scope="session")
-def planned(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[PlannedJob, Path]]:
-    """A scenario of the repository planned with seed 5, once for all tests: the job, and the folder of its files."""
+def planned(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Flight, Path]]:
+    """A scenario of the repository planned with seed 5, once for all tests: the flight, and the folder of its files."""
     missions = Path(__file__).parents[2] / "missions"
 
     @cache
-    def plan(name: str) -> tuple[PlannedJob, Path]:
+    def plan(name: str) -> tuple[Flight, Path]:
         folder = tmp_path_factory.mktemp(name)
-        job = plan_mission(adapt_scenario(missions / f"{name}.toml"), 5)
-        write_files(job, folder)
-        return job, folder
+        flight = plan_flight(read_scenario(missions / f"{name}.toml"), 5)
+        flight.write(folder)
+        return flight, folder
 
     return plan
 

@@ -49,14 +49,6 @@ def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(
     assert "refused the mission at item 2 with ERROR" in ended.err
 
 
-@pytest.mark.parametrize("name", ["campus"])
-def test_the_same_scenario_and_seed_give_the_same_bytes(run, planned, missions: Path, name: str) -> None:
-    _, folder = planned(name)
-    assert run(f"plan {missions / name}.toml --out again --seed 5").code == 0
-    for suffix in ("plan", "waypoints", "json"):
-        assert Path(f"again/{name}.{suffix}").read_bytes() == (folder / f"{name}.{suffix}").read_bytes()
-
-
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_both_formats_hold_the_same_mission_and_it_passes_the_checks(run, missions: Path, name: str) -> None:
     """The missions that ship beside their scenarios."""

@@ -175,7 +175,7 @@ def test_ctrl_c_while_planning_leaves_nothing_behind(run, missions: Path, monkey
         raise KeyboardInterrupt
 
     monkeypatch.setattr(planner, "search", interrupted, raising=False)
-    monkeypatch.setattr("ipoa_mission.cli.job.plan_path", interrupted)
+    monkeypatch.setattr("ipoa_mission.flight.flight.plan_path", interrupted)
     ended = run(f"plan {missions}/sitl.toml --out out")
     assert (ended.code, ended.out) == (130, "")
     assert ended.err == "error: stopped: nothing was written\n"
@@ -216,6 +216,7 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run, monkeypatch) ->
         ("plan {sitl} --planner quick", "Invalid value for '--planner'"),
         ("mock --home 95 8 400", "--home: expected latitude and longitude in degrees"),
         ("mock --link mavlink:1", "link: expected udpin:HOST:PORT"),
+        ("mock --param MPC_XY_CRUISE=1e300", "--param MPC_XY_CRUISE=1e300: expected NAME=VALUE"),
         ("reproduce table-33", "table-33"),
         ("upload {mission} --link udpin:127.0.0.1:0 --key {folder}", "cannot be read: Is a directory"),
     ],

@@ -1,9 +1,12 @@
 """docs/api.md: its examples run, one after the other, and it names what there is."""
 
+import ast
+import doctest
 import re
 import socket
 import threading
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -58,12 +61,44 @@ def test_the_examples_run_one_after_the_other(vehicle_at: str, tmp_path: Path, m
 
 def test_the_page_names_all_that_is_public() -> None:
     table = TEXT[TEXT.index("## All names") :]
-    assert set(re.findall(r"`(\w+)[(`]", "".join(re.findall(r"^\| (.*?) \|", table, re.MULTILINE)))) == set(
+    assert set(re.findall(r"`(\w+)[(`]", "\n".join(re.findall(r"^\| (.*?) \|", table, re.MULTILINE)))) == set(
         ipoa_mission.__all__
     )
     assert dir(ipoa_mission) == ipoa_mission.__all__ == sorted(ipoa_mission.__all__)
     for name in ipoa_mission.__all__:
         assert callable(getattr(ipoa_mission, name))
+    assert re.fullmatch(r"\d+\.\d+\.\d+\S*", ipoa_mission.__version__)
+
+
+def test_type_checkers_are_told_the_same_names() -> None:
+    source = Path(ipoa_mission.__file__).read_text(encoding="utf-8")
+    told = {
+        (f"{node.module}", alias.name)
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("ipoa_mission.")
+        for alias in node.names
+        if alias.asname
+    }
+    assert told == {(module, name) for name, module in ipoa_mission._WHERE.items()}
+
+
+@pytest.mark.parametrize("name", [*ipoa_mission.__all__])
+def test_what_a_public_docstring_raises_can_be_caught_by_its_public_name(name: str) -> None:
+    public = getattr(ipoa_mission, name)
+    members = [public, *(vars(public).values() if isinstance(public, type) else ())]
+    for docstring in filter(None, (getattr(member, "__doc__", None) for member in members)):
+        _, raises, promised = docstring.partition("Raises:")
+        for error in re.findall(r"[A-Z][a-z]+[A-Za-z]*", promised.partition("\n\n")[0]) if raises else ():
+            kind = getattr(ipoa_mission, error, None)
+            is_word = not re.search(rf"(^|, |\n *){error}(, |\.|:)", promised)
+            assert is_word or (isinstance(kind, type) and issubclass(kind, Exception)), f"{name} raises {error}"
+
+
+@pytest.mark.parametrize("module", ["mission.items", "timing.estimate", "vehicle", "wind"])
+def test_the_examples_in_docstrings_run(module: str) -> None:
+    found = doctest.testmod(import_module(f"ipoa_mission.{module}"))
+    assert found.attempted > 0
+    assert found.failed == 0
 
 
 def test_the_index_names_every_page() -> None:

@@ -60,6 +60,7 @@ def main(port: str, path: str, rally_path: str) -> None:
     link.arducopter_arm()
     link.motors_armed_wait()
     link.set_mode("AUTO")
+    link.mav.command_long_send(1, 1, mavutil.mavlink.MAV_CMD_MISSION_START, 0, 0, 0, 0, 0, 0, 0, 0)
     reached: list[int] = []
     while link.motors_armed():
         heard = link.recv_match(type=["MISSION_ITEM_REACHED", "HEARTBEAT"], blocking=True, timeout=10)

@@ -112,6 +112,7 @@ def test_mavproxy_reads_parameters_and_uploads_lists_and_flies_a_mission(
         mavproxy.say("arm throttle")
         mavproxy.expect("ARMED")
         mavproxy.say("mode auto")
+        mavproxy.say("long MISSION_START 0 0 0 0 0 0 0")
         mavproxy.expect("Mode AUTO")
         mavproxy.expect("Reached command #3")
         mavproxy.expect("DISARMED")

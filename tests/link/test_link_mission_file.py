@@ -235,11 +235,23 @@ def service() -> FileService:
 
 def ask(one: FileService, *questions: FileMessage, client: Target = CLIENT) -> FileMessage:
     for question in questions:
-        answer = unpack(one.answer(question.pack(), client))
-    return answer
+        (told,) = one.answers(question.pack(), client)
+    return unpack(told)
 
 
 OPEN = FileMessage(0, Opcode.CREATE_FILE, data=MISSION_FILE.encode())
+
+
+def test_a_file_is_read_in_one_burst() -> None:
+    one = FileService(True, 30, lambda kind: items_of(ARDUPILOT, 30), lambda items: True)
+    ask(one, FileMessage(0, Opcode.OPEN_FILE_RO, data=MISSION_FILE.encode()))
+    told = [unpack(part) for part in one.answers(FileMessage(2, Opcode.BURST_READ_FILE, size=80).pack(), CLIENT)]
+    assert b"".join(part.data for part in told) == pack_mission(items_of(ARDUPILOT, 30))
+    assert [part.sequence for part in told] == list(range(3, 3 + len(told)))
+    assert [part.ends_burst for part in told] == [False] * (len(told) - 1) + [True]
+    (end,) = one.answers(FileMessage(40, Opcode.BURST_READ_FILE, offset=10**6, size=80).pack(), CLIENT)
+    assert unpack(end).data == bytes((FileError.END_OF_FILE,))
+
 
 REFUSALS = [
     (FileMessage(0, 99), FileError.UNKNOWN_COMMAND),

@@ -6,13 +6,13 @@ from dataclasses import replace
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from ipoa_mission.link.channel import Peer
+from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.dialogue import SPECIFIED
 from ipoa_mission.link.line import Contested, Line, SpeaksMavlink1
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Result
-from ipoa_mission.link.vehicle import meet
+from ipoa_mission.link.vehicle import connect, meet
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
@@ -271,3 +271,21 @@ def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None
     vehicle = meet(line)
     vehicle.upload(MISSION)
     assert vehicle.parameters(["MPC_XY_CRUISE", "NO_SUCH_NAME"]).keys() == {"MPC_XY_CRUISE"}
+
+
+# --- the other side goes away ---------------------------------------------------------------------------------------
+
+
+def test_a_connection_that_is_closed_in_flight_tells_when_the_vehicle_was_heard_last(
+    run_mock: Callable[..., object],
+) -> None:
+    with run_mock(PX4, 5.0, "tcpin") as running:  # type: ignore[attr-defined]
+        vehicle = connect(f"tcp:127.0.0.1:{running.port}")
+        vehicle.upload(MISSION)
+        vehicle.prepare()
+        vehicle.start()
+    with vehicle, pytest.raises(LinkDown, match="the other side closed the connection"):
+        vehicle.watch()
+    heard = vehicle.line.heard_s(VEHICLE)
+    assert heard is not None
+    assert vehicle.line.channel.now() - heard < 5.0

@@ -83,7 +83,7 @@ def test_the_way_to_where_a_payload_is_put_down_or_a_height_is_taken_is_flown(co
 def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
     scenario = world()
     high = {"RTL_RETURN_ALT": 50.0, "RTL_DESCEND_ALT": 50.0}
-    legs = flown_legs(flight(scenario, (60.0, 0.0, 20.0)), scenario.frame, parameters=high)
+    legs = flown_legs(flight(scenario, (60.0, 0.0, 20.0)).with_parameters(high), scenario.frame)
     assert [(leg.seq, leg.phase) for leg in legs] == [
         (1, Phase.TAKEOFF),
         (2, Phase.CRUISE),
@@ -101,6 +101,7 @@ def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
     [
         (ARDUPILOT, {}, 60.0, [20.0]),  # RTL_ALT is 15 m: it stays where it is
         (ARDUPILOT, {"RTL_ALT": 4000.0}, 60.0, [40.0]),
+        (ARDUPILOT, {"RTL_ALT_M": 40.0}, 60.0, [40.0]),
         (ARDUPILOT, {"RTL_ALT": 4000.0}, 10.0, [30.0]),  # RTL_CONE_SLOPE is 3
         (ARDUPILOT, {"RTL_ALT": 4000.0, "RTL_CONE_SLOPE": 0.0}, 10.0, [40.0]),
         (ARDUPILOT, {"RTL_CLIMB_MIN": 500.0}, 60.0, [25.0]),
@@ -115,8 +116,8 @@ def test_the_way_home_is_as_high_as_the_autopilots_parameters_say(
     autopilot: Autopilot, parameters: dict[str, float], east: float, tops: list[float]
 ) -> None:
     scenario = world()
-    mission = flight(scenario, (east, 0.0, 20.0), autopilot=autopilot)
-    ways = [leg for leg in flown_legs(mission, scenario.frame, parameters=parameters) if leg.phase is Phase.RETURN]
+    mission = flight(scenario, (east, 0.0, 20.0), autopilot=autopilot).with_parameters(parameters)
+    ways = [leg for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.RETURN]
     assert [way.points[:, 2].max() for way in ways] == pytest.approx(tops, abs=0.01)
     assert [way.alternative for way in ways] == [False, True][: len(ways)]
 

@@ -37,7 +37,7 @@ def flown_as(timed: Estimate, mission: Mission, factor: float, offset: float) ->
 
 def test_a_flight_slower_by_a_tenth_shows_a_tenth_on_every_leg(bowed: Callable[[str], tuple]) -> None:
     _, mission, timed = bowed("campus.toml")
-    comparison = compare_flight(mission, timed, flown_as(timed, mission, 1.1, 0.0))
+    comparison = compare_flight(timed, flown_as(timed, mission, 1.1, 0.0))
     assert comparison.total_error == pytest.approx(1 / 1.1 - 1)
     assert comparison.route_error == pytest.approx(1 / 1.1 - 1)
     assert len(comparison.legs) == len(timed.items)
@@ -47,7 +47,7 @@ def test_a_flight_slower_by_a_tenth_shows_a_tenth_on_every_leg(bowed: Callable[[
 
 def test_a_late_start_spoils_the_total_and_not_the_route(bowed: Callable[[str], tuple]) -> None:
     _, mission, timed = bowed("campus.toml")
-    comparison = compare_flight(mission, timed, flown_as(timed, mission, 1.0, 7.0))
+    comparison = compare_flight(timed, flown_as(timed, mission, 1.0, 7.0))
     assert comparison.route_error == pytest.approx(0)
     assert comparison.flown_total_s == pytest.approx(timed.total_s + 7)
     assert comparison.legs[0].error_s == pytest.approx(-7)
@@ -58,7 +58,7 @@ def test_items_that_the_autopilot_does_not_report_are_joined_to_the_next(bowed: 
     _, mission, timed = bowed("campus.toml")
     whole = flown_as(timed, mission, 1.0, 0.0)
     gaps = {index: time for index, time in whole.item_reached_s.items() if index not in (1, 4, 5)}
-    comparison = compare_flight(mission, timed, FlightRecord(gaps, whole.total_s, (), (), False))
+    comparison = compare_flight(timed, FlightRecord(gaps, whole.total_s, (), (), False))
     assert [leg.seq for leg in comparison.legs] == [index + 1 for index in gaps]
     assert sum(leg.estimated_s for leg in comparison.legs) == pytest.approx(timed.total_s)
     assert math.isnan(comparison.flown_total_s)
@@ -67,7 +67,7 @@ def test_items_that_the_autopilot_does_not_report_are_joined_to_the_next(bowed: 
 def test_a_flight_that_reached_nothing_is_no_crash(bowed: Callable[[str], tuple], tmp_path: Path) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     nothing = FlightRecord({}, 0.0, (), (), False)
-    comparison = compare_flight(mission, timed, nothing)
+    comparison = compare_flight(timed, nothing)
     assert comparison.legs == ()
     assert math.isnan(comparison.route_error)
     assert flown_track(mission, nothing) is None
@@ -94,7 +94,7 @@ def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Callable[[str
 def test_the_picture_shows_both_times_of_each_leg(bowed: Callable[[str], tuple], tmp_path: Path) -> None:
     _, mission, timed = bowed("campus.toml")
     flight = flown_as(timed, mission, 1.1, 0.5)
-    comparison, track = compare_flight(mission, timed, flight), flown_track(mission, flight)
+    comparison, track = compare_flight(timed, flight), flown_track(mission, flight)
     assert track is not None
     figure = draw_comparison(comparison, timed.track.points, track.points)
     bars = [bar.get_height() for bar in figure.axes[1].patches]
@@ -115,7 +115,7 @@ def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
     path = tuple(Sample(r[0], r[1], r[2], math.nan, r[3], math.hypot(*r[4:7])) for r in rows)
     reached = {int(seq) - 1: time for seq, time in facts["item_done_s"].items()}
     flight = FlightRecord(reached, facts["end_s"], path, (), True)
-    comparison = compare_flight(mission, timed, flight)
+    comparison = compare_flight(timed, flight)
     known = [item.seq for item in timed.items if str(item.seq) in facts["item_done_s"]]
     assert [leg.seq for leg in comparison.legs] == known
     assert sum(leg.flown_s for leg in comparison.legs) == pytest.approx(facts["item_done_s"][str(known[-1])])

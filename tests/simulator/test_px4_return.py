@@ -32,12 +32,12 @@ def test_a_recorded_flight_came_home_as_high_as_the_law_says(flight: Recorded) -
 def test_checks_estimate_and_built_in_autopilot_return_equally_high(parameters: dict[str, float], top: float) -> None:
     frame = LocalFrame(HOME)
     items = (takeoff(HOME, 20.0), waypoint(frame.geodetic(np.array([60.0, 0.0, 0.0])), 20.0), return_to_launch())
-    mission = Mission(HOME, items, Autopilot.PX4, 5.0)
-    checked = [leg.points[:, 2].max() for leg in flown_legs(mission, frame, None, parameters)]
-    usual = next(leg for leg in flown_legs(mission, frame, None, parameters) if leg.phase is Phase.RETURN)
+    mission = Mission(HOME, items, Autopilot.PX4, 5.0, parameters=parameters)
+    checked = [leg.points[:, 2].max() for leg in flown_legs(mission, frame)]
+    usual = next(leg for leg in flown_legs(mission, frame) if leg.phase is Phase.RETURN)
     assert usual.points[:, 2].max() == pytest.approx(top, abs=0.01)
     assert max(checked) == pytest.approx(parameters.get("RTL_RETURN_ALT", 60.0), abs=0.01)  # and the manual's height
-    assert estimate(mission, parameters).track.points[:, 2].max() == pytest.approx(top, abs=1.0)
+    assert estimate(mission).track.points[:, 2].max() == pytest.approx(top, abs=1.0)
     flight = Flight(Autopilot.PX4, HOME, parameters)
     flight.load(items)
     flight.arm()

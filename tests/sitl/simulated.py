@@ -68,7 +68,14 @@ class Sitl:
     def begin(self, words: str, link: str | None = None) -> "subprocess.Popen[str]":
         """A command under way."""
         command = [sys.executable, "-m", "ipoa_mission", *shlex.split(words), "--link", link or self.link]
-        return subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        return subprocess.Popen(
+            command,
+            cwd=self.folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background jobs ignore it
+        )
 
     def run(self, words: str, link: str | None = None, seconds: float = 400.0) -> Ended:
         """A command to its end."""

@@ -7,7 +7,7 @@ from bad_radio import bad_radio
 from simulated import Sitl, interrupt
 
 from ipoa_mission.link import orders
-from ipoa_mission.link.departure import until
+from ipoa_mission.link.dialogue import until
 from ipoa_mission.link.messages import CommandResult
 from ipoa_mission.mission.items import Command, FenceCircle, FencePolygon
 from ipoa_mission.vehicle import Autopilot

@@ -19,8 +19,8 @@ from ipoa_mission.mission.items import (
 )
 from ipoa_mission.timing.copter_parameters import copter_limits
 from ipoa_mission.timing.estimate import Estimate, estimate
-from ipoa_mission.timing.wind import Wind
 from ipoa_mission.vehicle import ARDUCOPTER_DEFAULTS, RENAMED, Autopilot
+from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(39.101, 121.82, 20.0)

@@ -6,7 +6,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Wind:
-    """Wind of `speed` [m/s] from `from_deg` (0 north, 90 east); it blows everywhere and at all times alike."""
+    """Wind of `speed` [m/s] from `from_deg` (0 north, 90 east); it blows everywhere and at all times alike.
+
+    >>> west = Wind(6.0, from_deg=270.0)
+    >>> round(west.east, 3), round(abs(west.north), 3)
+    (6.0, 0.0)
+    """
 
     speed: float = 0.0
     from_deg: float = 0.0

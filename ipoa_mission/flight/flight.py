@@ -1,0 +1,125 @@
+"""A flight from its scenario to its files; what fails a check does not come out."""
+
+import json
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+
+from ipoa_mission.energy.flight import Consumption
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
+from ipoa_mission.flight.summary import summarise
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.assemble import Option, assemble, weigh_routes
+from ipoa_mission.mission.build import build_mission
+from ipoa_mission.mission.check import check_mission
+from ipoa_mission.mission.finding import Finding
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.mission.prove_route import prove_mission
+from ipoa_mission.mission.unsafe import refuse_errors
+from ipoa_mission.mission.way_home import told as told_of_way_home
+from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.proof import Proof
+from ipoa_mission.planning.search import Progress
+from ipoa_mission.report.page import Subject, page_html
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
+from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.wind import CALM, Wind
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, repr=False)
+class Flight:
+    """A planned flight, ready to be flown.
+
+    `options` are the ways to choose waypoints and what each would come to; `proof` is of the legs between waypoints;
+    `findings` are warnings; `energy` is None without an airframe; `remarks` are what the user should know.
+    """
+
+    scenario: Scenario
+    plan: Plan
+    options: tuple[Option, ...]
+    mission: Mission
+    proof: Proof
+    findings: tuple[Finding, ...]
+    estimate: Estimate
+    energy: Consumption | None
+    remarks: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Flight {self.name}: {len(self.mission.items)} items, {self.estimate.total_s:.1f} s>"
+
+    @property
+    def name(self) -> str:
+        """The scenario's, and that of the files."""
+        return self.scenario.name
+
+    def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
+        """Write NAME.plan, NAME.waypoints and NAME.json about them, and NAME.params if the mission has parameters.
+
+        The folder is made if it is not there. The same flight gives the same bytes.
+
+        Raises:
+            BadInput: the folder cannot be made or written.
+        """
+        folder = Path(folder)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise BadInput(f"{folder}: cannot be made a folder: {error.strerror}") from error
+        plan, waypoints, about, parameters = (
+            folder / f"{self.name}{suffix}" for suffix in (".plan", ".waypoints", ".json", ".params")
+        )
+        write_plan(self.mission, plan)
+        write_waypoints(self.mission, waypoints)
+        write_atomically(about, json.dumps(self.summary(), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+        return (plan, waypoints, about, *([parameters] if self.mission.parameters else []))
+
+    def summary(self) -> dict[str, object]:
+        """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
+        return summarise(self)
+
+    def report(self, path: str | Path, record: FlightRecord | None = None) -> None:
+        """Write the page that shows it, and how it was flown if that is known.
+
+        Raises:
+            BadInput: the file cannot be written.
+        """
+        subject = Subject(self.scenario, self.plan, self.mission, self.estimate, self.remarks, self.proof, self.energy)
+        write_atomically(Path(path), page_html(subject, record))
+
+
+def plan_flight(
+    scenario: Scenario, seed: int = 0, wind: Wind = CALM, progress: Progress = lambda done, words: None
+) -> Flight:
+    """Plan a path, choose waypoints, prove, check and time the mission, and see that the battery lasts.
+
+    The wind counts for the estimate and for the energy along it; the route is chosen in calm air. The same scenario,
+    seed and wind give the same flight. `progress` is told the share done and some words.
+
+    Raises:
+        BadInput: the optimiser is unknown, or has no such setting; start and goal are the same place.
+        NoPath, NoRoute: no safe way was found.
+        Unsafe: the mission fails a check.
+        NotEnoughBattery: it would not come home with its reserve.
+    """
+    world = scenario.airspace
+    log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
+    plan = plan_path(scenario, seed, progress)
+    log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
+    options = weigh_routes(plan, scenario)
+    chosen = [option.route for option in options if option.mode == scenario.route.mode]
+    mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
+    findings = refuse_errors(check_mission(mission, scenario))
+    found = estimate(mission, wind=wind)
+    energy = flight_energy(scenario, found.track.times, found.track.points, found.track.speeds)
+    expect_to_come_home(scenario, energy)
+    told = (finding.message for finding in findings)
+    remarks = (*told, *told_of_way_home(mission), *scenario.remarks, *left_out(mission))
+    proof = prove_mission(mission, scenario)
+    return Flight(scenario, plan, options, mission, proof, findings, found, energy, remarks)

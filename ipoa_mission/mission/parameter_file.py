@@ -1,0 +1,101 @@
+"""Parameter files: ArduPilot's (NAME,VALUE or NAME VALUE) and QGroundControl's (ids, NAME, VALUE, type).
+
+Which of the two a line is written in shows in its number of fields, so the file's suffix does not matter. A mission
+file holds no parameters: those of a mission stand beside it, in QGroundControl's format.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.vehicle import SINGLE_MAX, Parameters
+
+FIRST_LINE = "# Parameters of the vehicle that {} was made for"
+COLUMNS = "# Vehicle-Id Component-Id Name Value Type"
+#: MAV_PARAM_TYPE: QGroundControl does not load a parameter whose type is not the vehicle's.
+REAL32 = 9
+INTEGERS: Mapping[str, int] = {
+    **dict.fromkeys(("DISARM_DELAY", "WP_YAW_BEHAVIOR"), 2),
+    **dict.fromkeys(("ANGLE_MAX", "LAND_ALT_LOW", "LAND_SPEED", "LAND_SPEED_HIGH"), 4),
+    **dict.fromkeys(("RTL_ALT_FINAL", "RTL_CLIMB_MIN", "RTL_SPEED"), 4),
+    **dict.fromkeys(("MPC_USE_HTE", "MPC_YAW_MODE", "RTL_ALT", "RTL_CONE_ANG", "RTL_LOIT_TIME"), 6),
+}
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id holds sixteen characters
+SEPARATOR = re.compile(r"[,\s]+")
+
+
+def read_parameters(path: Path) -> Parameters:
+    """The parameters of a `.parm` or `.params` file by name; comments (`#`) and blank lines are passed over.
+
+    A parameter that stands twice has its last value, as it would have in the vehicle.
+
+    Raises:
+        BadInput: the message names the line, as in `quad.parm: line 3: expected a name and a value, not "WPNAV"`.
+    """
+    found: dict[str, float] = {}
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
+        text = line.split("#", 1)[0].strip()
+        if text:
+            name, value = _name_and_value(text, f"{path}: line {number}")
+            found[name] = value
+    return found
+
+
+def beside(path: Path) -> Path:
+    """Where the parameters of the mission in a file stand."""
+    return path.with_suffix(".params")
+
+
+def write_beside(mission: Mission, path: Path) -> None:
+    """Write the mission's parameters beside its file; where it has none, what was written there before is removed.
+
+    Raises:
+        BadInput: the mission has parameters, and in their place stands a file that was not written here.
+    """
+    target = beside(path)
+    is_ours = target.exists() and read_text(target).startswith(FIRST_LINE.partition("{}")[0])
+    if not mission.parameters:
+        if is_ours:
+            target.unlink()
+        return
+    if target.exists() and not is_ours:
+        raise BadInput(
+            f"{target}: expected no file of somebody else's, where the mission's parameters belong",
+            hint="move it, or write the mission under another name",
+        )
+    lines = (
+        f"1\t1\t{name}\t{_number(value)}\t{INTEGERS.get(name, REAL32)}" for name, value in mission.parameters.items()
+    )
+    write_atomically(target, "\n".join([FIRST_LINE.format(path.stem), COLUMNS, *lines]) + "\n")
+
+
+def _name_and_value(text: str, place: str) -> tuple[str, float]:
+    fields = SEPARATOR.split(text)
+    match fields:
+        case [name, value]:
+            pass
+        case [vehicle, component, name, value, kind] if (vehicle + component + kind).isdigit():
+            pass
+        case _:
+            raise BadInput(
+                f"{place}: expected a name and a value, or vehicle, component, name, value and type, not {text[:60]!r}"
+            )
+    if not NAME.fullmatch(name):
+        raise BadInput(f"{place}: expected a parameter's name of up to 16 letters, digits and _, not {name[:40]!r}")
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise BadInput(f"{place}: {name}: expected a number, not {value[:40]!r}")
+    if abs(number) > SINGLE_MAX:
+        raise BadInput(f"{place}: {name}: expected a number that fits in single precision, not {value[:40]!r}")
+    return name.upper(), number
+
+
+def _number(value: float) -> str:
+    return f"{value:.0f}" if value == int(value) else repr(float(value))

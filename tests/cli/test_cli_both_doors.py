@@ -1,0 +1,117 @@
+"""One answer by every door: what Python's functions say of a scenario, the command line says, and so do its files."""
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import ipoa_mission as api
+from ipoa_mission.scenario import parse_scenario
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+SCENARIOS = sorted(path.stem for path in MISSIONS.glob("*.toml"))
+#: A slower vehicle than the autopilot's defaults make, so that whoever forgets it is found out.
+SLOW = {
+    "ardupilot": "WPNAV_ACCEL = 120\nWP_JERK = 0.6\nLAND_SPEED = 30\nRTL_ALT_M = 22.5",
+    "px4": "MPC_ACC_HOR = 1.5\nMPC_JERK_AUTO = 2.5\nMPC_LAND_SPEED = 0.4",
+}
+
+
+@pytest.fixture
+def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> Path:
+    """A scenario of the repository, searched for a short time only, on such a vehicle."""
+    if name == "oldtown":
+        pytest.importorskip("rasterio")
+    for file in MISSIONS.iterdir():
+        if file.is_file():
+            (tmp_path / file.name).symlink_to(file)
+    usual = api.read_scenario(MISSIONS / f"{name}.toml")
+    path = tmp_path / "slow.toml"
+    text = (MISSIONS / f"{name}.toml").read_text(encoding="utf-8")
+    short = "[optimizer]\npopulation = 8\niterations = 8\n"
+    path.write_text(f"{text}\n{short}\n[vehicle.parameters]\n{SLOW[usual.vehicle.autopilot]}\n", encoding="utf-8")
+    return path
+
+
+@cache
+def _planned_from(text: str) -> api.Flight:
+    return api.plan_flight(parse_scenario(text, MISSIONS / "slow.toml"), seed=4)
+
+
+def _planned(path: Path) -> api.Flight:
+    """The same scenario planned once for all tests."""
+    return _planned_from(path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(run, slow: Path) -> None:
+    scenario = api.read_scenario(slow)
+    flight = _planned(slow)
+    told = json.loads(run(f"plan {slow} --out cli --seed 4 --report --json").out)
+    written = flight.write("api")
+    assert told["written"] == [str(Path("cli") / path.name) for path in written] + ["cli/slow.html"]
+    del told["written"]
+    assert told == json.loads(json.dumps(flight.summary()))
+    for path in written:
+        assert path.read_bytes() == (Path("cli") / path.name).read_bytes()
+    flight.report("api/slow.html")
+    api.write_report("by_hand.html", scenario, flight.plan, flight.mission, flight.estimate, remarks=flight.remarks)
+    page = Path("cli/slow.html").read_bytes()
+    assert page == Path("api/slow.html").read_bytes() == Path("by_hand.html").read_bytes()
+
+    total = flight.estimate.total_s
+    usual = api.estimate(api.Mission(flight.mission.home, flight.mission.items, flight.mission.autopilot)).total_s
+    assert total > usual + 3.0
+    for file in ("api/slow.plan", "cli/slow.waypoints"):
+        again = api.read_mission(file, flight.mission.autopilot)
+        assert dict(again.parameters) == dict(flight.mission.parameters)
+        assert api.estimate(again).total_s == pytest.approx(total, abs=1e-6)
+        by_command = json.loads(run(f"estimate {file} --autopilot {flight.mission.autopilot} --json").out)
+        assert by_command["total_s"] == pytest.approx(total, abs=1e-3)
+        assert by_command["remarks"][0].startswith(f"parameters from {Path(file).with_suffix('.params')}: ")
+    findings = api.check_mission(flight.mission, scenario)
+    checked = json.loads(run(f"check cli/slow.plan --scenario {slow} --json").out)
+    assert [row["message"] for row in checked["findings"]] == [found.message for found in findings]
+    assert findings == flight.findings
+
+
+@pytest.mark.parametrize("name", ["sitl"])
+def test_both_doors_fly_the_same_flight(run, slow: Path) -> None:
+    flight = _planned(slow)
+    record = api.fly(flight.mission, log="api.tlog")
+    flight.write("api")
+    flown = json.loads(run("fly api/slow.plan --out cli --json").out)
+    assert flown["flown_s"] == round(record.total_s, 3)
+    assert Path("cli/slow.tlog").read_bytes() == Path("api.tlog").read_bytes()
+    assert flown["estimate"]["total_s"] == pytest.approx(flight.estimate.total_s, abs=1e-3)
+    held = json.loads(run("compare api/slow.plan cli/slow.tlog --json").out)
+    comparison = api.compare_flight(flight.estimate, api.read_flight("cli/slow.tlog", flight.mission))
+    assert held["estimated_s"] == round(comparison.estimated_total_s, 3)
+    assert held["flown_s"] == pytest.approx(comparison.flown_total_s, abs=1e-3)
+    assert not math.isnan(comparison.flown_total_s)
+
+
+@pytest.mark.parametrize("name", ["sitl"])
+def test_what_is_given_goes_before_what_the_mission_carries(run, slow: Path) -> None:
+    flight = _planned(slow)
+    flight.write()
+    by_command = json.loads(run("estimate slow.plan --param MPC_LAND_SPEED=0.7 --json").out)["total_s"]
+    by_python = api.estimate(flight.mission, {"MPC_LAND_SPEED": 0.7}).total_s
+    assert by_command == round(by_python, 3)
+    assert by_python < flight.estimate.total_s - 1.0
+    longer = api.fly(flight.mission).total_s
+    assert api.fly(flight.mission, {"MPC_LAND_SPEED": 0.7}).total_s < longer - 1.0
+
+
+@pytest.mark.parametrize("name", ["sitl"])
+def test_python_refuses_what_the_command_line_refuses(run, slow: Path) -> None:
+    thirsty = "\n[vehicle.airframe]\nmass_kg = 2.0\nrotor_diameter = 0.25\n[vehicle.battery]\ncapacity_wh = 1.0\n"
+    slow.write_text(slow.read_text(encoding="utf-8") + thirsty, encoding="utf-8")
+    with pytest.raises(api.NotEnoughBattery) as refused:
+        api.plan_flight(api.read_scenario(slow), seed=4)
+    ended = run(f"plan {slow} --seed 4 --out out")
+    assert ended.code == 1
+    assert str(refused.value) in " ".join(ended.err.split())
+    assert not Path("out").exists()

@@ -1,0 +1,218 @@
+"""From the ground into the mission: nothing is armed too early, and what fails after the arming disarms again."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from ipoa_mission.link.departure import Departure, NotReady, depart, prepare
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange
+from ipoa_mission.link.messages import (
+    ARMED_FLAG,
+    CommandAck,
+    CommandLong,
+    Current,
+    Heartbeat,
+    Message,
+    Position,
+    SetCurrent,
+    SystemStatus,
+    Text,
+)
+from ipoa_mission.link.modes import ARMING_MODE, MISSION_MODE
+from ipoa_mission.link.orders import CommandRefused
+from ipoa_mission.link.state import PREARM_CHECK, VehicleState
+from ipoa_mission.vehicle import Autopilot
+
+PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
+TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, STREAM = 22, 176, 224, 300, 400, 511
+
+
+class Scripted:
+    """A vehicle that does as it is told, but for what a test changes; `told` is what it was told, in order."""
+
+    def __init__(self, autopilot: Autopilot, first: int = 1) -> None:
+        self.autopilot = autopilot
+        self.first = first
+        self.mode, self.armed, self.height, self.current = 0, False, 0.0, 5
+        self.ready_s, self.streams = 0.0, True
+        self.refuses: dict[int, tuple[int, str]] = {}
+        self.told: list[tuple[int, ...]] = []
+        self.state = VehicleState(autopilot)
+        self.now = 0.0
+
+    def hold(self, make: Callable[[Departure], Dialogue[None]], climb: float = 0.0, cancel_s: float = 1e9) -> None:
+        """A dialogue with it, on a virtual clock; it streams four times a second."""
+        exchange = Exchange(make(Departure(self.state, self.first, self.first + 1, climb)), self.now, SPECIFIED)
+        while not exchange.finished:
+            heard = [answer for message in exchange.outgoing() for answer in self.answer(message)]
+            self.now += 0.25
+            for message in [*heard, *self.stream()]:
+                self.state.note(message)
+                exchange.receive(message, self.now)
+            exchange.tick(self.now)
+            if self.now >= cancel_s:
+                cancel_s = 1e9
+                exchange.interrupt(Cancelled("cancelled"), self.now)
+
+    def stream(self) -> list[Message]:
+        beat = Heartbeat(2, 3, ARMED_FLAG if self.armed else 0, self.mode)
+        if not self.streams:
+            return [beat]
+        position = Position(self.now, 47.4 * (self.now >= self.ready_s), 8.5, 400.0, self.height)
+        ready = PREARM_CHECK * (self.now >= self.ready_s)
+        return [beat, position, Current(self.current), SystemStatus(PREARM_CHECK, PREARM_CHECK, ready)]
+
+    def answer(self, message: Message) -> list[Message]:
+        if isinstance(message, SetCurrent):
+            self.current = message.seq
+        if not isinstance(message, CommandLong):
+            return []
+        number, params = message.command, message.params
+        if number != STREAM:
+            self.told.append((number, *(int(p) for p in params[:3])))
+        if number == ARM and params[0] == 0.0:
+            self.armed = False
+            return [CommandAck(ARM, 0)]
+        if number in self.refuses:
+            result, words = self.refuses[number]
+            return [CommandAck(number, result), Text(2, words)]
+        self.obey(number, params)
+        return [CommandAck(number, 0)]
+
+    def obey(self, number: int, params: tuple[float, ...]) -> None:
+        match number:
+            case 176:
+                sub = int(params[2])
+                self.mode = int(params[1]) if self.autopilot is ARDUPILOT else int(params[1]) << 16 | sub << 24
+            case 224:
+                self.current = int(params[0])
+            case 400:
+                self.armed = True
+            case 300:
+                self.mode = MISSION_MODE[self.autopilot]
+            case 22:
+                self.height = params[6]
+
+
+def test_each_firmware_is_prepared_and_started_in_its_own_order() -> None:
+    copter, px4 = Scripted(ARDUPILOT), Scripted(PX4, first=0)
+    for vehicle in (copter, px4):
+        vehicle.hold(prepare)
+        assert not vehicle.armed
+        assert vehicle.current == vehicle.first
+        assert vehicle.mode == ARMING_MODE[vehicle.autopilot]
+        vehicle.hold(depart)
+        assert vehicle.armed
+        assert vehicle.mode == MISSION_MODE[vehicle.autopilot]
+    assert [told[0] for told in copter.told] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM, START]
+    assert [told[0] for told in px4.told] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM]
+    assert copter.told[0] == (SET_CURRENT, 1, 1, 0)  # jumps are counted anew
+
+
+def test_items_done_at_once_may_stand_before_the_one_that_is_current() -> None:
+    """ArduCopter, set to a DO item, calls the item behind it current."""
+    vehicle = Scripted(ARDUPILOT)
+    obey = vehicle.obey
+    vehicle.obey = lambda number, params: obey(number, tuple(p + (number == SET_CURRENT) for p in params))  # type: ignore[method-assign]
+    vehicle.hold(prepare)
+    assert vehicle.current == 2
+
+
+def test_the_older_message_sets_the_current_item_where_the_command_is_unknown() -> None:
+    vehicle = Scripted(PX4, first=0)
+    vehicle.refuses[SET_CURRENT] = (3, "")
+    vehicle.hold(prepare)
+    assert vehicle.current == 0
+
+
+def test_a_vehicle_without_a_position_is_waited_for() -> None:
+    vehicle, said = Scripted(ARDUPILOT), []
+    vehicle.ready_s = 40.0
+    vehicle.hold(lambda departure: prepare(replace(departure, report=said.append)))
+    assert 40.0 <= vehicle.now < 50.0
+    assert said
+    assert ARM not in [told[0] for told in vehicle.told]
+
+
+def test_one_that_does_not_become_ready_is_an_error_with_its_own_reason() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.refuses[SET_MODE] = (4, "Mode change to GUIDED failed: requires position")
+    with pytest.raises(
+        NotReady, match=r"not ready after 3. s: Mode change to GUIDED failed: requires position"
+    ) as late:
+        vehicle.hold(lambda departure: prepare(departure, ready_s=30.0))
+    assert late.value.hint == "the vehicle is disarmed, in STABILIZE"
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_an_armed_vehicle_is_left_alone(autopilot: Autopilot) -> None:
+    vehicle = Scripted(autopilot)
+    vehicle.armed = True
+    with pytest.raises(NotReady, match="begins disarmed and on the ground, but the vehicle is armed"):
+        vehicle.hold(prepare)
+    assert vehicle.told == []
+
+
+def test_a_vehicle_that_does_not_stream_is_not_flown() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.streams = False
+    vehicle.refuses[STREAM] = (3, "")
+    with pytest.raises(NotReady, match="does not send GLOBAL_POSITION_INT, MISSION_CURRENT, SYS_STATUS; it refused"):
+        vehicle.hold(prepare)
+
+
+def test_a_mission_that_stands_elsewhere_is_not_begun() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.obey = lambda number, params: None  # type: ignore[method-assign]
+    with pytest.raises(NotReady, match="set to begin at item 1, but it stands at item 5"):
+        vehicle.hold(prepare)
+
+
+def test_what_is_refused_after_the_arming_disarms_a_vehicle_on_the_ground() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
+    vehicle.refuses[START] = (4, "Mode change to AUTO failed: requires position")
+    with pytest.raises(CommandRefused, match=r"start the mission: .*requires position") as refused:
+        vehicle.hold(depart)
+    assert vehicle.told[-1] == (ARM, 0, 0, 0)
+    assert not vehicle.armed
+    assert refused.value.hint == "the vehicle is disarmed, in GUIDED"
+
+
+def test_a_mission_that_is_not_begun_disarms_it_too() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
+    obey = vehicle.obey
+    vehicle.obey = lambda number, params: None if number == START else obey(number, params)  # type: ignore[method-assign]
+    with pytest.raises(NotReady, match="did not begin its mission: the vehicle is armed, on the ground, in GUIDED"):
+        vehicle.hold(depart)
+    assert not vehicle.armed
+
+
+def test_an_arming_that_is_refused_for_good_is_an_error() -> None:
+    vehicle = Scripted(PX4, first=0)
+    vehicle.hold(prepare)
+    vehicle.refuses[ARM] = (1, "Arming denied: high winds")
+    with pytest.raises(CommandRefused, match=r"arm: .*Arming denied: high winds"):
+        vehicle.hold(depart)
+    assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)] * 5
+
+
+def test_ctrl_c_between_arming_and_start_disarms() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
+    obey = vehicle.obey
+    vehicle.obey = lambda number, params: None if number == START else obey(number, params)  # type: ignore[method-assign]
+    with pytest.raises(Cancelled) as cancelled:
+        vehicle.hold(depart, cancel_s=vehicle.now + 2.0)
+    assert not vehicle.armed
+    assert cancelled.value.hint == "the vehicle is disarmed, in GUIDED"
+
+
+def test_an_ardupilot_that_begins_with_a_waypoint_climbs_first() -> None:
+    vehicle = Scripted(ARDUPILOT, first=4)
+    vehicle.hold(prepare)
+    vehicle.hold(depart, climb=20.0)
+    assert [told[0] for told in vehicle.told][-3:] == [ARM, TAKEOFF, START]
+    assert vehicle.height == 20.0

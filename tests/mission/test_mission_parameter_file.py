@@ -1,0 +1,99 @@
+"""Parameter files as ArduPilot's tools and QGroundControl write them, and as people spoil them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Item, Mission, takeoff
+from ipoa_mission.mission.parameter_file import read_parameters
+from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.mission.waypoints_file import write_waypoints
+from ipoa_mission.vehicle import SINGLE_MAX
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(39.101, 121.82, 20.0)
+MISSION = Mission(HOME, (takeoff(HOME, 10.0), Item(20, 2)))
+
+QGROUNDCONTROL = """# Onboard parameters for Vehicle 1
+#
+# Stack: PX4 Pro
+# Vehicle: Multi-Rotor
+#
+# Vehicle-Id Component-Id Name Value Type
+1\t1\tMPC_XY_CRUISE\t7.500000000000000000\t9
+1\t1\tNAV_DLL_ACT\t0\t6
+"""
+MAVPROXY = "WPNAV_SPEED      800.000000\nWPNAV_JERK       1.500000   # gentle\n\n"
+MISSION_PLANNER = "#NOTE: 1/2/2024 frame\r\nWPNAV_SPEED,800\r\nWPNAV_JERK,1.5\r\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (QGROUNDCONTROL, {"MPC_XY_CRUISE": 7.5, "NAV_DLL_ACT": 0.0}),
+        (MAVPROXY, {"WPNAV_SPEED": 800.0, "WPNAV_JERK": 1.5}),
+        (MISSION_PLANNER, {"WPNAV_SPEED": 800.0, "WPNAV_JERK": 1.5}),
+        ("WPNAV_SPEED 1\nWPNAV_SPEED 2\n", {"WPNAV_SPEED": 2.0}),
+        ("", {}),
+    ],
+    ids=["QGroundControl", "MAVProxy", "Mission Planner", "the last one counts", "empty"],
+)
+def test_each_tools_file_is_read(tmp_path: Path, text: str, expected: dict[str, float]) -> None:
+    path = tmp_path / "vehicle.parm"
+    path.write_bytes(text.encode())
+    assert read_parameters(path) == expected
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("WPNAV_SPEED", "line 2: expected a name and a value"),
+        ("1 1 WPNAV_SPEED 800", "line 2: expected a name and a value"),
+        ("WPNAV_SPEED fast", "line 2: WPNAV_SPEED: expected a number, not 'fast'"),
+        ("WPNAV_SPEED nan", "line 2: WPNAV_SPEED: expected a number, not 'nan'"),
+        ("WPNAV_SPEED 1e300", "line 2: WPNAV_SPEED: expected a number that fits in single precision, not '1e300'"),
+        ("800,WPNAV_SPEED", "line 2: expected a parameter's name"),
+    ],
+)
+def test_a_broken_line_is_named(tmp_path: Path, line: str, message: str) -> None:
+    path = tmp_path / "vehicle.parm"
+    path.write_text(f"# a comment\n{line}\n")
+    with pytest.raises(BadInput, match=message):
+        read_parameters(path)
+
+
+@given(
+    st.dictionaries(
+        st.from_regex(r"[A-Z][A-Z0-9_]{0,15}", fullmatch=True), st.floats(-SINGLE_MAX, SINGLE_MAX, allow_nan=False)
+    )
+)
+def test_what_is_written_beside_a_mission_comes_back(
+    tmp_path_factory: pytest.TempPathFactory, values: dict[str, float]
+) -> None:
+    path = tmp_path_factory.mktemp("parameters") / "a.plan"
+    write_plan(replace(MISSION, parameters=values), path)
+    assert read_mission(path).parameters == values
+
+
+def test_a_mission_without_parameters_takes_away_those_that_were_written_here(tmp_path: Path) -> None:
+    path = tmp_path / "a.waypoints"
+    write_waypoints(replace(MISSION, parameters={"MPC_XY_VEL_MAX": 9.5, "MPC_YAW_MODE": 1.0}), path)
+    lines = (tmp_path / "a.params").read_text().splitlines()
+    assert lines[-2:] == ["1\t1\tMPC_XY_VEL_MAX\t9.5\t9", "1\t1\tMPC_YAW_MODE\t1\t6"]
+    write_waypoints(MISSION, path)
+    assert not (tmp_path / "a.params").exists()
+
+
+def test_a_parameter_file_of_somebody_else_stays_as_it_is(tmp_path: Path) -> None:
+    theirs = tmp_path / "a.params"
+    theirs.write_text(QGROUNDCONTROL)
+    write_plan(MISSION, tmp_path / "a.plan")
+    assert read_mission(tmp_path / "a.plan").parameters == {"MPC_XY_CRUISE": 7.5, "NAV_DLL_ACT": 0.0}
+    with pytest.raises(BadInput, match=r"a\.params: expected no file of somebody else's"):
+        write_plan(replace(MISSION, parameters={"MPC_XY_CRUISE": 6.0}), tmp_path / "a.plan")
+    assert theirs.read_text() == QGROUNDCONTROL

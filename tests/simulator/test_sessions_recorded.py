@@ -1,0 +1,225 @@
+"""Sessions of this client with the real ArduCopter and PX4 in simulation, as recorded, held against both of our ends.
+
+What the vehicle said goes into the client, which must come to the same flight; what the client said goes into the
+built-in autopilot, which must answer and fly as the real one did. Recordings are thinned: telemetry, words of sensors.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission.link.channel import Peer
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import (
+    Ack,
+    CommandAck,
+    CommandLong,
+    Current,
+    Heartbeat,
+    ItemAt,
+    Message,
+    ParamValue,
+    Position,
+    Reached,
+    Text,
+)
+from ipoa_mission.link.tlog import read_tlog
+from ipoa_mission.link.vehicle import meet
+from ipoa_mission.mission.plan_file import read_plan
+from ipoa_mission.simulator.autopilot import Autopilot as BuiltIn
+from ipoa_mission.vehicle import Autopilot
+
+SESSIONS = Path(__file__).resolve().parents[1] / "sessions"
+STATION, SPEEDUP = 245, 4.0
+LANDS_WITHIN_S = 5.0  # of the real one
+#: Recorded by `fly --json`: seconds from arming until each item was done.
+FLOWN = {
+    "fly-ardupilot": (9.5, 9.5, 15.85, 20.85, 39.35),
+    "fly-again-ardupilot": (9.5, 9.5, 17.201, 24.55, 43.05),
+    "fly-px4": (11.592, 11.592, 15.652, 21.484, 36.152),
+    "fly-again-px4": (19.832, 19.832, 24.568, 31.164, 48.668),
+}
+VERBS = ("fly", "set", "upload", "download", "clear")
+
+
+@dataclass(frozen=True)
+class Said:
+    """One message of a recording: when [s], by whom, its frame."""
+
+    at: float
+    by_client: bool
+    message: Message
+    frame: bytes
+
+
+def said(name: str) -> list[Said]:
+    codec, told = Codec(250, 1), []
+    for record in read_tlog(SESSIONS / f"{name}.tlog"):
+        heard = codec.decode(record.frame)
+        assert heard is not None
+        assert heard.message is not None
+        told.append(Said(record.unix_s, heard.system == STATION, heard.message, record.frame))
+    return [Said(one.at - told[0].at, one.by_client, one.message, one.frame) for one in told]
+
+
+def autopilot_of(name: str) -> Autopilot:
+    return Autopilot(name.rsplit("-", 1)[1])
+
+
+# --- what the vehicle said, into our client ---------------------------------------------------------------------------
+
+
+class Playback:
+    """A `FarEnd` that says what was recorded, each thing only when the client has said what came before it."""
+
+    def __init__(self, recorded: list[Said]) -> None:
+        self._ahead: list[Said] = []
+        asked: Message | None = None
+        for one in recorded:
+            if not one.by_client or one.message != asked:  # a repeated question is not waited for
+                self._ahead.append(one)
+            asked = one.message if one.by_client else asked
+        self._codec = Codec(250, 1)
+        self._clock = 0.0, 0.0  # a moment of the channel, and the recorded one
+        self._outbox: list[bytes] = []
+
+    def receive(self, data: bytes, peer: Peer, now: float) -> None:
+        heard = self._codec.decode(data)
+        waits = self._waits
+        if heard is not None and waits is not None and type(heard.message) is type(waits.message):
+            spoken = heard.message
+            same = not isinstance(spoken, CommandLong) or spoken.params == waits.message.params  # type: ignore[attr-defined]
+            if same:
+                self._clock = now, waits.at
+                self._ahead.remove(waits)
+        self.tick(now)
+
+    def tick(self, now: float) -> None:
+        while self._ahead and not self._ahead[0].by_client and self._due(self._ahead[0]) <= now:
+            self._outbox.append(self._ahead.pop(0).frame)
+
+    def outgoing(self) -> list[tuple[bytes, Peer | None]]:
+        told, self._outbox = self._outbox, []
+        return [(frame, None) for frame in told]
+
+    @property
+    def deadline(self) -> float:
+        return self._due(self._ahead[0]) if self._ahead and not self._ahead[0].by_client else math.inf
+
+    @property
+    def _waits(self) -> Said | None:
+        return self._ahead[0] if self._ahead and self._ahead[0].by_client else None
+
+    def _due(self, one: Said) -> float:
+        return self._clock[0] + max(one.at - self._clock[1], 0.0)
+
+
+@pytest.mark.parametrize("name", FLOWN)
+def test_what_the_real_one_said_is_the_same_flight_to_our_client(name: str) -> None:
+    autopilot = autopilot_of(name)
+    vehicle = meet(Line(Loopback(Playback(said(name))), Codec(STATION, 190)))
+    assert vehicle.autopilot is autopilot
+    vehicle.home()
+    vehicle.upload(read_plan(SESSIONS / f"{autopilot}.plan"))
+    vehicle.parameters(["FENCE_ENABLE" if autopilot is Autopilot.ARDUPILOT else "GF_ACTION"])
+    vehicle.prepare(permit=lambda place: None)
+    vehicle.start()
+    record = vehicle.watch()
+    assert record.completed, record.why_not
+    assert list(record.item_reached_s.values()) == pytest.approx(FLOWN[name], abs=0.6)  # telemetry is thinned
+
+
+# --- what our client said, into the built-in autopilot ---------------------------------------------------------------
+
+
+def clock(recorded: list[Said]) -> Iterator[tuple[float, Said]]:
+    """What the client said, and when by the vehicle's own clock."""
+    known = [(one.at, one.message.time_s) for one in recorded if isinstance(one.message, Position)] or [(0.0, 100.0)]
+    down = [one.at for one in recorded if isinstance(one.message, Text) and one.message.text.startswith("Disarm")]
+    for one in recorded:
+        at, time_s = min(known, key=lambda pair: abs(pair[0] - one.at))
+        if one.by_client:
+            later = LANDS_WITHIN_S if down and one.at > down[-1] else 0.0
+            yield time_s + SPEEDUP * (one.at - at) + later, one
+
+
+def answers(name: str) -> list[tuple[float, Message]]:
+    """What the built-in autopilot says to the client's side of a recording, and when."""
+    autopilot = autopilot_of(name)
+    recorded = said(name)
+    home = read_plan(SESSIONS / f"{autopilot}.plan").home
+    mock = BuiltIn(autopilot, home, cold=True)
+    told: list[tuple[float, Message]] = []
+
+    def live(until: float) -> None:
+        while mock.deadline < until:
+            mock.tick(mock.deadline)
+            told.extend((mock._now, message) for message, _ in mock.outgoing())
+
+    session = list(clock(recorded))
+    if not name.startswith("fly"):  # the mission of the flight before lies there
+        for when, one in clock(said(f"upload-{autopilot}")):
+            live(when)
+            mock.receive(one.message, Target(STATION, 190), max(when, mock._now))
+        live(mock._now + 3.0)
+        told.clear()
+        session = [(mock._now + SPEEDUP * one.at, one) for _, one in session]
+    for when, one in session:
+        live(when)
+        mock.receive(one.message, Target(STATION, 190), max(when, mock._now))
+    live(mock._now + (60.0 if name.startswith("fly") else 2.0))
+    return told
+
+
+def talk(messages: list[Message]) -> dict[str, list[Any]]:
+    """What matters of what a vehicle said, by kind; repetitions once."""
+    mine = ("Arm", "Disarm", "Mission", "Reached command", "Executing", "Climb to", "Flight plan", "Mode change")
+    kinds: dict[str, list[Any]] = {
+        "commands": [(one.command, one.result) for one in messages if isinstance(one, CommandAck)],
+        "lists": [(one.result, one.kind) for one in messages if isinstance(one, Ack)],
+        "items": [
+            (one.seq, one.kind, one.item.command, one.item.frame, one.item.autocontinue)
+            for one in messages
+            if isinstance(one, ItemAt)
+        ],
+        "reached": [one.seq for one in messages if isinstance(one, Reached)],
+        "words": [one.text for one in messages if isinstance(one, Text) and one.text.startswith(mine)],
+        "current": [(one.seq, one.total) for one in messages if isinstance(one, Current)],
+        "modes": [(one.custom_mode, one.armed) for one in messages if isinstance(one, Heartbeat)],
+        "parameters": [
+            (one.param_id, one.param_type, one.param_value) for one in messages if isinstance(one, ParamValue)
+        ],
+    }
+    return {kind: [one for one, _ in groupby(told)] for kind, told in kinds.items()}
+
+
+@pytest.mark.parametrize("name", [f"{verb}-{autopilot}" for verb in VERBS for autopilot in Autopilot])
+def test_the_built_in_autopilot_answers_as_the_real_one_did(name: str) -> None:
+    real = talk([one.message for one in said(name) if not one.by_client])
+    ours = talk([message for _, message in answers(name)])
+    for kind, told in real.items():
+        got = ours[kind]
+        if not name.startswith("fly") and kind in (
+            "current",
+            "modes",
+            "words",
+            "reached",
+        ):  # they depend on what was before
+            continue
+        if kind == "commands":  # the client may have gone before the last answer came
+            got = got[: len(told)]
+        if kind == "modes":  # one that is shown for a moment falls between two heartbeats
+            heard = iter(told)
+            assert all(mode in heard for mode in got[1:]), kind
+            assert got[-1] == told[-1]
+            continue
+        if kind == "current":  # what it was before the session is not recorded
+            got = got[-len(told) :]
+        assert got == told, kind
