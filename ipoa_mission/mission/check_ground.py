@@ -12,7 +12,7 @@ from ipoa_mission.mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission, command_name
 from ipoa_mission.mission.legs import Leg, Phase
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters
+from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters, by_old_names
 
 DEEP = 5.0  # ground that is lower than home by less than this makes no long landing [m]
 FASTER = 0.05  # a touchdown faster than the landing speed by less than this is none [m/s]
@@ -31,7 +31,7 @@ def check_ground(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) ->
             f"stands, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
             f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
         )
-    parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **scenario.vehicle.autopilot_parameters()}
+    parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
     told = set[tuple[int, float]]()
     for leg in legs:
         if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:

@@ -29,11 +29,13 @@ def slope(height: float, autopilot: Autopilot, at_home: float = 0.0) -> Scenario
     )
 
 
-def told(scenario: Scenario, *, to_goal: bool = True) -> list[tuple[str, str | None]]:
+def told(
+    scenario: Scenario, *, to_goal: bool = True, parameters: dict[str, float] | None = None
+) -> list[tuple[str, str | None]]:
     home, goal = scenario.frame.home, scenario.frame.geodetic(np.array([200.0, 0.0, 0.0]))
     end = land(goal) if to_goal else return_to_launch()
     mission = Mission(home, (takeoff(home, 50.0), waypoint(goal, 50.0), end), scenario.vehicle.autopilot)
-    found = check_mission(mission, scenario)
+    found = check_mission(mission.with_parameters(parameters or {}), scenario)
     assert not any(finding.severity is Severity.ERROR for finding in found), found
     return [(finding.message, finding.hint) for finding in found if "ground" in finding.message]
 
@@ -78,3 +80,9 @@ def test_ground_at_home_that_is_not_at_homes_altitude_shifts_the_whole_flight() 
     assert "3.0 m below home's altitude" in message
     assert "flies 3.0 m lower than planned" in message
     assert hint == "set home.altitude_amsl = 497.0"
+
+
+@pytest.mark.parametrize("remedy", [{"LAND_ALT_LOW": 2200.0}, {"LAND_ALT_LOW_M": 22.0}])
+def test_the_remedy_is_one(remedy: dict[str, float]) -> None:
+    assert told(slope(12.0, ARDUPILOT), parameters=remedy) == []
+    assert told(slope(12.0, PX4), parameters={"MPC_LAND_ALT1": 22.0, "MPC_LAND_ALT2": 17.0}) == []
