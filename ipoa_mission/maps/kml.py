@@ -18,6 +18,7 @@ from ipoa_mission.files import read_text
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
 
 MOST_FOLDERS = 64
+ELSEWHERE = {"NetworkLink", "GroundOverlay"}  # what they show is in another file: passed over, but counted
 LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may hold a thousand times its size
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
@@ -71,6 +72,9 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
     inside = [(root, 0)]
     while inside:
         element, depth = inside.pop()
+        if _local(element) in ELSEWHERE:
+            yield element
+            continue
         if _local(element) == "Placemark":
             if sum(_local(one) == "Placemark" for one in element.iter()) > 1:
                 raise BadInput(f"{path}: expected no Placemark in another")

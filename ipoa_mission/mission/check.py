@@ -7,6 +7,7 @@ one checks first.
 from ipoa_mission.mission.check_airspace import check_airspace
 from ipoa_mission.mission.check_fence import check_fence
 from ipoa_mission.mission.check_firmware import check_firmware
+from ipoa_mission.mission.check_ground import check_ground
 from ipoa_mission.mission.check_passed_over import check_passed_over
 from ipoa_mission.mission.check_positions import check_positions
 from ipoa_mission.mission.finding import Finding, Severity
@@ -34,5 +35,5 @@ def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[F
             mission, frame = mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame
             legs = flown_legs(mission, frame, scenario.airspace.ground)
             findings += [*check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
-            findings += check_passed_over(mission, scenario, legs)
+            findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
     return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))

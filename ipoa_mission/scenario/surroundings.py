@@ -168,7 +168,7 @@ def _read_maps(scenario: Layout) -> _Maps:
                     PassedOver(section.file.name, f"area {n}", why, each, False) for n, each in enumerate(others, 2)
                 ]
                 fenced |= section.geofence
-            _expect_home_allowed(section, zones)
+            _expect_home_allowed(section, zones, scenario.frame.home.altitude)
         remarks += [f"{section.file.name}: {remark}" for remark in said]
     area = _one(areas) if areas else None
     return _Maps(tuple(standing), tuple(no_fly), area, fenced, tuple(passed), tuple(remarks))
@@ -181,7 +181,7 @@ def _one(areas: list[Any]) -> Any:
     return common
 
 
-def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, ...]) -> None:
+def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, ...], altitude: float) -> None:
     home = shapely.Point(0, 0)
     if isinstance(section, FlightAreaMap):
         distance = min(zone.shape.distance(home) for zone in zones)
@@ -189,7 +189,9 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, .
             raise BadInput(f"{section.file}: expected home inside the flight area, not {distance:.1f} m outside of it")
     elif section.base is None or section.base <= 0:
         for zone in zones:
-            if zone.shape.contains(home) and (zone.lower is None or section.base is not None):
+            lower = zone.lower if section.base is None else None
+            above = lower is not None and lower.height > (altitude if lower.reference == "AMSL" else 0.0)
+            if zone.shape.contains(home) and not above:
                 raise BadInput(f"{section.file}: expected home outside of no-fly zones, but it is in {zone.name}")
 
 

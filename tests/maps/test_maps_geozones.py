@@ -76,6 +76,19 @@ def test_the_limits_of_a_zone_are_those_of_the_wall(
     assert "zones.json: LS1: active at times only, kept at all times" in scenario.remarks
 
 
+@pytest.mark.parametrize(
+    ("lower", "refused"), [((0, "AMSL"), True), ((0, "AGL"), True), ((40, "AGL"), False), ((540, "AMSL"), False)]
+)
+def test_home_may_be_under_a_zone_but_not_in_one(tmp_path: Path, lower: Any, refused: bool) -> None:
+    document = ed269(lower, (1000, "AMSL"), "M", "PROHIBITED")
+    document["features"][0]["geometry"][0]["horizontalProjection"]["radius"] = 500
+    if refused:
+        with pytest.raises(BadInput, match="expected home outside of no-fly zones, but it is in LS1"):
+            read(tmp_path, document)
+    else:
+        read(tmp_path, document)
+
+
 @pytest.mark.parametrize("make", [ed269, ed318])
 def test_a_circle_becomes_a_polygon_just_round_it(tmp_path: Path, make: Any) -> None:
     (tmp_path / "z.json").write_text(json.dumps(make((0, "AGL"), (9, "AGL"), "M", "PROHIBITED")))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.cli.job import plan_mission
+from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.mission.check import Severity, check_mission
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.mission.unsafe import Unsafe
@@ -80,11 +80,11 @@ def test_an_open_line_among_no_fly_zones_is_an_error_too(read: Read) -> None:
 
 def test_plan_refuses_it(read: Read) -> None:
     with pytest.raises(Unsafe, match=r"thing on m\.geojson, which is passed over: an area untagged") as told:
-        plan_mission(read(-5.0), seed=0)
+        plan_flight(read(-5.0), seed=0)
     assert told.value.hint
     assert 'take = "tagged" says that it is nothing' in told.value.hint
 
 
 def test_what_is_passed_over_is_a_remark_of_every_plan(read: Read) -> None:
-    job = plan_mission(read(20.0), seed=0)
-    assert "m.geojson: 1 passed over, an area untagged: thing" in job.remarks
+    flight = plan_flight(read(20.0), seed=0)
+    assert "m.geojson: 1 passed over, an area untagged: thing" in flight.remarks
