@@ -181,6 +181,8 @@ class MavsdkVehicle(Vehicle):
         name = list_name(kind)
         with noted_interrupts() as interrupt:
             rows = [self._spell(seq, item, kind) for seq, item in enumerate(items)]
+            self._listen()
+            self.state.warnings.clear()  # what is said from here on may be the reason of a refusal
             try:
                 self._transfer(kind, lambda: self._upload(rows, kind, interrupt))
             except MissionRefused as refusal:
@@ -231,8 +233,6 @@ class MavsdkVehicle(Vehicle):
         return items
 
     def _transfer(self, kind: int, act: Callable[[], Any]) -> Any:
-        self._listen()
-        self.state.warnings.clear()
         try:
             return act()
         except self._refused as refusal:
