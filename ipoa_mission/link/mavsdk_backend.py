@@ -199,11 +199,14 @@ class MavsdkVehicle(Vehicle):
             self._expect_flyable()
 
     def _expect_flyable(self) -> None:
-        """PX4 judges a mission after it has taken it, and tells in MISSION_CURRENT."""
-        self.state.current = None
-        self._hold(until(lambda: self.state.current is not None and self.state.current.mission_state > 0, VERDICT_S))
-        if self.state.current is not None and self.state.current.mission_state == NO_MISSION:
-            why = "; ".join(self.state.warnings) or "no reason was heard"
+        """PX4 judges a mission after it has taken it, and tells in MISSION_CURRENT; before that it has none."""
+        self._listen()
+        state = self.state
+        state.current = None
+        if self._hold(until(lambda: state.current is not None and state.current.mission_state > NO_MISSION, VERDICT_S)):
+            return
+        if state.current is not None and state.current.mission_state == NO_MISSION:
+            why = "; ".join(state.warnings) or "no reason was heard"
             raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")
 
     def _upload(self, rows: Sequence[Any], kind: int, interrupt: Interrupt) -> None:
