@@ -52,6 +52,8 @@ class Station:
         sent: list[tuple[bytes, Peer | None]] = []
         for message, target in self.autopilot.outgoing():
             frame = self._codec.encode(message, target, EPOCH_S + self._now)
+            if 0 not in target:
+                self._routes.speak_to(target)
             peers = self._routes.to(target)
             holder = self._routes.holder(target)
             if isinstance(message, TRANSFER) and holder is not None:

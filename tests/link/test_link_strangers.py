@@ -148,6 +148,24 @@ def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
     assert len(vehicle.download().items) == len(MISSION.items)
 
 
+@pytest.mark.parametrize("family", Autopilot)
+def test_forty_made_up_stations_do_not_come_between(family: Autopilot) -> None:
+    net = Net(one=station(family))
+    beats = [Codec(system, 190).encode(Heartbeat(6, Firmware.INVALID), EVERYONE, 0.0) for system in range(100, 140)]
+
+    def flood(now: float) -> list[tuple[bytes, Peer]]:
+        for n, beat in enumerate(beats):
+            net.ends["one"].receive(beat, f"mallory {n}", now)
+        return []
+
+    vehicle = meet(line_on(net))
+    vehicle.home()
+    net.strangers.append(flood)
+    vehicle.upload(MISSION)
+    assert is_exact(net, "one", family)
+    assert "us" in net.ends["one"]._routes.to(US)
+
+
 @pytest.mark.parametrize("forged", [Ack(Result.DENIED), Ack(Result.ACCEPTED), Count(3)])
 def test_what_a_stranger_says_in_the_vehicle_s_name_is_not_heard(forged: Message) -> None:
     net = Net(one=station())
