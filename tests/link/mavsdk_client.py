@@ -41,6 +41,7 @@ def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
 
 
 def main(url: str) -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     legs = [waypoint(Geodetic(47.4 + 0.0002 * n, 8.5), 30.0) for n in (1, 2, 3)]
     fence, rally = (FenceCircle((47.4, 8.5), 500.0),), (Geodetic(47.4005, 8.5, 25.0),)
     with connect(url) as vehicle:
