@@ -14,11 +14,25 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ipoa_mission.autopilots.vehicle import Autopilot as Autopilot
+    from ipoa_mission.checks.check import Finding as Finding
+    from ipoa_mission.checks.check import Severity as Severity
+    from ipoa_mission.checks.check import check_mission as check_mission
+    from ipoa_mission.checks.start import NotAtStart as NotAtStart
+    from ipoa_mission.checks.unsafe import Unsafe as Unsafe
+    from ipoa_mission.commands import Command as Command
+    from ipoa_mission.commands import Frame as Frame
     from ipoa_mission.energy.flight import NotEnoughBattery as NotEnoughBattery
     from ipoa_mission.errors import BadInput as BadInput
     from ipoa_mission.errors import MissionError as MissionError
+    from ipoa_mission.exports import write_export as write_export
+    from ipoa_mission.exports.table import mission_table as mission_table
     from ipoa_mission.flight import Flight as Flight
     from ipoa_mission.flight import plan_flight as plan_flight
+    from ipoa_mission.items import FenceCircle as FenceCircle
+    from ipoa_mission.items import FencePolygon as FencePolygon
+    from ipoa_mission.items import Item as Item
+    from ipoa_mission.items import Mission as Mission
     from ipoa_mission.link.channel import LinkDown as LinkDown
     from ipoa_mission.link.conversations import MissionRefused as MissionRefused
     from ipoa_mission.link.departure import NotReady as NotReady
@@ -34,25 +48,9 @@ if TYPE_CHECKING:
     from ipoa_mission.link.upload import Unflyable as Unflyable
     from ipoa_mission.link.vehicle import Vehicle as Vehicle
     from ipoa_mission.link.vehicle import connect as connect
-    from ipoa_mission.mission.assemble import assemble as assemble
-    from ipoa_mission.mission.assemble import weigh_routes as weigh_routes
-    from ipoa_mission.mission.check import Finding as Finding
-    from ipoa_mission.mission.check import Severity as Severity
-    from ipoa_mission.mission.check import check_mission as check_mission
-    from ipoa_mission.mission.check_start import NotAtStart as NotAtStart
-    from ipoa_mission.mission.exports import write_export as write_export
     from ipoa_mission.mission.files import read_mission as read_mission
     from ipoa_mission.mission.files import write_mission as write_mission
-    from ipoa_mission.mission.items import Command as Command
-    from ipoa_mission.mission.items import FenceCircle as FenceCircle
-    from ipoa_mission.mission.items import FencePolygon as FencePolygon
-    from ipoa_mission.mission.items import Frame as Frame
-    from ipoa_mission.mission.items import Item as Item
-    from ipoa_mission.mission.items import Mission as Mission
     from ipoa_mission.mission.plan_file import write_plan as write_plan
-    from ipoa_mission.mission.route import NoRoute as NoRoute
-    from ipoa_mission.mission.table import mission_table as mission_table
-    from ipoa_mission.mission.unsafe import Unsafe as Unsafe
     from ipoa_mission.mission.waypoints_file import write_waypoints as write_waypoints
     from ipoa_mission.planning.obstruction import NoPath as NoPath
     from ipoa_mission.planning.plan import Plan as Plan
@@ -60,6 +58,9 @@ if TYPE_CHECKING:
     from ipoa_mission.report.compare import Comparison as Comparison
     from ipoa_mission.report.compare import compare_flight as compare_flight
     from ipoa_mission.report.page import write_report as write_report
+    from ipoa_mission.routing.assemble import assemble as assemble
+    from ipoa_mission.routing.assemble import weigh_routes as weigh_routes
+    from ipoa_mission.routing.route import NoRoute as NoRoute
     from ipoa_mission.scenario import Scenario as Scenario
     from ipoa_mission.scenario import read_scenario as read_scenario
     from ipoa_mission.simulator.faults import Faults as Faults
@@ -67,13 +68,24 @@ if TYPE_CHECKING:
     from ipoa_mission.timing.estimate import Estimate as Estimate
     from ipoa_mission.timing.estimate import ItemTime as ItemTime
     from ipoa_mission.timing.estimate import estimate as estimate
-    from ipoa_mission.vehicle import Autopilot as Autopilot
     from ipoa_mission.wind import Wind as Wind
     from ipoa_mission.world.frame import Geodetic as Geodetic
 
     __version__: str
 
 _NAMES = {
+    "autopilots.vehicle": ("Autopilot",),
+    "checks.check": (
+        "Finding",
+        "Severity",
+        "check_mission",
+    ),
+    "checks.start": ("NotAtStart",),
+    "checks.unsafe": ("Unsafe",),
+    "commands": (
+        "Command",
+        "Frame",
+    ),
     "energy.flight": ("NotEnoughBattery",),
     "errors": (
         "BadInput",
@@ -82,6 +94,12 @@ _NAMES = {
     "flight": (
         "Flight",
         "plan_flight",
+    ),
+    "items": (
+        "FenceCircle",
+        "FencePolygon",
+        "Item",
+        "Mission",
     ),
     "link.channel": ("LinkDown",),
     "link.conversations": ("MissionRefused",),
@@ -104,33 +122,13 @@ _NAMES = {
         "Vehicle",
         "connect",
     ),
-    "mission.assemble": (
-        "assemble",
-        "weigh_routes",
-    ),
-    "mission.check": (
-        "Finding",
-        "Severity",
-        "check_mission",
-    ),
-    "mission.check_start": ("NotAtStart",),
-    "mission.exports": ("write_export",),
+    "exports": ("write_export",),
     "mission.files": (
         "read_mission",
         "write_mission",
     ),
-    "mission.items": (
-        "Command",
-        "FenceCircle",
-        "FencePolygon",
-        "Frame",
-        "Item",
-        "Mission",
-    ),
     "mission.plan_file": ("write_plan",),
-    "mission.route": ("NoRoute",),
-    "mission.table": ("mission_table",),
-    "mission.unsafe": ("Unsafe",),
+    "exports.table": ("mission_table",),
     "mission.waypoints_file": ("write_waypoints",),
     "planning.obstruction": ("NoPath",),
     "planning.plan": ("Plan",),
@@ -140,6 +138,11 @@ _NAMES = {
         "compare_flight",
     ),
     "report.page": ("write_report",),
+    "routing.assemble": (
+        "assemble",
+        "weigh_routes",
+    ),
+    "routing.route": ("NoRoute",),
     "scenario": (
         "Scenario",
         "read_scenario",
@@ -151,7 +154,6 @@ _NAMES = {
         "ItemTime",
         "estimate",
     ),
-    "vehicle": ("Autopilot",),
     "wind": ("Wind",),
     "world.frame": ("Geodetic",),
 }

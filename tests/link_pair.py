@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from itertools import cycle
 from typing import TypeVar
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item, takeoff, waypoint
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
-from ipoa_mission.mission.items import Item, takeoff, waypoint
 from ipoa_mission.simulator.personality import PERSONALITIES
 from ipoa_mission.simulator.transfers import Transfers
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 T = TypeVar("T")

@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.mission.items import Command, Mission
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Mission
 from ipoa_mission.mission.waypoints_file import read_waypoints
-from ipoa_mission.vehicle import Autopilot, Parameters
 
 HERE = Path(__file__).resolve().parent
 FLIGHTS, LANDINGS = HERE / "flights", HERE / "landings"

@@ -25,7 +25,7 @@ from link_benchmark.measure import clean, complete, fast_path
 from link_benchmark.rows import CLIENTS, Cell, read_rows
 from link_benchmark.tell import table
 
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.autopilots.vehicle import Autopilot
 
 ROWS = Path(__file__).parents[1] / "docs" / "link" / "uploads.csv"
 

@@ -16,12 +16,12 @@ sys.path.insert(0, str(ROOT / "tests"))  # where the flights are read, for the t
 
 from recorded_flights import Recorded, read_flights  # noqa: E402
 
+from ipoa_mission.autopilots.px4 import px4_limits  # noqa: E402
+from ipoa_mission.autopilots.vehicle import Autopilot  # noqa: E402
+from ipoa_mission.itinerary.itinerary import itinerary  # noqa: E402
 from ipoa_mission.timing._compiled import compiled  # noqa: E402
 from ipoa_mission.timing.body import PX4_SIMULATOR  # noqa: E402
-from ipoa_mission.timing.itinerary import itinerary  # noqa: E402
 from ipoa_mission.timing.px4 import _Flight, _Plan  # noqa: E402
-from ipoa_mission.timing.px4_parameters import px4_limits  # noqa: E402
-from ipoa_mission.vehicle import Autopilot  # noqa: E402
 from ipoa_mission.wind import CALM  # noqa: E402
 
 

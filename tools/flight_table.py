@@ -15,11 +15,11 @@ sys.path.insert(0, str(ROOT / "tests"))  # where the flights are read, for the t
 
 from recorded_flights import LANDINGS, Recorded, read_flights  # noqa: E402
 
+from ipoa_mission.autopilots.vehicle import Autopilot  # noqa: E402
 from ipoa_mission.geometry import Points  # noqa: E402
-from ipoa_mission.mission.items import Mission  # noqa: E402
+from ipoa_mission.items import Mission  # noqa: E402
 from ipoa_mission.timing.estimate import Estimate, estimate  # noqa: E402
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time  # noqa: E402
-from ipoa_mission.vehicle import Autopilot  # noqa: E402
 from ipoa_mission.world.frame import LocalFrame  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "flight-time.md"

@@ -15,7 +15,7 @@ sys.path.insert(0, str(ROOT / "tests"))  # where the flights are read and flown,
 from flown_here import fly_here  # noqa: E402
 from recorded_flights import Recorded, read_flights  # noqa: E402
 
-from ipoa_mission.vehicle import Autopilot  # noqa: E402
+from ipoa_mission.autopilots.vehicle import Autopilot  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "built-in-autopilot.md"
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"

@@ -21,12 +21,12 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.mission.check import check_mission
-from ipoa_mission.mission.exports import EXPORTS, write_export
+from ipoa_mission.exports import EXPORTS, write_export
+from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
-from ipoa_mission.mission.items import Mission
 
 TESTS = Path(__file__).parent.parent / "tests"
 GOOD = sorted((TESTS / "mission" / "files").iterdir())

@@ -15,10 +15,10 @@ import numpy as np
 
 from ipoa_mission.files import read_text, write_atomically
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.assemble import assemble
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.report.plots import draw_views, write_picture
+from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.scenario.profiles import PROFILES

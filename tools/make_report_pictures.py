@@ -16,17 +16,17 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.logbook import FlightRecord, Sample
-from ipoa_mission.mission.assemble import assemble
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.comparison_plot import draw_comparison
 from ipoa_mission.report.page import write_report
 from ipoa_mission.report.plots import draw_views, write_picture
+from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.timing.estimate import estimate
-from ipoa_mission.vehicle import Autopilot
 
 REPOSITORY = Path(__file__).parent.parent
 PICTURES = REPOSITORY / "docs" / "pictures"

@@ -11,13 +11,13 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+from ipoa_mission.autopilots.parameters import known_parameters
 from ipoa_mission.link.codec import Codec, message_name
 from ipoa_mission.link.copter_log import KINDS
 from ipoa_mission.link.dataflash import FMT, HEAD
 from ipoa_mission.link.messages import Attitude, LocalPosition, ParamValue, Position, SystemTime
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.ulog import TOPICS
-from ipoa_mission.timing.parameters import known_parameters
 
 PARAMETERS = known_parameters() | {"LOG_DISARMED", "SDLOG_MODE"}
 THINNED = (Position, Attitude, LocalPosition, SystemTime)

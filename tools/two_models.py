@@ -14,15 +14,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from ipoa_mission.mission.items import Command, Frame, Item, Mission, change_speed, land, return_to_launch, takeoff
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff
+from ipoa_mission.itinerary.itinerary import itinerary
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.simulator.px4_estimate import MotionEstimate
 from ipoa_mission.simulator.px4_home import HomeHeight
 from ipoa_mission.timing.ardupilot import fly_arducopter
 from ipoa_mission.timing.body import PX4_SIMULATOR
-from ipoa_mission.timing.itinerary import itinerary
 from ipoa_mission.timing.px4 import fly_px4
-from ipoa_mission.vehicle import Autopilot, Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(39.101, 121.82, 20.0)

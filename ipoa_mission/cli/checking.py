@@ -36,9 +36,9 @@ def check(
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
+    from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.cli.reading import read_with_parameters
     from ipoa_mission.flight.summary import passed_over_as_json
-    from ipoa_mission.mission.check import Severity, check_mission
     from ipoa_mission.scenario import read_scenario
 
     mission, remarks = read_with_parameters(file, autopilot)
@@ -74,7 +74,7 @@ def estimate(
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
     from ipoa_mission.cli.reading import read_with_parameters
-    from ipoa_mission.mission.items import short_name
+    from ipoa_mission.commands import short_name
     from ipoa_mission.timing.estimate import estimate as predict
 
     mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))

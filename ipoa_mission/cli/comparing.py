@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.options import (
     AutopilotOption,
     JsonOption,
@@ -16,10 +17,9 @@ from ipoa_mission.cli.options import (
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.vehicle import Autopilot
 
 if TYPE_CHECKING:
-    from ipoa_mission.mission.items import Mission
+    from ipoa_mission.items import Mission
     from ipoa_mission.report.compare import ComparedFlight
 
 

@@ -78,13 +78,13 @@ def fly(
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
+    from ipoa_mission.checks.start import begun_at
     from ipoa_mission.cli.checking import route_in_words
     from ipoa_mission.cli.job import prepare
     from ipoa_mission.cli.real_flight import RealFlight, no_flight_yet
     from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
     from ipoa_mission.errors import BadInput
     from ipoa_mission.flight.summary import passed_over_as_json
-    from ipoa_mission.mission.check_start import begun_at
     from ipoa_mission.mission.firmware import to_wire
     from ipoa_mission.simulator.faults import Faults
     from ipoa_mission.timing.estimate import estimate
@@ -179,7 +179,7 @@ def _flight_bar(total: int) -> Iterator[Callable[[int], None]]:
 
 
 def _legs(found: "Estimate", record: "FlightRecord") -> list[tuple[str, ...]]:
-    from ipoa_mission.mission.items import command_name
+    from ipoa_mission.commands import command_name
 
     rows: list[tuple[str, ...]] = []
     for item in found.items:

@@ -2,8 +2,9 @@
 
 import math
 
+from ipoa_mission.commands import Frame, plain_frame
 from ipoa_mission.errors import MissionError
-from ipoa_mission.mission.items import Frame, Mission, plain_frame
+from ipoa_mission.items import Mission
 from ipoa_mission.world.frame import Geodetic, apart
 
 FAR = 100.0  # [m] over the ground

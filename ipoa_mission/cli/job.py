@@ -6,16 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilots.renamed import overridden
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.reading import read_with_parameters
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.flight import Flight, plan_flight
-from ipoa_mission.mission.check import check_mission
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.unsafe import refuse_errors
+from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
-from ipoa_mission.vehicle import Autopilot, overridden
 from ipoa_mission.wind import CALM, Wind
 
 log = logging.getLogger(__name__)

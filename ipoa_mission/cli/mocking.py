@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.options import (
     BAD_LINK,
     ON_THE_LINK,
@@ -20,7 +21,6 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
 )
 from ipoa_mission.cli.telling import tell, tell_json
-from ipoa_mission.vehicle import Autopilot
 
 ZURICH = (47.397742, 8.545594, 488.0)
 

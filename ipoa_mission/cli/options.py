@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
 from ipoa_mission.cli.vehicles import Backend
 from ipoa_mission.errors import BadInput
-from ipoa_mission.vehicle import SINGLE_MAX, Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.wind import Wind
@@ -229,7 +229,7 @@ def _known(name: str) -> str:
     """The same name; a warning if no model uses it, which is most often a slip of the finger."""
     from difflib import get_close_matches
 
-    from ipoa_mission.timing.parameters import known_parameters
+    from ipoa_mission.autopilots.parameters import known_parameters
 
     known = known_parameters()
     if name not in known:

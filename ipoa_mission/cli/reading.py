@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.parameter_file import beside
-from ipoa_mission.vehicle import Autopilot
 
 SHOWN = 6  # parameters in a note
 

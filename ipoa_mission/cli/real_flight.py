@@ -5,13 +5,13 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from ipoa_mission.checks.start import NotAtStart, check_start
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import AnyVehicle, put
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.set_up import other_values
-from ipoa_mission.mission.check_start import NotAtStart, check_start
 from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:

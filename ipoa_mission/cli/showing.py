@@ -26,7 +26,7 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.cli.reading import read_with_parameters
-    from ipoa_mission.mission.table import mission_table
+    from ipoa_mission.exports.table import mission_table
     from ipoa_mission.scenario import read_scenario
     from ipoa_mission.timing.estimate import estimate
 
@@ -72,7 +72,7 @@ def export(
 
     Example: `ipoa-mission export campus.plan campus.kml`
     """
-    from ipoa_mission.mission.exports import write_export
+    from ipoa_mission.exports import write_export
     from ipoa_mission.mission.files import read_mission, write_mission
 
     mission = read_mission(file, autopilot)

@@ -6,14 +6,14 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.telling import progress_bar
-from ipoa_mission.vehicle import Autopilot
 
 if TYPE_CHECKING:
+    from ipoa_mission.items import Mission
     from ipoa_mission.link.dialogue import Patience
     from ipoa_mission.link.vehicle import Vehicle
-    from ipoa_mission.mission.items import Mission
 
 AnyVehicle: TypeAlias = "Vehicle"
 
@@ -78,9 +78,9 @@ def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, .
     Raises:
         Unsafe, FarFromHome: it would crash or be refused, and `anyway` does not say to send it all the same.
     """
+    from ipoa_mission.checks.check import check_mission
+    from ipoa_mission.checks.unsafe import refuse_errors
     from ipoa_mission.link.set_up import idle_fence
-    from ipoa_mission.mission.check import check_mission
-    from ipoa_mission.mission.unsafe import refuse_errors
 
     _expect_firmware(mission, vehicle, anyway)
     findings = check_mission(replace(mission, autopilot=vehicle.autopilot))

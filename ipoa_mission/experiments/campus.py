@@ -8,17 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.experiments.maps import path_problem
 from ipoa_mission.experiments.problem import Measures, Problem
-from ipoa_mission.mission.assemble import assemble
-from ipoa_mission.mission.items import Command, Mission
-from ipoa_mission.mission.route import NoRoute
+from ipoa_mission.items import Mission
 from ipoa_mission.optimize.search import Optimum
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
+from ipoa_mission.routing.assemble import assemble
+from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate

@@ -5,26 +5,26 @@ import logging
 from dataclasses import dataclass
 from pathlib import Path
 
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.finding import Finding
+from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.way_home import told as told_of_way_home
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.flight.summary import summarise
+from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.mission.assemble import Option, assemble, weigh_routes
-from ipoa_mission.mission.build import build_mission
-from ipoa_mission.mission.check import check_mission
-from ipoa_mission.mission.finding import Finding
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.plan_file import write_plan
-from ipoa_mission.mission.prove_route import prove_mission
-from ipoa_mission.mission.unsafe import refuse_errors
-from ipoa_mission.mission.way_home import told as told_of_way_home
 from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.planning.search import Progress
 from ipoa_mission.report.page import Subject, page_html
+from ipoa_mission.routing.assemble import Option, assemble, weigh_routes
+from ipoa_mission.routing.build import build_mission
+from ipoa_mission.routing.prove_route import prove_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate

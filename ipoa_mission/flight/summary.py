@@ -6,8 +6,8 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.maps.passed import count_passed_over
-from ipoa_mission.mission.assemble import Option
 from ipoa_mission.planning.proof import Proof
+from ipoa_mission.routing.assemble import Option
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate
 

@@ -7,6 +7,8 @@ mode in which it is armed; and what is refused after that disarms it again.
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE, mode_name
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
 from ipoa_mission.link.messages import (
@@ -16,7 +18,6 @@ from ipoa_mission.link.messages import (
     Position,
     SystemStatus,
 )
-from ipoa_mission.link.modes import ARMING_MODE, MISSION_MODE, mode_name
 from ipoa_mission.link.orders import (
     COMPONENT_ARM_DISARM,
     DO_SET_MODE,
@@ -27,7 +28,6 @@ from ipoa_mission.link.orders import (
     stream,
 )
 from ipoa_mission.link.state import VehicleState
-from ipoa_mission.vehicle import Autopilot
 
 NAV_TAKEOFF, RUN_PREARM_CHECKS = 22, 401
 #: What a flight is watched by, and how often it is wanted [s]; ArduPilot sends none of it unasked.

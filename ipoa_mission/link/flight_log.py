@@ -8,18 +8,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.modes import MISSION_MODE
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.items import Item, Mission
 from ipoa_mission.link.copter_log import read_copter_log
 from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.logged import Begun, Held, Log, told
 from ipoa_mission.link.messages import Current, Heartbeat, HomePosition, Message, ParamValue, Position, SystemTime
-from ipoa_mission.link.modes import MISSION_MODE
 from ipoa_mission.link.telemetry_log import read_telemetry_log
 from ipoa_mission.link.ulog import read_ulog
 from ipoa_mission.mission.firmware import from_wire, home_item
-from ipoa_mission.mission.firmware_facts import FIRMWARE
-from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 #: Home is set anew by the arming; it is told within this time [s].

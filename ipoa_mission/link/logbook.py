@@ -4,6 +4,11 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.modes import MISSION_MODE, RETURN_MODES
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
 from ipoa_mission.link.messages import (
     Attitude,
@@ -18,11 +23,7 @@ from ipoa_mission.link.messages import (
     SystemTime,
     Text,
 )
-from ipoa_mission.link.modes import MISSION_MODE, RETURN_MODES
 from ipoa_mission.link.orders import COMPONENT_ARM_DISARM
-from ipoa_mission.mission.firmware_facts import FIRMWARE
-from ipoa_mission.mission.items import Command, Item
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic, apart
 
 #: A vehicle that says nothing for so long is lost.

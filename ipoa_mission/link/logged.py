@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.items import Item
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
     CUSTOM_MODE_FLAG,
@@ -17,8 +19,6 @@ from ipoa_mission.link.messages import (
     Position,
     SystemTime,
 )
-from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicle import Autopilot
 
 MAV_TYPE_QUADROTOR = 2
 #: What ArduPilot says when an item begins: "Mission: 4 WP".

@@ -14,7 +14,9 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
+from ipoa_mission.items import Item
 from ipoa_mission.link import wire
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown
@@ -35,8 +37,6 @@ from ipoa_mission.link.upload import NO_MISSION, ReadBackDiffers, Unflyable
 from ipoa_mission.link.vehicle import Found, Vehicle
 from ipoa_mission.link.wire import coordinate, degrees
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicle import Autopilot
 
 PRESENCE_S = 10.0
 POLL_S = 0.05

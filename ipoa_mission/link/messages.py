@@ -7,7 +7,7 @@ A field that MAVLink does not scale keeps MAVLink's own name. Numbers that come 
 from dataclasses import dataclass
 from enum import IntEnum
 
-from ipoa_mission.mission.items import Item
+from ipoa_mission.items import Item
 
 
 class MissionType(IntEnum):

@@ -8,6 +8,7 @@ import struct
 from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Step, TimeUp
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
@@ -15,7 +16,6 @@ from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
 from ipoa_mission.link.wire import coordinate, degrees
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.mission.items import Item
 
 MISSION_FILE = "@MISSION/mission.dat"
 MAGIC = 0x763D

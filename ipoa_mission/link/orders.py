@@ -4,6 +4,7 @@ import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import message_number
 from ipoa_mission.link.conversations import Overheard
@@ -20,7 +21,6 @@ from ipoa_mission.link.messages import (
     ParamValue,
     SetCurrent,
 )
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 DO_SET_MODE = 176

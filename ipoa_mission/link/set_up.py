@@ -4,8 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicle import RENAMED, Autopilot, Parameters
+from ipoa_mission.autopilots.renamed import RENAMED
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.items import Mission
 
 #: The parameter that puts a fence into force, and the value that leaves it without effect.
 FENCE_SWITCH: Mapping[Autopilot, str] = {Autopilot.ARDUPILOT: "FENCE_ENABLE", Autopilot.PX4: "GF_ACTION"}

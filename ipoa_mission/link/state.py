@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from ipoa_mission.autopilots.modes import does_next, mode_name
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import (
     STANDBY,
     Current,
@@ -12,8 +14,6 @@ from ipoa_mission.link.messages import (
     SystemStatus,
     Text,
 )
-from ipoa_mission.link.modes import does_next, mode_name
-from ipoa_mission.vehicle import Autopilot
 
 ON_GROUND = 1  # MAV_LANDED_STATE
 #: MAV_SYS_STATUS_PREARM_CHECK: the vehicle could be armed in its present mode.

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.codec import Codec, Heard
@@ -37,7 +38,6 @@ from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, parameter_value
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.link.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
-from ipoa_mission.vehicle import Autopilot
 
 ARMING = ("Arming motors", "Armed by", "ARMED by")
 DISARMING = ("Disarming motors", "Disarmed by", "DISARMED by")

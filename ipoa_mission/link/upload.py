@@ -6,7 +6,9 @@ If it ends otherwise, the error says what the vehicle holds.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import (
     DOUBTFUL,
     WARNING,
@@ -23,8 +25,6 @@ from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Rem
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.link.wire import expect_items
 from ipoa_mission.mission.firmware import Difference, compare
-from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicle import Autopilot
 
 #: A transfer that broke off is begun anew, from COUNT, this often; one that got nowhere, only once more.
 ATTEMPTS = 12

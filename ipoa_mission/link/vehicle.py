@@ -12,7 +12,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import TypeVar
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.start import begun_at, check_start
+from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, Heard, Target
@@ -44,13 +49,8 @@ from ipoa_mission.link.mission_file import FileRefused, upload_by_file
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
-from ipoa_mission.mission.check import check_mission
-from ipoa_mission.mission.check_start import begun_at, check_start
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
-from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.unsafe import refuse_errors
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 T = TypeVar("T")

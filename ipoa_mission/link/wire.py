@@ -8,10 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Generic, TypeVar
 
+from ipoa_mission.autopilots.vehicle import SINGLE_MAX
+from ipoa_mission.commands import SAME_FRAME, Frame
 from ipoa_mission.errors import BadInput
+from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
-from ipoa_mission.mission.items import SAME_FRAME, Frame, Item
-from ipoa_mission.vehicle import SINGLE_MAX
 
 M = TypeVar("M", bound=m.Message)
 Fields = Mapping[str, Any]

@@ -1,1 +1,1 @@
-"""What the vehicle will do: items, files, firmware rules."""
+"""Mission files and the wire: what a mission is outside the package."""

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.items import Mission
 from ipoa_mission.mission.parameter_file import beside, read_parameters
 from ipoa_mission.mission.plan_file import read_plan, write_plan
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, read_waypoints, write_waypoints
-from ipoa_mission.vehicle import Autopilot
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:

@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.errors import MissionError
-from ipoa_mission.mission.firmware_facts import FIRMWARE, Firmware
-from ipoa_mission.mission.items import Command, Frame, Item, Mission, command_name, plain_frame
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic
 
 #: Centimetres by which an altitude may come back lower: the cut is made in single precision, and so may be one off.

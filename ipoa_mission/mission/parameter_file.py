@@ -9,10 +9,10 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_atomically
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicle import SINGLE_MAX, Parameters
+from ipoa_mission.items import Mission
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
 COLUMNS = "# Vehicle-Id Component-Id Name Value Type"

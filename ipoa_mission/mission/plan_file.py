@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command, Frame, command_name
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
+from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.document import Node, read_document
 from ipoa_mission.mission.firmware import settle_frames
-from ipoa_mission.mission.items import Command, FenceCircle, FencePolygon, Frame, Item, Mission, command_name
 from ipoa_mission.mission.parameter_file import write_beside
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 log = logging.getLogger(__name__)

@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command, Frame, command_name
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.firmware import home_item, settle_frames
-from ipoa_mission.mission.items import Command, Frame, Item, Mission, command_name
 from ipoa_mission.mission.parameter_file import write_beside
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 FIRST_LINE = "QGC WPL 110"

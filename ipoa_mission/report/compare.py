@@ -9,13 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
+from ipoa_mission.autopilots.renamed import by_old_names
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Mission
 from ipoa_mission.link.flight_log import LoggedFlight
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.mission.items import Command, Mission
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.prediction import Track
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters, by_old_names
 from ipoa_mission.world.frame import LocalFrame
 
 #: Items that fly somewhere; the route is what lies between the first and the last of them.

@@ -13,11 +13,12 @@ from string import Template
 
 import numpy as np
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
+from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.mission.items import Command, Mission
-from ipoa_mission.mission.prove_route import cruise, prove_mission
 from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
@@ -32,10 +33,10 @@ from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.scene import page_data
 from ipoa_mission.report.stops import Stop, stops
+from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import Estimate
-from ipoa_mission.vehicle import Autopilot
 
 AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.commands import Command, short_name
 from ipoa_mission.geometry import Points, Vector, polyline_length
-from ipoa_mission.mission.items import Command, Item, Mission, short_name
-from ipoa_mission.mission.prove_route import cruise
+from ipoa_mission.items import Item, Mission
 from ipoa_mission.planning.proof import Proof, prove
+from ipoa_mission.routing.prove_route import cruise
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate, ItemTime
 from ipoa_mission.world.frame import Geodetic, LocalFrame

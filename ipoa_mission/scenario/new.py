@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.read import parse_scenario
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 ROOM = 12.0  # a suggested take-off or goal has so much room around it [m]

@@ -5,10 +5,11 @@ from typing import Annotated
 
 from pydantic import Field, StringConstraints, model_validator
 
+from ipoa_mission.autopilots.renamed import overridden
+from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot, Parameters
 from ipoa_mission.energy.flight import Battery
 from ipoa_mission.energy.power import KAPPA, Airframe
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
-from ipoa_mission.vehicle import SINGLE_MAX, Autopilot, Parameters, overridden
 
 ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
 Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]

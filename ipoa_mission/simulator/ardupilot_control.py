@@ -2,9 +2,9 @@
 
 import math
 
+from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.scurve import Triple
-from ipoa_mission.vehicle import Parameters
 
 
 def speed_towards(error: float, gain: float, most_acceleration: float) -> float:

@@ -6,10 +6,10 @@ The clock of the path waits for the vehicle. Splines are joined at the speed tha
 import math
 from dataclasses import dataclass
 
+from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.simulator.body import Body
 from ipoa_mission.simulator.scurve import Leg, Shaping, Triple
 from ipoa_mission.simulator.spline_leg import SplineLeg, most_along
-from ipoa_mission.vehicle import Parameters
 
 NOWHERE: Triple = (0.0, 0.0, 0.0)
 

@@ -4,15 +4,16 @@ import math
 import random
 from collections.abc import Callable
 
-from ipoa_mission.mission.items import Command, Item
+from ipoa_mission.autopilots.ardupilot import ARMING_DELAY_S, CENTIMETRE, LAND_DETECTOR_S, LIFT_S, THROTTLE_DOWN_S
+from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Item
 from ipoa_mission.simulator.ardupilot_control import PositionControl, ShapedHeight, speed_towards
 from ipoa_mission.simulator.ardupilot_guidance import PathFollower, Stop
 from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.program import NAVIGATED
 from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
-from ipoa_mission.touchdown import ARMING_DELAY_S, CENTIMETRE, LAND_DETECTOR_S, LIFT_S, THROTTLE_DOWN_S
-from ipoa_mission.vehicle import Parameters
 
 ROUNDING = 1e-4  # of heights, in single precision [m]: a waypoint over the take-off point is a leg nevertheless
 FLOWN_THROUGH = frozenset(

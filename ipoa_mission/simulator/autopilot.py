@@ -3,13 +3,16 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 
+from ipoa_mission.autopilots.modes import knows_mode, mode_name
+from ipoa_mission.autopilots.vehicle import Autopilot as Family
+from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target, message_name
 from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.logbook import LAST_NAV
 from ipoa_mission.link.messages import CommandResult, Message, MissionType
-from ipoa_mission.link.modes import knows_mode, mode_name
-from ipoa_mission.mission.items import Command, Frame, Item
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
@@ -18,8 +21,6 @@ from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import PERSONALITIES, Personality
 from ipoa_mission.simulator.transfers import Transfers
 from ipoa_mission.simulator.words import SAID_WHEN_REACHED, begun
-from ipoa_mission.vehicle import Autopilot as Family
-from ipoa_mission.vehicle import Parameters
 from ipoa_mission.world.frame import Geodetic
 
 QUADROTOR = 2  # MAV_TYPE

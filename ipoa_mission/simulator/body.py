@@ -6,7 +6,7 @@ Lean is kept as the horizontal acceleration that it gives at a thrust of one g: 
 import math
 from dataclasses import dataclass
 
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.autopilots.vehicle import Autopilot
 
 GRAVITY = 9.80665
 

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.mission_file import HEADER, MISSION_FILE, RECORD, pack_mission, unpack_mission
-from ipoa_mission.mission.items import Item
 
 MOST_CLIENTS = 16
 LONGEST_BURST = 100  # messages

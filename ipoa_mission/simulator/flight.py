@@ -11,14 +11,16 @@ from typing import Protocol
 
 import numpy as np
 
+from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
+from ipoa_mission.autopilots.renamed import by_old_names
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.geometry import Vector
-from ipoa_mission.mission.items import Item
+from ipoa_mission.items import Item
 from ipoa_mission.simulator.ardupilot_pilot import ArduPilotPilot
 from ipoa_mission.simulator.body import AIRFRAMES, GRAVITY, Body
 from ipoa_mission.simulator.program import Program
 from ipoa_mission.simulator.px4_pilot import PX4Pilot
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Reached, Situation
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot, Parameters, by_old_names
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["Flight", "FlightMode", "MissionState", "Reached"]

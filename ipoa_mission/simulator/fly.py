@@ -4,6 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from types import MappingProxyType
 
+from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.items import Mission
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.line import Line
@@ -11,12 +13,10 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle, meet
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.server import PERFECT
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicle import Parameters
 from ipoa_mission.wind import CALM, Wind
 
 NO_PARAMETERS: Parameters = MappingProxyType({})

@@ -5,10 +5,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.items import Item
 from ipoa_mission.link.messages import MissionType, Result
-from ipoa_mission.mission.firmware_facts import FIRMWARE
-from ipoa_mission.mission.items import Command, Frame, Item
-from ipoa_mission.vehicle import Autopilot, Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Judge = Callable[[Item, int, int], Result]

@@ -4,9 +4,10 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRead, ParamSet, ParamValue
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
-from ipoa_mission.vehicle import DEFAULT_PARAMETERS, Autopilot
 
 INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
 #: What ground stations look for besides what moves a mission.

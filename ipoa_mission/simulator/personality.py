@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.modes import px4_mode
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.conversations import Manners
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import CommandResult, Firmware, MissionType, Result
-from ipoa_mission.link.modes import px4_mode
-from ipoa_mission.mission.firmware_facts import FIRMWARE
 from ipoa_mission.simulator.flight import FlightMode
-from ipoa_mission.vehicle import Autopilot
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
 _SPOKEN = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768

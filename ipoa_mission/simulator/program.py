@@ -2,9 +2,10 @@
 
 import math
 
-from ipoa_mission.mission.items import FLOWN_TO, Command, Frame, Item, plain_frame
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.items import Item
 from ipoa_mission.simulator.scurve import Triple
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: Commands at which a vehicle spends time; all others are done in passing.

@@ -2,10 +2,10 @@
 
 import math
 
+from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.px4_hover import HoverThrust
 from ipoa_mission.simulator.scurve import Triple
-from ipoa_mission.vehicle import Parameters
 
 DERIVATIVE_S = 1.0 / (2.0 * math.pi * 5.0)  # MPC_VELD_LP
 

@@ -6,8 +6,8 @@ too great; then thrust lies below what PX4 thinks it needs to hover, and its ant
 and holds the level integrator back: the first legs after a take-off are flown slower.
 """
 
+from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.simulator.body import GRAVITY
-from ipoa_mission.vehicle import Parameters
 
 ACCELERATION_VARIANCE = 1.0  # R: the least that the filter allows itself [m^2/s^4]
 

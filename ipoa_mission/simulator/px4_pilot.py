@@ -4,7 +4,10 @@ import math
 import random
 from collections.abc import Callable
 
-from ipoa_mission.mission.items import Command, Item
+from ipoa_mission.autopilots.px4 import RANGE_LAG_S, STAGES, Px4Return, Px4Touchdown
+from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Item
 from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.program import NAVIGATED
 from ipoa_mission.simulator.px4_control import PositionControl
@@ -13,8 +16,6 @@ from ipoa_mission.simulator.px4_guidance import PathFollower
 from ipoa_mission.simulator.px4_home import HomeHeight
 from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
-from ipoa_mission.touchdown import RANGE_LAG_S, STAGES, Px4Touchdown
-from ipoa_mission.vehicle import Parameters, Px4Return
 
 ON_GROUND_SINK = 0.7  # before taking off the target sinks at this rate [m/s]
 NAVIGATOR_S = 0.05  # how often it is looked whether an item is done

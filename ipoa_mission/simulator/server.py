@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable
 
+from ipoa_mission.autopilots.vehicle import Autopilot as Family
+from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import Channel, Peer, open_channel
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicle import Autopilot as Family
-from ipoa_mission.vehicle import Parameters
 from ipoa_mission.world.frame import Geodetic
 
 PERFECT = Faults()

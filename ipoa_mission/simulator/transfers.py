@@ -9,7 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from ipoa_mission.commands import SAME_FRAME
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Dialogue, Exchange, NoAnswer, Tell
@@ -28,7 +30,6 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.firmware import home_item
-from ipoa_mission.mission.items import SAME_FRAME, Item
 from ipoa_mission.simulator.judgement import JUDGES
 from ipoa_mission.simulator.personality import Answer, Personality
 from ipoa_mission.simulator.store import Store

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ipoa_mission.mission.items import Command
+from ipoa_mission.commands import Command
 
 _NAMES: Mapping[int, str] = MappingProxyType(
     {

@@ -10,8 +10,20 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilots.ardupilot import (
+    ARMING_DELAY_S,
+    CENTIMETRE,
+    LAND_DETECTOR_S,
+    LIFT_S,
+    THROTTLE_DOWN_S,
+    CopterLimits,
+    copter_limits,
+)
+from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.mission.items import Command
+from ipoa_mission.itinerary.copter_spline import FLOWN_ON_INTO, Place, flies_on_to
+from ipoa_mission.itinerary.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
 from ipoa_mission.timing import _ardupilot_steps
 from ipoa_mission.timing._compiled import stepping
 from ipoa_mission.timing.body import ARDUPILOT_SIMULATOR, GRAVITY, Body
@@ -25,14 +37,9 @@ from ipoa_mission.timing.copter_legs import (
     spline_leg,
     straight_leg,
 )
-from ipoa_mission.timing.copter_parameters import CopterLimits, copter_limits
-from ipoa_mission.timing.copter_spline import FLOWN_ON_INTO, Place, flies_on_to
 from ipoa_mission.timing.copter_vertical import Climb, descend, take_off
-from ipoa_mission.timing.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
-from ipoa_mission.touchdown import ARMING_DELAY_S, CENTIMETRE, LAND_DETECTOR_S, LIFT_S, THROTTLE_DOWN_S
-from ipoa_mission.vehicle import Parameters
 from ipoa_mission.wind import CALM, Wind
 
 STEP = 0.02  # [s]

@@ -4,9 +4,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from ipoa_mission.autopilots.ardupilot import CopterLimits
+from ipoa_mission.itinerary.copter_spline import Place, cubic, minus, spline_tangents
 from ipoa_mission.timing._ardupilot_steps import along_limit, bend
-from ipoa_mission.timing.copter_parameters import CopterLimits
-from ipoa_mission.timing.copter_spline import Place, cubic, minus, spline_tangents
 from ipoa_mission.timing.scurve import Limits, Profile, change, profile
 
 STRAIGHT, SPLINE, NOTHING = 0.0, 1.0, -1.0

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from functools import lru_cache
 
-from ipoa_mission.timing.copter_parameters import CopterLimits
+from ipoa_mission.autopilots.ardupilot import CopterLimits
 
 STEP = 0.02  # [s]
 POSITION_GAIN = 1.0  # of the descent towards LAND_ALT_LOW: PSC_POSZ_P's default [1/s]

@@ -5,15 +5,15 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.ardupilot import fly_arducopter
 from ipoa_mission.timing.body import ARDUPILOT_SIMULATOR, PX4_SIMULATOR
-from ipoa_mission.timing.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.timing.route import RouteTime, route_time
-from ipoa_mission.vehicle import Autopilot, Parameters
 from ipoa_mission.wind import CALM, Wind
 
 NO_PARAMETERS: Parameters = MappingProxyType({})
@@ -77,7 +77,7 @@ def estimate(
     `fast` runs the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
     mission), plain (False), or, by default, compiled only where that is ready and quicker. The result is the same.
 
-    >>> from ipoa_mission.mission.items import land, takeoff, waypoint
+    >>> from ipoa_mission.items import land, takeoff, waypoint
     >>> from ipoa_mission.world.frame import Geodetic
     >>> home, there = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.398642, 8.545594, 488.0)
     >>> items = (takeoff(home, 15.0), waypoint(there, 15.0), land(there))

@@ -14,17 +14,16 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilots.px4 import RANGE_LAG_S, Px4Limits, Px4Touchdown, px4_limits
+from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.mission.items import Command
+from ipoa_mission.itinerary.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
 from ipoa_mission.timing import _px4_steps
 from ipoa_mission.timing._compiled import stepping
 from ipoa_mission.timing.body import GRAVITY, PX4_SIMULATOR, Body, Senses
-from ipoa_mission.timing.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
 from ipoa_mission.timing.prediction import Prediction, Track
-from ipoa_mission.timing.px4_parameters import Px4Limits, px4_limits
 from ipoa_mission.timing.reasons import corner_deg, slow_because
-from ipoa_mission.touchdown import RANGE_LAG_S, Px4Touchdown
-from ipoa_mission.vehicle import Parameters
 from ipoa_mission.wind import CALM, Wind
 
 STEP = 0.04  # [s]

@@ -7,7 +7,8 @@ over the descent speed. It knows no acceleration, no corner, no climb between wa
 
 import math
 
-from ipoa_mission.mission.items import Command, Item, Mission
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Item, Mission
 
 #: QGroundControl's settings for planning without a vehicle (Application Settings, Plan View) [m/s].
 HOVER_SPEED = 5.0

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.autopilots.ardupilot import copter_limits
+from ipoa_mission.autopilots.px4 import px4_limits
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import Command
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.mission.items import Command
+from ipoa_mission.itinerary.itinerary import Itinerary
 from ipoa_mission.timing.bound import Kinematics, least_time
-from ipoa_mission.timing.copter_parameters import copter_limits
-from ipoa_mission.timing.itinerary import Itinerary
 from ipoa_mission.timing.prediction import Track
-from ipoa_mission.timing.px4_parameters import px4_limits
-from ipoa_mission.vehicle import Autopilot, Parameters
 
 WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
 FIRST = WAYPOINTS | {Command.NAV_TAKEOFF}

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.cli.app import main
 from ipoa_mission.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
@@ -19,7 +20,6 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicle import Autopilot as Family
 from ipoa_mission.world.frame import Geodetic
 
 ZURICH = Geodetic(47.397742, 8.545594, 488.0)

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Request
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.files import read_mission, write_mission
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PASSPHRASE = "correct horse battery staple"

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item
 from ipoa_mission.mission.files import read_mission
-from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicle import Autopilot
 
 REPOSITORY = Path(__file__).parents[2]
 SCENARIOS = sorted(path.stem for path in (REPOSITORY / "missions").glob("*.toml"))

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 import ipoa_mission
+from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicle import Autopilot as Family
 from ipoa_mission.world.frame import Geodetic
 
 REPOSITORY = Path(__file__).parents[2]

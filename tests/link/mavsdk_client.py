@@ -4,12 +4,12 @@ import json
 import signal
 import sys
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.mavsdk_backend import MavsdkVehicle, connect
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import Unflyable
-from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)

@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
+from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import wire
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames, message_name, message_number
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
-from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicle import Autopilot
 
 NOW = 1_767_225_600.0
 FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}

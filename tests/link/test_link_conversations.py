@@ -3,6 +3,7 @@
 import pytest
 from link_pair import CLIENT, Air, Fate, Vehicle, items_of
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import (
     GRACE_S,
@@ -29,7 +30,6 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
-from ipoa_mission.vehicle import Autopilot
 
 ITEMS = items_of(Autopilot.PX4, 3)
 BEAT = Heartbeat(2, 12)

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.departure import Departure, NotReady, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange
 from ipoa_mission.link.messages import (
@@ -19,10 +21,8 @@ from ipoa_mission.link.messages import (
     SystemStatus,
     Text,
 )
-from ipoa_mission.link.modes import ARMING_MODE, MISSION_MODE
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.state import PREARM_CHECK, VehicleState
-from ipoa_mission.vehicle import Autopilot
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, STREAM = 22, 176, 224, 300, 400, 511

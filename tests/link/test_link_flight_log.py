@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from log_writers import WRITERS, Flown, write_dataflash, write_ulog
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.link.flight_log import read_flight
-from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

@@ -10,6 +10,8 @@ from types import FrameType
 import pytest
 from link_pair import HOME, items_of
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause
 from ipoa_mission.link.interrupt import noted_interrupts
@@ -18,11 +20,9 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import meet
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4

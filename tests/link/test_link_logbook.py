@@ -2,6 +2,9 @@
 
 import pytest
 
+from ipoa_mission.autopilots.modes import MISSION_MODE, RETURN_MODES
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange, NoAnswer
 from ipoa_mission.link.logbook import LOST_S, Logbook, brings_down, watch
 from ipoa_mission.link.messages import (
@@ -14,9 +17,6 @@ from ipoa_mission.link.messages import (
     Reached,
     Text,
 )
-from ipoa_mission.link.modes import MISSION_MODE, RETURN_MODES
-from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

@@ -10,6 +10,8 @@ import pytest
 
 pytest.importorskip("mavsdk")
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import UdpChannel
 from ipoa_mission.link.codec import Codec
@@ -17,8 +19,6 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import meet
 from ipoa_mission.link.wire import coordinate
-from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HERE = Path(__file__).parent

@@ -8,7 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from link_pair import HOME, items_of
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.conversations import MissionRefused
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, NoAnswer, TimeUp
@@ -28,12 +30,10 @@ from ipoa_mission.link.mission_file import (
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
 from ipoa_mission.link.vehicle import Vehicle, meet
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicle import Autopilot
 
 ARDUPILOT = Autopilot.ARDUPILOT
 CLIENT = Target(245, 190)

@@ -4,6 +4,7 @@ import struct
 
 import pytest
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer
@@ -21,7 +22,6 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

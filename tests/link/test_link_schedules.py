@@ -4,13 +4,13 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from link_pair import HOME, Air, Fate, Vehicle, items_of
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import download
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, home_item
-from ipoa_mission.vehicle import Autopilot
 
 FATES = st.builds(
     Fate,

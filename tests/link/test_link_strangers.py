@@ -6,6 +6,8 @@ from dataclasses import replace
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.dialogue import SPECIFIED
@@ -14,10 +16,8 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Result
 from ipoa_mission.link.vehicle import connect, meet
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)

@@ -3,7 +3,9 @@
 import pytest
 from link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import MissionRefused, download
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, TimeUp
 from ipoa_mission.link.events import event_number, mission_event, words_of
@@ -22,8 +24,6 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload, upload
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicle import Autopilot
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 RALLY = tuple(Item(5100, 3, (0.0,) * 4, 47.4 + 0.001 * n, 8.5, 20.0) for n in range(3))

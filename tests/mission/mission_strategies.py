@@ -4,9 +4,10 @@ import math
 
 from hypothesis import strategies as st
 
-from ipoa_mission.mission.firmware_facts import FIRMWARE
-from ipoa_mission.mission.items import Command, FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
+from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.world.frame import Geodetic
 
 LATITUDE = st.floats(-90, 90)

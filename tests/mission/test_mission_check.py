@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from mission_strategies import missions
 
-from ipoa_mission.mission.check import Severity, check_mission
-from ipoa_mission.mission.files import read_mission
-from ipoa_mission.mission.items import (
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.items import (
     FenceCircle,
     FencePolygon,
     Item,
@@ -23,7 +23,7 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.mission.files import read_mission
 from ipoa_mission.world.frame import Geodetic
 
 FILES = Path(__file__).parent / "files"

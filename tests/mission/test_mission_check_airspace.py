@@ -9,13 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.mission.check import check_mission
-from ipoa_mission.mission.items import Command, Item, Mission, land, return_to_launch, takeoff, waypoint
-from ipoa_mission.mission.legs import Leg, Phase, flown_legs
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Item, Mission, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.mission.check import Severity, check_mission
-from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.vehicle import Autopilot
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.mission.check import Severity, check_mission
-from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
-from ipoa_mission.mission.unsafe import Unsafe
+from ipoa_mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 

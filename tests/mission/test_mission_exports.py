@@ -10,9 +10,12 @@ import pytest
 import shapely
 from pyproj import Geod
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.exports import EXPORTS, write_export
-from ipoa_mission.mission.items import (
+from ipoa_mission.exports import EXPORTS, write_export
+from ipoa_mission.exports.table import mission_table
+from ipoa_mission.exports.track import track
+from ipoa_mission.items import (
     FenceCircle,
     FencePolygon,
     Item,
@@ -23,10 +26,7 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.mission.table import mission_table
-from ipoa_mission.mission.track import track
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 fastkml = pytest.importorskip("fastkml")

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from ipoa_mission.mission.assemble import choose_route, weigh_routes
-from ipoa_mission.mission.build import build_mission
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
 from ipoa_mission.mission.files import read_mission
-from ipoa_mission.mission.items import Command
-from ipoa_mission.mission.trial import fly, thinned
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
+from ipoa_mission.routing.assemble import choose_route, weigh_routes
+from ipoa_mission.routing.build import build_mission
+from ipoa_mission.routing.trial import fly, thinned
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly as fly_here
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
 FLIGHTS = Path(__file__).parent.parent / "flights"

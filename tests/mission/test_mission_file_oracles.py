@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from mission_strategies import missions
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import home_item
-from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints
-from ipoa_mission.vehicle import Autopilot
 
 mavwp = pytest.importorskip("pymavlink.mavwp")
 

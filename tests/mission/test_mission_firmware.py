@@ -7,21 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
-from ipoa_mission.mission.firmware_facts import FIRMWARE
-from ipoa_mission.mission.items import (
-    Command,
-    Item,
-    Mission,
-    change_speed,
-    land,
-    return_to_launch,
-    spline_waypoint,
-    takeoff,
-    waypoint,
-)
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(39.101, 121.82, 20.0)

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.check import check_mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.firmware import as_stored, compare, to_wire
 

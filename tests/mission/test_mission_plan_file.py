@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from mission_strategies import missions, same
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
+from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.plan_file import read_plan, write_plan
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 FILES = Path(__file__).parent / "files"

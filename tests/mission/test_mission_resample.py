@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.mission.relax import relaxed, stations
-from ipoa_mission.mission.resample import NOWHERE, corridor, deviation, every
 from ipoa_mission.planning.spline import Spline
+from ipoa_mission.routing.relax import relaxed, stations
+from ipoa_mission.routing.resample import NOWHERE, corridor, deviation, every
 
 RNG = np.random.default_rng(4)
 CURVES = [Spline(np.cumsum(RNG.normal((12, 5, 0.5), (6, 9, 2), (n, 3)), axis=0)) for n in (4, 7, 10, 14, 20)]

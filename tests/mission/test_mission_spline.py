@@ -8,16 +8,17 @@ import pytest
 import shapely
 from scipy.interpolate import CubicSpline
 
-from ipoa_mission.mission.build import build_mission
-from ipoa_mission.mission.check import check_mission
-from ipoa_mission.mission.items import Command, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
-from ipoa_mission.mission.legs import Phase, flown_legs, join
-from ipoa_mission.mission.route import Route
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Mission, return_to_launch, spline_waypoint, takeoff, waypoint
+from ipoa_mission.itinerary.legs import Phase, flown_legs, join
 from ipoa_mission.mission.waypoints_file import read_waypoints
+from ipoa_mission.routing.build import build_mission
+from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
 FLIGHTS = Path(__file__).parents[1] / "flights"

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from shapely import LineString, box
 
-from ipoa_mission.mission.build import build_mission
-from ipoa_mission.mission.check import check_mission
-from ipoa_mission.mission.items import Command, Mission
-from ipoa_mission.mission.legs import Phase, flown_legs
-from ipoa_mission.mission.route import NoRoute, Route
-from ipoa_mission.mission.way_home import told
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.way_home import told
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.legs import Phase, flown_legs
+from ipoa_mission.routing.build import build_mission
+from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicle import Autopilot
 
 ROUND_THE_HALL = ((0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0))
 HALL = box(40, -10, 60, 10)

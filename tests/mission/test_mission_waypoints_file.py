@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from mission_strategies import missions, same
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
+from ipoa_mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.mission.waypoints_file import read_waypoints, write_waypoints
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 FILES = Path(__file__).parent / "files"

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
+from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 import shapely
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.mission.files import read_mission
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.comparison_plot import draw_comparison
 from ipoa_mission.report.page import report_html
 from ipoa_mission.report.plots import write_picture
 from ipoa_mission.timing.estimate import Estimate, estimate
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
 RECORDED = Path(__file__).parents[1] / "flights"

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.commands import Command
+from ipoa_mission.items import return_to_launch
+from ipoa_mission.itinerary.legs import join
 from ipoa_mission.mission.files import read_mission
-from ipoa_mission.mission.items import Command, return_to_launch
-from ipoa_mission.mission.legs import join
-from ipoa_mission.mission.prove_route import cruise, prove_mission
 from ipoa_mission.report.chart import Axis, axis_over
 from ipoa_mission.report.course import dangers, follow
 from ipoa_mission.report.page import report_html, write_report
@@ -21,6 +21,7 @@ from ipoa_mission.report.panels.headline import verdict
 from ipoa_mission.report.panels.profile import _near
 from ipoa_mission.report.stops import stops
 from ipoa_mission.report.words import metres, number, seconds, share
+from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import estimate

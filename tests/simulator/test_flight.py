@@ -4,18 +4,10 @@ import math
 
 import pytest
 
-from ipoa_mission.mission.items import (
-    Command,
-    Frame,
-    Item,
-    change_speed,
-    land,
-    return_to_launch,
-    takeoff,
-    waypoint,
-)
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.flight import Flight, MissionState
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(39.101, 121.82, 20.0)

@@ -5,7 +5,7 @@ import pytest
 from flown_here import fly_here
 from recorded_flights import FLIGHTS, LANDINGS, read_flight, read_flights
 
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.autopilots.vehicle import Autopilot
 
 #: PX4's flights differ from one to the next, recorded as flown here: the mean of so many stands for ours.
 SEEDS = range(2)

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 import pytest
 from link_pair import CLIENT, HOME, STRANGER
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.link.messages import (
     Ack,
     CommandAck,
@@ -30,9 +32,7 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.mission.firmware import home_item
-from ipoa_mission.mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as BuiltIn
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from recorded_flights import Recorded, read_flights
 
-from ipoa_mission.mission.items import Command, Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.mission.legs import Phase, flown_legs
+from ipoa_mission.autopilots.px4 import Px4Return
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.itinerary.legs import Phase, flown_legs
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.timing.estimate import estimate
-from ipoa_mission.vehicle import Autopilot, Px4Return
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 RETURNING = [f for f in read_flights(Autopilot.PX4) if f.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH]

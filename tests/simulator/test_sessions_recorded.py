@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.line import Line
@@ -34,7 +35,6 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import meet
 from ipoa_mission.mission.plan_file import read_plan
 from ipoa_mission.simulator.autopilot import Autopilot as BuiltIn
-from ipoa_mission.vehicle import Autopilot
 
 SESSIONS = Path(__file__).resolve().parents[1] / "sessions"
 STATION, SPEEDUP = 245, 4.0

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, fly
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)

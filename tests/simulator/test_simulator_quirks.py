@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import pytest
 from link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.messages import (
     Ack,
@@ -28,10 +30,8 @@ from ipoa_mission.link.messages import (
     Text,
     WritePartialList,
 )
-from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.flight import FlightMode
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4

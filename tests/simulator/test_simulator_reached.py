@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from link_pair import CLIENT
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Mission
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Reached
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.firmware import to_wire
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 FLIGHTS = Path(__file__).parent.parent / "flights"

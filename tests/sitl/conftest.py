@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from simulated import Sitl
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.vehicle import Autopilot
 
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 

@@ -6,11 +6,12 @@ import pytest
 from bad_radio import bad_radio
 from simulated import Sitl, interrupt
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
+from ipoa_mission.items import FenceCircle, FencePolygon
 from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import until
 from ipoa_mission.link.messages import CommandResult
-from ipoa_mission.mission.items import Command, FenceCircle, FencePolygon
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import LocalFrame, apart
 
 pytestmark = pytest.mark.sitl

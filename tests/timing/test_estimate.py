@@ -6,21 +6,12 @@ from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.items import (
-    Command,
-    Frame,
-    Item,
-    Mission,
-    change_speed,
-    land,
-    return_to_launch,
-    takeoff,
-    waypoint,
-)
+from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.timing.estimate import estimate as predict
-from ipoa_mission.vehicle import Autopilot, Parameters
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(39.101, 121.82, 20.0)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from recorded_flights import Recorded, read_flights
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
-from ipoa_mission.vehicle import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
 COPTER = read_flights(Autopilot.ARDUPILOT)

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilots.ardupilot import copter_limits
 from ipoa_mission.timing._ardupilot_steps import along
 from ipoa_mission.timing.copter_legs import Speeds, as_numbers, straight_leg
-from ipoa_mission.timing.copter_parameters import copter_limits
 from ipoa_mission.timing.scurve import Limits, Profile, change, profile, ramp_for
 
 lengths = st.floats(0.01, 500.0)

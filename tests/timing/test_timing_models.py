@@ -4,22 +4,13 @@ import math
 
 import pytest
 
+from ipoa_mission.autopilots.ardupilot import ARDUCOPTER_DEFAULTS, copter_limits
+from ipoa_mission.autopilots.renamed import RENAMED
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.mission.items import (
-    Command,
-    Frame,
-    Item,
-    Mission,
-    change_speed,
-    land,
-    return_to_launch,
-    spline_waypoint,
-    takeoff,
-    waypoint,
-)
-from ipoa_mission.timing.copter_parameters import copter_limits
+from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.timing.estimate import Estimate, estimate
-from ipoa_mission.vehicle import ARDUCOPTER_DEFAULTS, RENAMED, Autopilot
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 

@@ -10,13 +10,13 @@ import threading
 import time
 from pathlib import Path
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Mission
 from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link import vehicle as vehicle_module
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.firmware import to_wire
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicle import Autopilot
 from link_benchmark.vehicle import mission
 
 LIMIT_S = 240.0

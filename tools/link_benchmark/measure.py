@@ -6,17 +6,17 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
 from pathlib import Path
 
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item
 from ipoa_mission.link import vehicle as vehicle_module
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicle import Autopilot
 from link_benchmark.clients import NotConnected, mavproxy
 from link_benchmark.rows import CLIENTS, Cell, Run, add_row, read_rows
 from link_benchmark.vehicle import HOME, mission, vehicle

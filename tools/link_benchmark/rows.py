@@ -4,7 +4,7 @@ import csv
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.autopilots.vehicle import Autopilot
 
 CLIENTS = ("ours", "by-file", "mavsdk", "mavproxy")
 

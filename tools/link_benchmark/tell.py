@@ -2,7 +2,7 @@
 
 import statistics
 
-from ipoa_mission.vehicle import Autopilot
+from ipoa_mission.autopilots.vehicle import Autopilot
 from link_benchmark.measure import ITEMS
 from link_benchmark.rows import CLIENTS, Cell, Run
 

@@ -6,7 +6,7 @@ import sys
 import threading
 from pathlib import Path
 
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.items import Mission
 from link_benchmark import clients
 from link_benchmark.clients import LIMIT_S, NotConnected
 

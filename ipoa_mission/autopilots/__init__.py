@@ -1,0 +1,1 @@
+"""Each autopilot's own facts, once: parameters and defaults, modes, storage, touchdown."""

@@ -1,0 +1,1 @@
+"""How a mission is judged before it flies."""

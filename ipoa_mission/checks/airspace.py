@@ -1,0 +1,63 @@
+"""The legs of a mission against the world of a scenario, by the same proof that the planner's path went through."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ipoa_mission.checks.finding import Finding, Severity, error, warning
+from ipoa_mission.checks.way_home import remedy
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.legs import Leg, Phase
+from ipoa_mission.planning.proof import Check, prove
+from ipoa_mission.scenario import Scenario
+
+#: What rounding positions to 1e-7 degrees and to millimetres may cost, by unit.
+ROUNDING = {"m": 0.02, "deg": 0.5}
+SAME_HOME = 1.0  # [m]
+
+ANGLES = {"climb", "descent"}
+
+#: The limits that each kind of leg is held against; a climb or a descent is steep, and begins or ends on the ground.
+LIMITS = {
+    Phase.CRUISE: {"obstacles", "ground", "ceiling", "bounds", *ANGLES},
+    Phase.RETURN: {"obstacles", "ground", "ceiling", "bounds"},
+    Phase.TAKEOFF: {"obstacles"},
+    Phase.LANDING: {"obstacles"},
+}
+NAMES = {
+    Phase.CRUISE: "the leg to it",
+    Phase.RETURN: "the way home",
+    Phase.TAKEOFF: "the climb",
+    Phase.LANDING: "the descent",
+}
+
+
+def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+    """Findings about home, then about each leg.
+
+    Between waypoints a leg must keep the scenario's limits. On the climb, on the way home and on the landing, which no
+    planner chose, breaking one is a warning, and touching something an error.
+    """
+    offset = np.abs(scenario.frame.local(mission.home))
+    if offset.max() > SAME_HOME:
+        message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
+        yield Finding(Severity.WARNING, 0, message)
+    for leg in legs:
+        for broken in _broken(leg, scenario):
+            item, message = mission.items[leg.seq - 1], f"{NAMES[leg.phase]}: {broken.words()}"
+            if leg.phase is not Phase.CRUISE and not _touches(broken, scenario):
+                yield warning(leg.seq, item, message)
+            else:
+                yield error(leg.seq, item, message, remedy(mission, scenario) if leg.phase is Phase.RETURN else None)
+
+
+def _broken(leg: Leg, scenario: Scenario) -> list[Check]:
+    """The limits that a leg breaks by more than rounding; straight up or down no angle is too steep."""
+    limits = LIMITS[leg.phase] - (ANGLES if np.ptp(leg.points[:, :2], axis=0).max() < ROUNDING["m"] else set())
+    checks = prove(leg.points, scenario, leg.stray).checks
+    return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
+
+
+def _touches(broken: Check, scenario: Scenario) -> bool:
+    solid = broken.limit in ("obstacles", "ground")
+    return solid and broken.found.distance < scenario.vehicle.radius - ROUNDING["m"]

@@ -1,0 +1,39 @@
+"""All that can be known to be wrong with a mission before it flies; nothing here repairs anything.
+
+Autopilots accept positions at (0, 0), altitudes that are no number and missions that they cannot fly: whoever sends
+one checks first.
+"""
+
+from ipoa_mission.checks.airspace import check_airspace
+from ipoa_mission.checks.fence import check_fence
+from ipoa_mission.checks.finding import Finding, Severity
+from ipoa_mission.checks.firmware import check_firmware
+from ipoa_mission.checks.ground import check_ground
+from ipoa_mission.checks.passed_over import check_passed_over
+from ipoa_mission.checks.positions import check_positions
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.legs import flown_legs
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.frame import LocalFrame
+
+__all__ = ["Finding", "Severity", "check_mission"]
+
+
+def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[Finding, ...]:
+    """What is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
+
+    The vehicle has the mission's parameters, and those of the scenario that the mission does not name. Legs are looked
+    at only where every position is sound. Errors come before warnings, items in their order.
+    """
+    positions = tuple(check_positions(mission))
+    findings = [*check_firmware(mission), *positions]
+    if not any(finding.severity is Severity.ERROR for finding in positions):
+        if scenario is None:
+            frame = LocalFrame(mission.home)
+            findings += check_fence(mission, frame, flown_legs(mission, frame))
+        else:
+            mission, frame = mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame
+            legs = flown_legs(mission, frame, scenario.airspace.ground)
+            findings += [*check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
+            findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
+    return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))

@@ -1,0 +1,80 @@
+"""A geofence that would stop the mission it comes with: home, items, rally points or legs outside of it."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.checks.finding import Finding, Severity, error
+from ipoa_mission.items import FenceCircle, FencePolygon, Mission
+from ipoa_mission.itinerary.legs import Leg, Phase
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+CIRCLE_SEGMENTS = 90  # a quarter: the polygon lies within 4e-5 radii of the circle
+TOUCH = 0.05  # [m] by which a leg may cross the fence's edge
+
+
+def check_fence(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+    """Findings about the fence itself, then about what lies outside of it."""
+    wrong = {n: words for n, part in enumerate(mission.fence) if (words := _wrong(part, frame))}
+    yield from (Finding(Severity.ERROR, None, f"fence[{n}]: {words}") for n, words in wrong.items())
+    if wrong or not mission.fence:
+        return
+    allowed = _allowed(mission, frame)
+    home = shapely.Point(frame.local(mission.home)[:2])
+    if not allowed.covers(home):
+        yield Finding(Severity.ERROR, 0, "home: expected inside the fence, but it lies outside")
+    for n, place in enumerate(mission.rally):
+        if not allowed.covers(shapely.Point(frame.local(place)[:2])):
+            yield Finding(Severity.ERROR, None, f"rally[{n}]: expected inside the fence, but it lies outside")
+    yield from _legs(mission, legs, allowed)
+
+
+def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
+    """What is wrong with one part of a fence, in words."""
+    if isinstance(part, FenceCircle):
+        return None
+    if len(part.vertices) < 3:
+        return f"expected a polygon of three vertices or more, not {len(part.vertices)}"
+    reason = shapely.is_valid_reason(_area(part, frame))
+    return None if reason == "Valid Geometry" else f"expected a polygon with an inside, not with a {_tidy(reason)}"
+
+
+def _tidy(reason: str) -> str:
+    return reason.split("[")[0].lower()
+
+
+def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:
+    """Where the fence allows flying, in the local plane; a fence of exclusions only allows everything else."""
+    inside = [_area(part, frame) for part in mission.fence if part.inclusion]
+    outside = [_area(part, frame) for part in mission.fence if not part.inclusion]
+    join = shapely.union_all if FIRMWARE[mission.autopilot].fence_is_union else shapely.intersection_all
+    allowed = join(inside) if inside else shapely.box(-1e7, -1e7, 1e7, 1e7)
+    return shapely.difference(allowed, shapely.union_all(outside))
+
+
+def _area(part: FencePolygon | FenceCircle, frame: LocalFrame) -> shapely.Geometry:
+    if isinstance(part, FenceCircle):
+        center = frame.local(Geodetic(*part.center, frame.home.altitude))[:2]
+        return shapely.Point(center).buffer(part.radius, quad_segs=CIRCLE_SEGMENTS)
+    latitude, longitude = np.array(part.vertices).T
+    return shapely.Polygon(frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2])
+
+
+def _legs(mission: Mission, legs: tuple[Leg, ...], allowed: shapely.Geometry) -> Iterator[Finding]:
+    wide = allowed.buffer(TOUCH)
+    reported: set[int] = set()
+    for leg in legs:
+        start, end = (wide.covers(shapely.Point(leg.points[n, :2])) for n in (0, -1))
+        if leg.seq in reported or (end and wide.covers(shapely.LineString(leg.points[:, :2]))):
+            continue
+        if not end and leg.phase is not Phase.RETURN:
+            message = "expected inside the fence, but it lies outside"
+        elif start:
+            what = "the way home" if leg.phase is Phase.RETURN else "the leg to it"
+            message = f"expected legs inside the fence, but {what} crosses it"
+        else:
+            continue
+        reported.add(leg.seq)
+        yield error(leg.seq, mission.items[leg.seq - 1], message)

@@ -1,0 +1,124 @@
+"""What a firmware refuses, changes in silence, or accepts and cannot fly."""
+
+import math
+from collections.abc import Iterator
+
+from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware
+from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
+from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
+from ipoa_mission.checks.finding import Finding, Severity, error, warning
+from ipoa_mission.commands import Command, Frame, command_name
+from ipoa_mission.items import Item, Mission
+from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
+from ipoa_mission.mission.firmware import to_wire
+
+TAKEOFFS = {Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF}
+LANDINGS = {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_LOITER_UNLIM}
+#: Commands whose param1 is a time that ArduPilot keeps in whole seconds.
+HOLDS = {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME}
+LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits
+MAY_PRECEDE_TAKEOFF = {Command.NAV_DELAY}
+
+
+def check_firmware(mission: Mission) -> Iterator[Finding]:
+    """Findings about commands, frames, params, jumps, limits, take-off and ending."""
+    firmware = FIRMWARE[mission.autopilot]
+    yield from _limits(mission, firmware)
+    for seq, item in enumerate(mission.items, start=1):
+        yield from _command_and_frame(seq, item, firmware)
+        yield from _params(seq, item, firmware)
+        if item.command == Command.DO_JUMP:
+            yield from _jump(seq, item, len(mission.items))
+    yield from _takeoff(mission)
+    yield from _ending(mission)
+
+
+def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
+    if not mission.items:
+        yield Finding(Severity.ERROR, None, "the mission: expected at least one item, but there is none")
+    counts = {
+        "mission items": (len(to_wire(mission)), firmware.max_items),
+        "fence items (one for each vertex or circle)": (len(fence_to_wire(mission.fence)), firmware.max_fence_items),
+        "rally points": (len(rally_to_wire(mission.rally)), firmware.max_rally_points),
+    }
+    for what, (count, most) in counts.items():
+        if count > most:
+            message = f"the mission: expected at most {most} {what} for {firmware.name}, not {count}"
+            yield Finding(Severity.ERROR, None, message)
+
+
+def _command_and_frame(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
+    placed, plain = item.command in firmware.placed, item.command in firmware.plain
+    if not placed and not plain:
+        where = " in a mission: it belongs into the fence or rally list" if _is_fence(item, firmware) else ""
+        yield error(seq, item, f"{firmware.name} does not take {command_name(item.command)}{where}")
+    elif placed and item.frame not in firmware.frames:
+        what = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
+        yield error(seq, item, f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}")
+    elif placed and not plain and item.frame == Frame.MISSION:
+        message = "expected a frame with a position, not frame 2"
+        if firmware.home_is_item_0:
+            yield warning(seq, item, f"{message}, which ArduPilot takes for AMSL")
+        else:
+            yield error(seq, item, message)
+
+
+def _is_fence(item: Item, firmware: Firmware) -> bool:
+    return item.command in firmware.fence or item.command in firmware.rally
+
+
+def _params(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
+    for n, value in enumerate(item.params, start=1):
+        if abs(value) > SINGLE_MAX:
+            yield error(seq, item, f"param{n}: expected a number that fits in single precision, not {value:g}")
+    hold = item.params[0]
+    if item.command in HOLDS and math.isfinite(hold):
+        if hold < 0:
+            yield error(seq, item, f"param1: expected a hold of zero seconds or more, not {hold:g}")
+        elif firmware.home_is_item_0 and hold > LONGEST_HOLD_S:
+            yield error(seq, item, f"param1: expected a hold of at most {LONGEST_HOLD_S} s, not {hold:g}")
+        elif firmware.home_is_item_0 and not hold.is_integer():
+            yield warning(seq, item, f"param1: ArduPilot holds for whole seconds: {int(hold)} s, not {hold:g}")
+    if item.command in HOLDS and math.isnan(hold) and not firmware.home_is_item_0:
+        yield error(seq, item, "param1: expected a hold in seconds, not NaN, at which PX4 stays for ever")
+    if item.command == Command.DO_CHANGE_SPEED and not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
+        yield error(seq, item, f"param2: expected a speed above zero, not {item.params[1]:g}")
+
+
+def _jump(seq: int, item: Item, count: int) -> Iterator[Finding]:
+    target, repeats = item.params[:2]
+    if not (math.isfinite(target) and target.is_integer() and 1 <= target <= count):
+        yield error(seq, item, f"param1: expected the number of an item, 1 to {count}, not {target:g}")
+    elif target == seq:
+        yield error(seq, item, "param1: expected another item, not the jump itself")
+    if not repeats >= 0:
+        yield warning(seq, item, f"param2: {repeats:g} repeats never end: the mission flies until someone ends it")
+
+
+def _takeoff(mission: Mission) -> Iterator[Finding]:
+    moving = [
+        (seq, item)
+        for seq, item in enumerate(mission.items, start=1)
+        if item.command < Command.CONDITION_DELAY and item.command not in MAY_PRECEDE_TAKEOFF
+    ]
+    if not moving:
+        return
+    seq, first = moving[0]
+    if first.command not in TAKEOFFS:
+        later = any(item.command in TAKEOFFS for _, item in moving)
+        if mission.autopilot is Autopilot.ARDUPILOT or later:
+            yield error(seq, first, f"expected the take-off first, not {command_name(first.command)}")
+        else:
+            yield warning(seq, first, "the mission has no take-off: it serves a vehicle that already flies")
+    least = DEFAULT_PARAMETERS[Autopilot.PX4]["NAV_MC_ALT_RAD"] + 1.0 if mission.autopilot is Autopilot.PX4 else 0.0
+    for seq, item in moving:
+        height = mission.altitude_above_home(item)
+        if item.command in TAKEOFFS and height <= least:  # PX4 finds such a mission infeasible
+            yield error(seq, item, f"expected a take-off to more than {least:g} m above home, not to {height:g} m")
+
+
+def _ending(mission: Mission) -> Iterator[Finding]:
+    flown = [(seq, item) for seq, item in enumerate(mission.items, 1) if item.command < Command.CONDITION_DELAY]
+    if flown and flown[-1][1].command not in LANDINGS:
+        seq, last = flown[-1]
+        yield warning(seq, last, "the mission ends in the air, where the vehicle stays")

@@ -1,0 +1,43 @@
+"""Whether a mission comes near to something on the maps that was passed over and may stand there all the same.
+
+How high such a thing is nobody knows: what counts is the distance in plan.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+
+from ipoa_mission.checks.finding import Finding, error
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.legs import Leg
+from ipoa_mission.planning.limits import limits_of
+from ipoa_mission.scenario import Scenario
+
+REMEDY = (
+    'under [[maps]], take = "all" makes it an obstacle, with default_height where it has none; '
+    'take = "tagged" says that it is nothing'
+)
+
+
+def check_passed_over(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+    """An error for each leg that comes nearer than an obstacle may be, and than the path may leave its legs."""
+    things = [thing for thing in scenario.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
+    if not things:
+        return
+    tree = shapely.STRtree([thing.shape for thing in things])
+    required = limits_of(scenario).obstacle_distance + scenario.route.tolerance
+    for leg in legs:
+        way = shapely.LineString(leg.points[:, :2])
+        near = [things[i] for i in tree.query(way, "dwithin", required + leg.stray)]
+        if near:
+            distances = [shapely.distance(way, thing.shape) for thing in near]
+            first = near[int(np.argmin(distances))]
+            others = f" (and {len(near) - 1} more)" if len(near) > 1 else ""
+            yield error(
+                leg.seq,
+                mission.items[leg.seq - 1],
+                f"passes {min(distances):.1f} m from {first.name} on {first.file}{others}, which is passed over: "
+                f"{first.reason}; nothing says that nothing stands there",
+                REMEDY,
+            )

@@ -1,0 +1,142 @@
+"""Positions and heights that no vehicle should be sent to; PX4 accepts them all, ArduPilot most of them."""
+
+import math
+from collections.abc import Iterator
+
+from pyproj import Geod
+
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.finding import Finding, Severity, error, warning
+from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.errors import BadInput
+from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.world.frame import Geodetic
+
+FAR, TOO_FAR = 10_000.0, 100_000.0  # [m] from home
+HIGHEST, LOWEST = 10_000.0, -500.0  # [m] above home
+DEEPEST_LAND, HIGHEST_LAND = -450.0, 9_000.0  # [m AMSL] where a home can be
+ELLIPSOID = Geod(ellps="WGS84")
+MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
+
+
+def check_positions(mission: Mission) -> Iterator[Finding]:
+    """Findings about home, the positions and heights of items and rally points, and where the fence lies."""
+    yield from _home(mission.home)
+    for seq, item in enumerate(mission.items, start=1):
+        if item.command in FLOWN_TO | FIRMWARE[mission.autopilot].placed.keys() and item.frame != Frame.MISSION:
+            found = list(_position(seq, item, mission))
+            yield from found
+            if not found:
+                yield from _far(seq, item, mission.home)
+            yield from _height(seq, item, mission)
+    yield from _fence(mission)
+    for n, place in enumerate(mission.rally):
+        if wrong := _wrong_corner(mission.home, place.latitude_deg, place.longitude_deg):
+            yield Finding(Severity.ERROR, None, f"rally[{n}]: {wrong}")
+        elif not math.isfinite(place.altitude) or not 0 <= place.altitude <= HIGHEST:
+            message = f"rally[{n}]: expected a height above home in metres, not {place.altitude:g}"
+            yield Finding(Severity.ERROR, None, message)
+
+
+def _fence(mission: Mission) -> Iterator[Finding]:
+    for n, part in enumerate(mission.fence):
+        corners = part.vertices if isinstance(part, FencePolygon) else (part.center,)
+        wrong = next(filter(None, (_wrong_corner(mission.home, *corner) for corner in corners)), None)
+        if isinstance(part, FenceCircle) and not 0 < part.radius <= TOO_FAR:
+            wrong = f"expected a radius above zero and up to {TOO_FAR / 1000:g} km, not {part.radius:g} m"
+        if wrong:
+            yield Finding(Severity.ERROR, None, f"fence[{n}]: {wrong}")
+
+
+def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> str | None:
+    """What is wrong with a corner of the fence or a rally point, in words: far from home it makes no sense."""
+    if wrong := out_of_range(latitude_deg, longitude_deg):
+        return wrong
+    if out_of_range(home.latitude_deg, home.longitude_deg):
+        return None
+    metres = distance(home, latitude_deg, longitude_deg)
+    return None if metres <= TOO_FAR else f"expected a position within 100 km of home, not {metres / 1000:.0f} km"
+
+
+def refuse_unsound(mission: Mission) -> None:
+    """Refuse a mission that cannot be drawn.
+
+    Raises:
+        BadInput: in the words of the first error of `check_positions`.
+    """
+    for finding in check_positions(mission):
+        if finding.severity is Severity.ERROR:
+            raise BadInput(finding.message)
+
+
+def _home(home: Geodetic) -> Iterator[Finding]:
+    if wrong := out_of_range(home.latitude_deg, home.longitude_deg):
+        yield Finding(Severity.ERROR, 0, f"home: {wrong}")
+    elif (home.latitude_deg, home.longitude_deg) == (0.0, 0.0):
+        yield Finding(Severity.ERROR, 0, "home: expected a position, not latitude 0, longitude 0")
+    if not DEEPEST_LAND <= home.altitude <= HIGHEST_LAND:
+        message = f"home: expected an altitude AMSL from {DEEPEST_LAND:g} to {HIGHEST_LAND:g} m, not {home.altitude:g}"
+        yield Finding(Severity.ERROR, 0, message)
+
+
+def out_of_range(latitude_deg: float, longitude_deg: float) -> str | None:
+    """What is wrong with a position, in words; None if it is one."""
+    if not abs(latitude_deg) <= 90:
+        return f"expected a latitude from -90 to 90 degrees, not {latitude_deg:g}"
+    if not abs(longitude_deg) <= 180:
+        return f"expected a longitude from -180 to 180 degrees, not {longitude_deg:g}"
+    return None
+
+
+def _position(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
+    if wrong := out_of_range(item.latitude_deg, item.longitude_deg):
+        yield error(seq, item, wrong)
+    elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
+        if item.command not in MAY_BE_HERE:
+            yield error(seq, item, "expected a position, not latitude 0, longitude 0")
+        elif mission.autopilot is Autopilot.PX4:
+            yield error(seq, item, "expected a position: PX4 would fly to latitude 0, longitude 0")
+
+
+def distance(home: Geodetic, latitude_deg: float, longitude_deg: float) -> float:
+    """Horizontal distance from home on the ellipsoid [m]."""
+    *_, metres = ELLIPSOID.inv(home.longitude_deg, home.latitude_deg, longitude_deg, latitude_deg)
+    return float(metres)
+
+
+def _far(seq: int, item: Item, home: Geodetic) -> Iterator[Finding]:
+    if not item.has_position or out_of_range(home.latitude_deg, home.longitude_deg):
+        return
+    km = distance(home, item.latitude_deg, item.longitude_deg) / 1000
+    if km > TOO_FAR / 1000:
+        yield error(seq, item, f"expected a position within {TOO_FAR / 1000:g} km of home, not {km:.0f} km")
+    elif km > FAR / 1000:
+        yield warning(seq, item, f"lies {km:.1f} km from home")
+
+
+def _height(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
+    if item.command not in FLOWN_TO:
+        return
+    if not math.isfinite(item.altitude):
+        yield error(seq, item, f"expected an altitude in metres, not {item.altitude}")
+        return
+    if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
+        if not (item.altitude > 0 or item.command == Command.NAV_LAND) or abs(item.altitude) > HIGHEST:
+            yield error(seq, item, f"expected a height above the terrain, not {item.altitude:g} m")
+        return
+    height = mission.altitude_above_home(item)
+    if math.isnan(height):
+        return  # a frame that no firmware takes: `check_firmware` says so
+    if not LOWEST <= height <= HIGHEST:
+        message = f"expected a height from {LOWEST:g} to {HIGHEST:g} m above home, not {height:g} m"
+        yield error(seq, item, message + _doubt(item, mission))
+    elif height <= 0 and item.command not in MAY_BE_HERE:
+        words = f"lies {-height:g} m below home" if height else "flies at the height of home: has it no altitude?"
+        yield warning(seq, item, words + _doubt(item, mission))
+
+
+def _doubt(item: Item, mission: Mission) -> str:
+    """A likely reason for an absurd height: an altitude above home in the AMSL frame."""
+    mistaken = plain_frame(item.frame) == Frame.GLOBAL and 0 < item.altitude < mission.home.altitude
+    return ": is it meant above home (frame 3), not AMSL (frame 0)?" if mistaken else ""

@@ -1,0 +1,79 @@
+"""A flight that does not begin where its mission was made for: from another place, or with a later item."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ipoa_mission.checks.airspace import check_airspace
+from ipoa_mission.checks.finding import Severity
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.items import Item, Mission, takeoff
+from ipoa_mission.itinerary.legs import flown_legs
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.frame import Geodetic, apart
+
+#: So far from the mission's home a vehicle is at it: less than positioning by satellite is worth [m].
+AT_HOME = 1.5
+#: So near it may begin where no scenario tells what is on the way [m].
+UNSEEN = 10.0
+#: A vehicle on the ground first climbs to the height of its first item, but at least so far [m].
+LEAST_CLIMB = 2.5
+_SKIPPED = Item(Command.CONDITION_DELAY, Frame.MISSION)
+
+
+class NotAtStart(MissionError):
+    """The vehicle stands where the flight may not begin."""
+
+
+def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mission:
+    """The mission as it is flown from a place on the ground, beginning with item `first`; numbers of items stay.
+
+    Heights above home count from there. A vehicle that does not begin with a take-off climbs to the height of its
+    first item all the same, and then flies straight to it.
+
+    Raises:
+        BadInput: there is no such item, or it has no place to fly to.
+    """
+    home = mission.home if there is None else there
+    if first == 0:
+        return replace(mission, home=home)
+    if not 0 < first < len(mission.items):
+        raise BadInput(f"--from: expected an item from 1 to {len(mission.items)}, not {first + 1}")
+    height = mission.altitude_above_home(mission.items[first])
+    if not (mission.items[first].has_position and np.isfinite(height)):
+        raise BadInput(f"--from: expected an item with a place and a height, and item {first + 1} has none")
+    begins = (_SKIPPED,) * (first - 1) + (takeoff(home, max(height, LEAST_CLIMB)),)
+    return replace(mission, home=home, items=begins + mission.items[first:])
+
+
+def check_start(mission: Mission, first: int, there: Geodetic, scenario: Scenario | None) -> tuple[str, ...]:
+    """Whether a vehicle that stands `there` may begin with item `first` (index into the items); remarks for the user.
+
+    Raises:
+        NotAtStart: the way from there is not clear, or nobody knows and it is far from the mission's home.
+    """
+    aside = apart(there, mission.home)
+    if aside <= AT_HOME and first == 0:
+        return ()
+    where = f"the vehicle stands {aside:.1f} m from the mission's home"
+    if scenario is None:
+        if aside > UNSEEN:
+            raise NotAtStart(
+                f"{where}, and without a scenario nobody can look at the way from there",
+                hint="bring it there, or name the scenario, or plan from where it stands",
+            )
+        return (f"{where}: no scenario tells what is on the way from there",)
+    frame = scenario.frame
+    place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
+    ground = float(scenario.airspace.ground(place[None, :])[0])
+    home = Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude + ground)
+    begun = begun_at(mission, first, home).assuming(scenario.vehicle.autopilot_parameters())
+    legs = flown_legs(begun, frame, scenario.airspace.ground)
+    errors = [f for f in check_airspace(begun, scenario, legs) if f.severity is Severity.ERROR]
+    if errors:
+        raise NotAtStart(
+            f"{where}; from there: {errors[0].message}",
+            hint="bring it to the mission's home, or plan from where it stands",
+        )
+    return (f"{where}: the way from there was checked and is clear",)

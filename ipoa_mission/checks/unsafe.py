@@ -1,0 +1,23 @@
+"""A mission that would crash or be refused does not leave the house."""
+
+from collections.abc import Sequence
+
+from ipoa_mission.checks.finding import Finding, Severity
+from ipoa_mission.errors import MissionError
+
+
+class Unsafe(MissionError):
+    """The checks found errors; the message has each of them on a line."""
+
+
+def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """The warnings among the findings of a check.
+
+    Raises:
+        Unsafe: there are errors.
+    """
+    errors = [finding for finding in findings if finding.severity is Severity.ERROR]
+    if errors:
+        hints = dict.fromkeys(error.hint for error in errors if error.hint)
+        raise Unsafe("\n".join(error.message for error in errors), hint="; ".join(hints) or None)
+    return tuple(findings)

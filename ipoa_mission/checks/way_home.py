@@ -1,0 +1,95 @@
+"""The way home: straight, as high as the autopilot's parameters and the last waypoint say, over whatever stands there.
+
+An autopilot that returns from above its return altitude stays as high as it is (ArduCopter's RTL_ALT and PX4's
+RTL_RETURN_ALT and RTL_DESCEND_ALT are least heights), so a mission can see to a clear way home whatever the vehicle's
+parameters are.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import takewhile
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Mission, waypoint
+from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
+from ipoa_mission.planning.proof import prove
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.frame import Geodetic
+
+STEP, HIGHEST = 5, 500  # [m] above home
+
+#: The parameters for the return altitude, and their unit in metres; PX4 1.17 was recorded to heed the lower of its two.
+PARAMETERS = {
+    Autopilot.PX4: (("RTL_RETURN_ALT", "RTL_DESCEND_ALT"), 1.0),
+    Autopilot.ARDUPILOT: (("RTL_ALT",), 0.01),
+}
+
+
+def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
+    """The mission with a waypoint high over its last place, if its way home is not clear and that makes it so.
+
+    The waypoint has the lowest of every five metres above home at which the way home keeps the required clearance; the
+    climb to it must do so, within the bounds. If there is none the mission stays as it is. A spline waypoint before it
+    is held for a second: if it flew on, ArduCopter's curve would dip first, to rise there.
+    """
+    if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
+        return mission
+    if _is_clear(_ways_home(mission, scenario), scenario):
+        return mission
+    last = mission.items[-2]
+    stopped = replace(last, params=(1.0, *last.params[1:])) if last.command == Command.NAV_SPLINE_WAYPOINT else last
+    above = Geodetic(last.latitude_deg, last.longitude_deg, mission.home.altitude)
+    for height in _heights(mission.altitude_above_home(last)):
+        climb = waypoint(above, height)
+        raised = replace(mission, items=(*mission.items[:-2], stopped, climb, mission.items[-1]))
+        way_up, *ways = (
+            leg
+            for leg in flown_legs(raised, scenario.frame, scenario.airspace.ground)
+            if leg.seq == len(mission.items) or leg.phase is Phase.RETURN
+        )
+        if any(check.slack < 0 for check in prove(way_up.points, scenario).checks if check.limit != "climb"):
+            return mission
+        if _is_clear(ways, scenario):
+            return raised
+    return mission
+
+
+def remedy(mission: Mission, scenario: Scenario) -> str:
+    """What a user can do about a way home that leads through something, in one line.
+
+    It names the lowest of every five metres of return altitude within the bounds at which the way home keeps the
+    required clearance, if one does: near home an autopilot does not climb to it.
+    """
+    others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
+    names, unit = PARAMETERS[mission.autopilot]
+    for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0)):
+        value = altitude / unit
+        if _is_clear(_ways_home(mission.with_parameters(dict.fromkeys(names, value)), scenario), scenario):
+            told = f"{' and '.join(names)} = {value:.0f} make{'s' * (len(names) == 1)} it clear"
+            return f"{told}, in the vehicle and under [vehicle.parameters]; or {others}"
+    return others
+
+
+def told(mission: Mission) -> Iterator[str]:
+    """That it climbs over its last place before it returns, where it does."""
+    match mission.items:
+        case (*_, before, last, end) if end.command == Command.NAV_RETURN_TO_LAUNCH:
+            there = (last.latitude_deg, last.longitude_deg) == (before.latitude_deg, before.longitude_deg)
+            if there and last.altitude > before.altitude:
+                seq = len(mission.items) - 1
+                yield f"item {seq}: climbs to {last.altitude:.0f} m over the goal, for a clear way home"
+
+
+def _heights(above: float) -> Iterator[float]:
+    return (float(height) for height in range(STEP, HIGHEST + 1, STEP) if height > above)
+
+
+def _ways_home(mission: Mission, scenario: Scenario) -> list[Leg]:
+    legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
+    return [leg for leg in legs if leg.phase is Phase.RETURN]
+
+
+def _is_clear(legs: Iterable[Leg], scenario: Scenario) -> bool:
+    checks = (check for leg in legs for check in prove(leg.points, scenario).checks)
+    return all(check.slack >= 0 for check in checks if check.limit in ("obstacles", "ground"))

@@ -1,0 +1,63 @@
+"""The way that a mission is flown, as geodetic lines for maps: what all exports draw."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.legs import Leg, flown_legs
+from ipoa_mission.world.frame import LocalFrame
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A line on the map: (longitude [deg], latitude [deg], altitude [m]) of each point.
+
+    Altitudes are AMSL, or above the ground where `over_terrain`. No line crosses the antimeridian.
+    """
+
+    points: tuple[tuple[float, float, float], ...]
+    over_terrain: bool
+
+
+def track(mission: Mission) -> tuple[Stretch, ...]:
+    """The way from home over all items and back, in as few lines as possible."""
+    frame = LocalFrame(mission.home)
+    lines: list[Stretch] = []
+    for leg in flown_legs(mission, frame):
+        for stretch in _stretches(leg, frame, mission.home.altitude):
+            before = lines[-1] if lines else None
+            joins = before and before.over_terrain == stretch.over_terrain and before.points[-1] == stretch.points[0]
+            if before and joins and not leg.alternative:
+                lines[-1] = Stretch(before.points + stretch.points[1:], stretch.over_terrain)
+            elif not leg.alternative:
+                lines.append(stretch)
+    return tuple(lines)
+
+
+def _stretches(leg: Leg, frame: LocalFrame, home_amsl: float) -> Iterator[Stretch]:
+    latitude, longitude, altitude = frame.to_geodetic(leg.points)
+    if leg.over_terrain:
+        altitude = altitude - home_amsl
+    places = [
+        (round(float(lon), 9), round(float(lat), 9), round(float(alt), 3))
+        for lat, lon, alt in zip(latitude, longitude, altitude, strict=True)
+    ]
+    yield from (Stretch(tuple(line), leg.over_terrain) for line in _cut_at_antimeridian(places))
+
+
+def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:
+    """The line in pieces that stay on one side of longitude 180, as GeoJSON (RFC 7946, 3.1.9) asks."""
+    lines = [[places[0]]]
+    for place in places[1:]:
+        before = lines[-1][-1]
+        if abs(place[0] - before[0]) > 180:
+            side = float(np.sign(before[0])) * 180.0
+            there = (place[0] + 2 * side, *place[1:])
+            share = (side - before[0]) / (there[0] - before[0])
+            latitude, altitude = (round(a + share * (b - a), 9) for a, b in zip(before[1:], there[1:], strict=True))
+            lines[-1].append((side, latitude, altitude))
+            lines.append([(-side, latitude, altitude)])
+        lines[-1].append(place)
+    return lines

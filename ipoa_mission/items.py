@@ -1,0 +1,160 @@
+"""A mission as MAVLink means it: items, fence, rally points, and the home they refer to.
+
+Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPilot) or nowhere (PX4) is decided in
+`firmware`, and nowhere else.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+
+from ipoa_mission.autopilots.renamed import overridden
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.world.frame import Geodetic
+
+
+@dataclass(frozen=True)
+class Item:
+    """One mission item: MAV_CMD, MAV_FRAME, param1 to param4 (NaN: "the autopilot's own"), and param5 to param7.
+
+    `latitude_deg`, `longitude_deg` and `altitude` hold param5, param6 and param7 whatever the command makes of them.
+    Items are numbered from 1, as in mission files, and DO_JUMP's param1 is such a number; `firmware` renumbers for PX4.
+    """
+
+    command: int
+    frame: int
+    params: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    latitude_deg: float = 0.0
+    longitude_deg: float = 0.0
+    altitude: float = 0.0
+    autocontinue: bool = True
+
+    @property
+    def has_position(self) -> bool:
+        """Whether the vehicle flies to this item's latitude and longitude."""
+        return (
+            self.command in FLOWN_TO
+            and self.frame != Frame.MISSION
+            and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
+        )
+
+
+@dataclass(frozen=True)
+class FencePolygon:
+    """A geofence polygon: vertices as (latitude, longitude) in degrees, open ring; to stay inside, or outside."""
+
+    vertices: tuple[tuple[float, float], ...]
+    inclusion: bool = True
+
+
+@dataclass(frozen=True)
+class FenceCircle:
+    """A geofence circle: centre as (latitude, longitude) in degrees, radius in metres."""
+
+    center: tuple[float, float]
+    radius: float
+    inclusion: bool = True
+
+
+@dataclass(frozen=True)
+class Mission:
+    """What the vehicle will do. `items[0]` is the first thing done; rally points hold altitudes above home.
+
+    `cruise_speed` [m/s] is what ground stations show in a plan's header; the vehicle obeys DO_CHANGE_SPEED.
+    `parameters` are those of the vehicle that differ from its autopilot's defaults, by the autopilot's own names.
+
+    >>> home = Geodetic(47.397742, 8.545594, 488.0)
+    >>> there = Geodetic(47.398642, 8.545594, 488.0)
+    >>> mission = Mission(home, (takeoff(home, 15.0), waypoint(there, 20.0), return_to_launch()))
+    >>> mission.altitude_above_home(mission.items[1])
+    20.0
+    >>> dict(mission.with_parameters({"MPC_XY_CRUISE": 8.0}).parameters)
+    {'MPC_XY_CRUISE': 8.0}
+    """
+
+    home: Geodetic
+    items: tuple[Item, ...]
+    autopilot: Autopilot = Autopilot.PX4
+    cruise_speed: float | None = None
+    fence: tuple[FencePolygon | FenceCircle, ...] = ()
+    rally: tuple[Geodetic, ...] = ()
+    parameters: Parameters = field(default_factory=dict, hash=False)
+
+    def with_parameters(self, parameters: Parameters) -> "Mission":
+        """The same on a vehicle that has these parameters too; they go before those that it carries."""
+        return replace(self, parameters=overridden(self.parameters, parameters)) if parameters else self
+
+    def assuming(self, parameters: Parameters) -> "Mission":
+        """The same on a vehicle that has these parameters too; those that it carries go before them."""
+        return replace(self, parameters=overridden(parameters, self.parameters)) if parameters else self
+
+    def altitude_above_home(self, item: Item) -> float:
+        """Altitude of an item over home [m]; NaN where it is given over terrain."""
+        match plain_frame(item.frame):
+            case Frame.GLOBAL:
+                return item.altitude - self.home.altitude
+            case Frame.GLOBAL_RELATIVE_ALT:
+                return item.altitude
+            case _:
+                return math.nan
+
+
+def takeoff(place: Geodetic, height: float) -> Item:
+    """Climb to `height` above home at `place`."""
+    return Item(
+        Command.NAV_TAKEOFF,
+        Frame.GLOBAL_RELATIVE_ALT,
+        (0.0, 0.0, 0.0, math.nan),
+        place.latitude_deg,
+        place.longitude_deg,
+        height,
+    )
+
+
+def waypoint(place: Geodetic, height: float, hold_s: float = 0.0, radius: float = 0.0) -> Item:
+    """Fly straight to `place` at `height` above home, and hold there.
+
+    PX4 turns to the next waypoint within `radius` [m] of this one; 0: NAV_ACC_RAD. ArduCopter does not read it.
+    """
+    return Item(
+        Command.NAV_WAYPOINT,
+        Frame.GLOBAL_RELATIVE_ALT,
+        (hold_s, radius, 0.0, math.nan),
+        place.latitude_deg,
+        place.longitude_deg,
+        height,
+    )
+
+
+def spline_waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item:
+    """Fly a smooth curve through `place` (ArduPilot only)."""
+    return Item(
+        Command.NAV_SPLINE_WAYPOINT,
+        Frame.GLOBAL_RELATIVE_ALT,
+        (hold_s, 0.0, 0.0, 0.0),
+        place.latitude_deg,
+        place.longitude_deg,
+        height,
+    )
+
+
+def change_speed(speed: float) -> Item:
+    """Fly at this ground speed from here on [m/s]; the form that QGroundControl recognises."""
+    return Item(Command.DO_CHANGE_SPEED, Frame.MISSION, (1.0, speed, -1.0, 0.0))
+
+
+def return_to_launch() -> Item:
+    """Return to home and land there."""
+    return Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION)
+
+
+def land(place: Geodetic) -> Item:
+    """Land at `place`; the altitude is that of home."""
+    return Item(
+        Command.NAV_LAND,
+        Frame.GLOBAL_RELATIVE_ALT,
+        (0.0, 0.0, 0.0, math.nan),
+        place.latitude_deg,
+        place.longitude_deg,
+        0.0,
+    )

@@ -1,0 +1,1 @@
+"""What the vehicle meets as it flies a mission: visits, legs, splines."""

@@ -1,0 +1,235 @@
+"""The legs that a mission is flown in: the climb after take-off, the legs between waypoints, the way home.
+
+Legs are straight, but to an ArduPilot spline waypoint: that is flown along a curve, which chords stand for.
+
+Points are local (east, north, up); heights above home and AMSL become `up` with the Earth's curvature, heights above
+terrain by the ground that is handed in. Loops are not unrolled: each jump adds the leg that it makes.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import TypeAlias
+
+import numpy as np
+
+from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
+from ipoa_mission.autopilots.px4 import Px4Return
+from ipoa_mission.autopilots.renamed import by_old_names
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.items import Item, Mission
+from ipoa_mission.itinerary.copter_spline import Place, flies_on_to, spline_chords, spline_tangents
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
+
+CHORD = 0.005  # [m] by which a curve may leave its chords
+FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
+SHORTEST_CURVE = 1e-3  # [m] below which the way to a spline waypoint is no curve
+NEARBY = 0.5  # [m] a take-off this near to home is one from home
+
+
+class Phase(StrEnum):
+    """What a leg is for."""
+
+    TAKEOFF = "take-off"
+    CRUISE = "cruise"
+    RETURN = "return"
+    LANDING = "landing"
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
+
+    `alternative`: flown at times only: after a jump, to a rally point, or home at the height that PX4's manual says
+    where its recorded flights did otherwise. `over_terrain`: it keeps its height over the
+    ground. `stray`: how far the way may be from the lines [m].
+    """
+
+    seq: int
+    phase: Phase
+    points: Points
+    alternative: bool = False
+    over_terrain: bool = False
+    stray: float = 0.0
+
+
+def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None) -> tuple[Leg, ...]:
+    """The legs of a mission in the order of its items, from home on the ground to the ground.
+
+    The mission's parameters say how high it returns. Without `ground` the ground is as high as home. Items with wrong
+    positions are the business of `check_positions`; here they are left out.
+    """
+    return tuple(_Flight(mission, frame, ground).legs())
+
+
+def join(legs: Sequence[Leg]) -> tuple[Points, float]:
+    """Legs that follow each other as one way: its points, and how far the flight may be from the lines [m]."""
+    points = np.vstack([legs[0].points, *(leg.points[1:] for leg in legs[1:])])
+    return points, max(leg.stray for leg in legs)
+
+
+class _Flight:
+    """Where the vehicle is, item after item."""
+
+    def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None) -> None:
+        self.mission, self.frame = mission, frame
+        self.home = frame.local(mission.home)
+        self.ground: Ground = ground or (lambda points: np.full(len(points), self.home[2]))
+        self.parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
+        self.at = self.home
+        self.flown_in: Vector | None = None
+        """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""
+
+    def legs(self) -> Iterator[Leg]:
+        for seq, item in enumerate(self.mission.items, start=1):
+            match item.command:
+                case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
+                    yield from self._takeoff(seq, item)
+                case Command.NAV_LAND | Command.NAV_VTOL_LAND:
+                    yield from self._landing(seq, item)
+                case Command.NAV_PAYLOAD_PLACE:
+                    height = float(self.at[2])
+                    yield from self._landing(seq, item)
+                    yield self._vertical(seq, Phase.LANDING, height)
+                case Command.NAV_RETURN_TO_LAUNCH:
+                    yield from self._return(seq)
+                case Command.DO_JUMP:
+                    yield from self._jump(item)
+                case command if command in FLOWN_TO and (target := self._target(item)) is not None:
+                    yield self._onward(seq, item, target)
+
+    def _target(self, item: Item) -> Vector | None:
+        """Where an item lies, (3,) [m]; None if it names no place or no height."""
+        if not (item.has_position and math.isfinite(item.altitude)):
+            return None
+        amsl = self.mission.home.altitude
+        if _follows(item):
+            place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+            return np.array([*place[:2], self.ground(place[None, :])[0] + item.altitude])
+        amsl += self.mission.altitude_above_home(item)
+        if math.isnan(amsl):
+            return None
+        return self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+
+    def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
+        """The leg to an item, straight or curved; the next one may begin with its direction."""
+        origin, following = self.at, flies_on_to(self.mission.items, seq - 1)
+        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot is Autopilot.ARDUPILOT
+        if is_curve and not _follows(item) and np.linalg.norm(target - origin) > SHORTEST_CURVE:
+            leg, arriving = self._curve(seq, target, following)
+        else:
+            leg, arriving = self._to(seq, target, _follows(item)), target - origin
+        self.flown_in = None if following is None else arriving
+        return leg
+
+    def _curve(self, seq: int, target: Vector, following: int | None) -> tuple[Leg, Vector]:
+        after = None
+        if following is not None and (place := self._target(item := self.mission.items[following])) is not None:
+            after = (_triple(place), item.command == Command.NAV_SPLINE_WAYPOINT)
+        begin = None if self.flown_in is None else _triple(self.flown_in)
+        tangents = spline_tangents(_triple(self.at), _triple(target), begin, after)
+        points = spline_chords(_triple(self.at), _triple(target), tangents, CHORD)
+        self.at = target
+        return Leg(seq, Phase.CRUISE, points, stray=CHORD), np.array(tangents[1])
+
+    def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
+        points = np.array([self.at, target])
+        self.at = target
+        if follow_terrain:
+            return Leg(seq, Phase.CRUISE, self._following(points), over_terrain=True)
+        return Leg(seq, Phase.CRUISE, points)
+
+    def _following(self, ends: Points) -> Points:
+        """The leg between two points that keeps its height over the ground, which changes evenly from end to end."""
+        steps = max(2, math.ceil(float(np.hypot(*(ends[1] - ends[0])[:2])) / FOLLOWING_STEP) + 1)
+        along = np.linspace(0.0, 1.0, steps)
+        points = ends[0] + along[:, None] * (ends[1] - ends[0])
+        first, last = ends[:, 2] - self.ground(ends)
+        points[:, 2] = self.ground(points) + first + along * (last - first)
+        return np.asarray(points)
+
+    def _takeoff(self, seq: int, item: Item) -> Iterator[Leg]:
+        height = item.altitude if math.isnan(h := self.mission.altitude_above_home(item)) else h
+        if not math.isfinite(height):
+            return
+        yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + height)
+        target = self._target(item)
+        if self.mission.autopilot is Autopilot.ARDUPILOT or target is None:
+            return  # ArduCopter climbs where it stands, whatever position the take-off names
+        if np.hypot(*(target - self.at)[:2]) > NEARBY:
+            yield self._to(seq, target, _follows(item))
+
+    def _landing(self, seq: int, item: Item) -> Iterator[Leg]:
+        if item.has_position:
+            place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude))
+            yield self._to(seq, np.array([*place[:2], self.at[2]]), follow_terrain=False)
+        yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
+
+    def _return(self, seq: int) -> Iterator[Leg]:
+        start = self.at
+        for goal in (self.home, *self._rally_points()):
+            self.at = start
+            distance = float(np.hypot(*(goal - start)[:2]))
+            heights = _RETURN_HEIGHTS[self.mission.autopilot](self.parameters, float(start[2] - self.home[2]), distance)
+            for n, height in enumerate(heights):
+                top = self.home[2] + height
+                way = np.array([start, [start[0], start[1], top], [goal[0], goal[1], top]])
+                self.at = way[-1]
+                down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
+                at_times = goal is not self.home or n > 0
+                yield from (replace(leg, alternative=at_times) for leg in (Leg(seq, Phase.RETURN, way), down))
+
+    def _rally_points(self) -> list[Vector]:
+        amsl, local = self.mission.home.altitude, self.frame.local
+        return [local(Geodetic(p.latitude_deg, p.longitude_deg, amsl + p.altitude)) for p in self.mission.rally]
+
+    def _jump(self, item: Item) -> Iterator[Leg]:
+        if not 1 <= item.params[0] <= len(self.mission.items):
+            return
+        here, flown_in = self.at, self.flown_in
+        for seq, other in enumerate(self.mission.items, start=1):
+            if seq >= item.params[0] and other.command in FLOWN_TO and (target := self._target(other)) is not None:
+                yield replace(self._onward(seq, other, target), alternative=True)
+                break
+        self.at, self.flown_in = here, flown_in
+
+    def _vertical(self, seq: int, phase: Phase, up: float) -> Leg:
+        points = np.array([self.at, [self.at[0], self.at[1], up]])
+        self.flown_in = None
+        self.at = points[-1]
+        return Leg(seq, phase, points)
+
+
+def _triple(point: Vector) -> Place:
+    return float(point[0]), float(point[1]), float(point[2])
+
+
+def _follows(item: Item) -> bool:
+    return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
+
+
+def _ardupilot_return_heights(parameters: Parameters, height: float, distance: float) -> tuple[float, ...]:
+    """ArduCopter's RTL: RTL_ALT [cm] at least, RTL_CLIMB_MIN [cm] more, less near home by RTL_CONE_SLOPE."""
+    least = max(0.0, height + max(0.0, parameters.get("RTL_CLIMB_MIN", 0.0) / 100))
+    top = max(parameters["RTL_ALT"] / 100, least)
+    slope = parameters.get("RTL_CONE_SLOPE", 3.0)
+    return (min(top, max(distance * slope, least)) if slope >= 0.5 else top,)
+
+
+def _px4_return_heights(parameters: Parameters, height: float, distance: float) -> tuple[float, ...]:
+    """PX4's RTL: the height that it was recorded at, and the one of its manual where that is another."""
+    law = Px4Return.of(parameters)
+    recorded, manual = law.height(height, distance), law.height_by_manual(height, distance)
+    return (recorded,) if recorded == manual else (recorded, manual)
+
+
+#: How high above home the autopilot returns; of several heights the first is the usual one.
+_RETURN_HEIGHTS: dict[Autopilot, Callable[[Parameters, float, float], tuple[float, ...]]] = {
+    Autopilot.ARDUPILOT: _ardupilot_return_heights,
+    Autopilot.PX4: _px4_return_heights,
+}

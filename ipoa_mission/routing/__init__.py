@@ -1,0 +1,1 @@
+"""How a path's waypoints are chosen."""

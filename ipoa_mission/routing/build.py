@@ -1,0 +1,123 @@
+"""From a route to a mission: take off, set the speed, fly the waypoints, come down."""
+
+import numpy as np
+
+from ipoa_mission.checks.way_home import raise_way_home
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.items import (
+    FenceCircle,
+    FencePolygon,
+    Item,
+    Mission,
+    change_speed,
+    land,
+    return_to_launch,
+    spline_waypoint,
+    takeoff,
+    waypoint,
+)
+from ipoa_mission.planning.proof import prove
+from ipoa_mission.routing.route import NoRoute, Route
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+#: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
+LEAST_TAKEOFF_HEIGHT = 2.5
+VISITED = 0.5  # a waypoint so near stands for a via point [m]
+OVER_HOME = 0.5  # a route that begins this near is begun by the take-off [m]
+
+
+def build_mission(route: Route, scenario: Scenario) -> Mission:
+    """The mission that flies a route, with the scenario's speed, ending, fence and rally points.
+
+    Where the straight way home would not be clear it first climbs over the goal.
+
+    Raises:
+        BadInput: the start lies too low over home for a take-off to end there.
+        NoRoute: the straight way from over home to the start is not clear.
+    """
+    _prove_departure(route.points[0], scenario)
+    return raise_way_home(draft_mission(route, scenario), scenario)
+
+
+def draft_mission(route: Route, scenario: Scenario) -> Mission:
+    """The same, but nobody looked yet at the ways from home to the start and back.
+
+    Raises:
+        BadInput: the start lies too low over home for a take-off to end there.
+    """
+    frame, home = scenario.frame, scenario.frame.home
+    first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
+    if first[1] < LEAST_TAKEOFF_HEIGHT:
+        raise BadInput(
+            f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
+        )
+    over_home = starts_over_home(route)
+    items: list[Item] = [
+        takeoff(first[0] if over_home else home, first[1]),
+        change_speed(scenario.vehicle.cruise_speed),
+        *([] if over_home else [waypoint(*first)]),
+        *(_pass(route, n, *place, scenario) for n, place in enumerate(others[:-1], 1)),
+        (spline_waypoint if route.spline and route.brakes_on_curve else waypoint)(*others[-1]),
+        return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]),
+    ]
+    return Mission(
+        home=home,
+        items=tuple(items),
+        autopilot=scenario.vehicle.autopilot,
+        cruise_speed=scenario.vehicle.cruise_speed,
+        fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
+        rally=_rally(scenario),
+        parameters=scenario.vehicle.autopilot_parameters(),
+    )
+
+
+def starts_over_home(route: Route) -> bool:
+    """Whether the take-off ends at its first waypoint."""
+    return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
+
+
+def _pass(route: Route, n: int, place: Geodetic, height: float, scenario: Scenario) -> Item:
+    """The item that passes waypoint n of the route; those at via points are flown to as near as others are."""
+    if route.spline:
+        return spline_waypoint(place, height)
+    via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
+    return waypoint(place, height, radius=0.0 if via.any() else route.radius)
+
+
+def _prove_departure(start: Vector, scenario: Scenario) -> None:
+    proof = prove(np.array([[0.0, 0.0, start[2]], start]), scenario)
+    if not proof.holds:
+        raise NoRoute(
+            f"start: the straight way to it from over home: {proof.words()}",
+            hint="begin over home and name this place under via: then the way to it is planned too",
+        )
+
+
+def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:
+    """Places rounded to what MAVLink can carry: 1e-7 degrees and a millimetre."""
+    return [
+        Geodetic(round(float(lat), 7), round(float(lon), 7), round(float(alt), 3))
+        for lat, lon, alt in zip(*frame.to_geodetic(points), strict=True)
+    ]
+
+
+def _fence(fence: FenceSection, frame: LocalFrame) -> FencePolygon | FenceCircle:
+    if fence.center is not None:
+        assert fence.radius is not None
+        center = _geodetic(np.array([[*fence.center.east_north(frame), 0.0]]), frame)[0]
+        return FenceCircle((center.latitude_deg, center.longitude_deg), fence.radius, fence.inclusion)
+    if fence.polygon_geodetic is not None:
+        return FencePolygon(tuple(fence.polygon_geodetic), fence.inclusion)
+    corners = np.array([(east, north, 0.0) for east, north in fence.polygon or ()])
+    places = _geodetic(corners, frame)
+    return FencePolygon(tuple((place.latitude_deg, place.longitude_deg) for place in places), fence.inclusion)
+
+
+def _rally(scenario: Scenario) -> tuple[Geodetic, ...]:
+    """Rally points; their altitude is above home, as the files and the vehicles have it."""
+    frame, home = scenario.frame, scenario.frame.home
+    places = [frame.geodetic(point) for point in scenario.rally_points]
+    return tuple(Geodetic(p.latitude_deg, p.longitude_deg, round(p.altitude - home.altitude, 3)) for p in places)

@@ -1,0 +1,92 @@
+"""The quickest waypoints along a curve for the autopilot that will fly them.
+
+The same curve may take 47 or 208 s, depending only on how it is cut into waypoints. Candidates are flown by the time
+model; what leaves the corridor, comes too close or overruns the goal on the *predicted* path, corners cut and overshot,
+is out. The best are then improved waypoint by waypoint.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, leg_lengths
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.routing.build import VISITED
+from ipoa_mission.routing.candidates import NEAREST, candidates
+from ipoa_mission.routing.prove_route import prove_route
+from ipoa_mission.routing.route import Route
+from ipoa_mission.routing.trial import Flown, fly, sketch
+from ipoa_mission.scenario import Scenario
+
+STARTS = 2  # routes of different numbers of waypoints are improved
+TRIALS = 100  # of leaving a waypoint out or moving it
+STEPS = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
+WORTH_IT = 0.1  # a change must save so much [s]
+EQUAL = 0.005  # a share of the time that is not worth less room
+OVERRUN = 0.5  # how far beyond the goal the vehicle may need to brake [m]
+
+
+def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Route]) -> Route:
+    """The quickest route found whose predicted path stays within `route.tolerance` of the curve and keeps every limit.
+
+    Of routes that are as good as equally quick it is the one that keeps away farthest. `fallback` is asked where none
+    is both.
+    """
+    drawn = [(route, sketch(route, curve, scenario)) for route in candidates(curve, scenario)]
+    begun: dict[tuple[int, bool], Route] = {}
+    for route, flown in sorted(drawn, key=lambda pair: pair[1].seconds):
+        kind = (len(route.points), route.spline)
+        if len(begun) < STARTS and kind not in begun and _is_fit(route, flown, scenario):
+            begun[kind] = route
+    found = [ready for route in begun.values() for ready in (route, _improve(route, curve, scenario))]
+    if not found:
+        return fallback()
+    ends = [fly(route, curve, scenario) for route in found]
+    equal = (1 + EQUAL) * min(end.seconds for end in ends)
+    rooms = [end.slack(scenario) if end.seconds <= equal else -np.inf for end in ends]
+    return found[int(np.argmax(rooms))]
+
+
+def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
+    """Whether the route and its predicted path keep to the corridor and to the limits, and it stops at the goal."""
+    return (
+        flown.overrun <= OVERRUN
+        and flown.deviation <= scenario.route.tolerance
+        and prove_route(route, scenario).holds
+        and flown.keeps_limits(scenario)
+    )
+
+
+def _improve(route: Route, curve: Spline, scenario: Scenario) -> Route:
+    """Leave waypoints out and move them, as long as that saves time."""
+    seconds, trials = sketch(route, curve, scenario).seconds, TRIALS
+    for step in STEPS:
+        gained = True
+        while gained and trials > 0:
+            gained = False
+            for changed in _changes(route.points, step * scenario.route.tolerance, scenario.via_points):
+                trials -= 1
+                candidate = replace(route, points=changed)
+                flown = sketch(candidate, curve, scenario)
+                if flown.seconds < seconds - WORTH_IT and _is_fit(candidate, flown, scenario):
+                    route, seconds, gained = candidate, flown.seconds, True
+                    break
+                if trials <= 0:
+                    break
+    return route
+
+
+def _changes(points: Points, step: float, via: Points) -> Iterator[Points]:
+    """The waypoints with one left out, or one moved aside or along by `step` [m]; those at via points stay."""
+    free = [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]
+    for i in free:
+        yield np.delete(points, i, axis=0)
+    for i in free:
+        ahead = points[i + 1, :2] - points[i - 1, :2]
+        ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
+        for move in ((-ahead[1], ahead[0], 0.0), (ahead[1], -ahead[0], 0.0), (*ahead, 0.0), (*-ahead, 0.0)):
+            moved = points.copy()
+            moved[i] += step * np.array(move)
+            if leg_lengths(moved).min() >= NEAREST:
+                yield moved

@@ -1,0 +1,101 @@
+"""A route flown by the time model, from over the start to its last waypoint: how long it takes, and where it leads."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.items import Mission
+from ipoa_mission.planning.proof import prove
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.routing.build import draft_mission, starts_over_home
+from ipoa_mission.routing.resample import deviation
+from ipoa_mission.routing.route import Route
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.timing.estimate import in_local_frame, predict
+from ipoa_mission.timing.prediction import Track
+from ipoa_mission.timing.route import kinematics
+
+STRAY = 0.02  # how far the thinned path may be from the predicted one [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """A route along `curve` as the time model flies it: seconds, and places (n, 3) until the vehicle could stand.
+
+    `overrun`: how far beyond the goal it could stand, braking as it may from where the goal counts as reached [m].
+    """
+
+    curve: Spline
+    seconds: float
+    places: Points
+    overrun: float
+
+    @cached_property
+    def path(self) -> Points:
+        """Straight legs (n, 3) for the places."""
+        return thinned(self.places, STRAY)
+
+    @cached_property
+    def deviation(self) -> float:
+        """How far the path and the curve are apart [m]."""
+        return deviation(self.path, self.curve)
+
+    def slack(self, scenario: Scenario) -> float:
+        """How much more than required the predicted path keeps, of clearance, ground and bounds the least [m]."""
+        checks = prove(self.path, scenario).checks
+        return min(c.slack for c in checks if c.limit in ("obstacles", "ground", "ceiling", "bounds"))
+
+    def keeps_limits(self, scenario: Scenario) -> bool:
+        """Whether the predicted path keeps clearance, ground and bounds."""
+        return self.slack(scenario) >= -2 * STRAY
+
+
+def fly(route: Route, curve: Spline, scenario: Scenario) -> Flown:
+    """A route as `estimate` has its whole mission."""
+    return _flown(draft_mission(route, scenario), route, curve, scenario, sure=False)
+
+
+def sketch(route: Route, curve: Spline, scenario: Scenario) -> Flown:
+    """The same by a vehicle that knows where it is, and no farther than the goal: for PX4, whose flights are noisy,
+    in a small part of the time. The path is the same; the noise adds some seconds.
+    """
+    mission = draft_mission(route, scenario)
+    return _flown(replace(mission, items=mission.items[:-1]), route, curve, scenario, sure=True)
+
+
+def thinned(path: Points, stray: float) -> Points:
+    """The path (n, 3) with points left out where the legs that remain pass them within about `stray` [m]."""
+    if len(path) < 3:
+        return path
+    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(path[:, :2]))])
+    kept = {0}
+    for view in (path[:, :2], np.column_stack([travelled, path[:, 2]])):  # from above, and from the side
+        numbered = shapely.linestrings(np.column_stack([view, np.arange(len(path))]))
+        kept |= set(shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2].astype(int))
+    return np.asarray(path[sorted(kept)])
+
+
+def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, sure: bool) -> Flown:
+    _, found = predict(mission, fast=True, sure=sure)
+    first = 0 if starts_over_home(route) else 2  # the take-off, a change of speed, the start
+    last = len(route.points) if first == 0 else len(route.points) + 1
+    begin, end = float(found.done[first]), float(found.done[last])
+    track = in_local_frame(found.track)
+    path = track.points[(track.times >= begin) & (track.times <= end)]
+    motion = _motion(track, end)
+    stand = path[-1] + motion * float(np.linalg.norm(motion)) / (
+        2 * kinematics(mission.autopilot, mission.parameters).accel
+    )
+    ahead = motion / max(float(np.linalg.norm(motion)), 1e-9)
+    overrun = float((stand - route.points[-1]) @ ahead)
+    return Flown(curve, end - begin, np.vstack([path, stand]), overrun)
+
+
+def _motion(track: Track, end: float) -> Vector:
+    """The velocity (3,) [m/s] with which a time is come to."""
+    last = max(int(np.searchsorted(track.times, end, side="right")) - 1, 1)
+    way = track.points[last] - track.points[last - 1]
+    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-9) * track.speeds[last])
