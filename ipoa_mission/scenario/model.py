@@ -13,12 +13,12 @@ from pydantic import ConfigDict, Field, model_validator
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.scenario.maps import MapSection
+from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.places import (
     BoundsSection,
     FenceSection,
     FlatTerrain,
     HomeSection,
-    ObstacleSection,
     Place,
     TerrainSection,
 )

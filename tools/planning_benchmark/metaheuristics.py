@@ -18,7 +18,7 @@ from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.problem import PathProblem, encode, pose
 from ipoa_mission.planning.spline import Spline, even_basis
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.obstacles import Cylinder, Sphere
+from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 from ipoa_mission.world.terrain import Analytic
 
 POPULATION, ITERATIONS = 30, 1000
@@ -60,7 +60,7 @@ def _as_json(problem: PathProblem) -> dict[str, object]:
     scenario, rules = problem.scenario, problem.rules
     terrain = scenario.airspace.terrain
     assert isinstance(terrain, Analytic)
-    bodies = scenario.airspace.obstacles
+    rows = [part.chart_row() for body in scenario.airspace.obstacles for part in body.parts]
     land: dict[str, object] = {name: getattr(terrain, name) for name in ("a", "b", "c", "d", "e", "f", "g", "base")}
     return {
         "start": scenario.start_point.tolist(),
@@ -68,8 +68,8 @@ def _as_json(problem: PathProblem) -> dict[str, object]:
         "lower": list(scenario.airspace.bounds.lower),
         "upper": list(scenario.airspace.bounds.upper),
         "basis": even_basis(scenario.planning.control_points + 2, problem.nodes).tolist(),
-        "spheres": [[*body.center, body.radius] for body in bodies if isinstance(body, Sphere)],
-        "cylinders": [[b.east, b.north, b.radius, b.base, b.top] for b in bodies if isinstance(b, Cylinder)],
+        "spheres": [row.numbers[:4] for row in rows if row.kind == SPHERE],
+        "cylinders": [row.numbers for row in rows if row.kind == CYLINDER],
         "terrain": land | {"peaks": [[p.height, p.east, p.north, p.a, p.b] for p in terrain.peaks]},
         "rules": {name: float(getattr(rules, name)) for name in rules._fields} | {"least": LEAST},
     }
