@@ -1,13 +1,12 @@
 """Write the seeded random maps of the paper's Tables 5 to 7 to missions/paper/."""
 
-from pathlib import Path
-
 import tomli_w
 
 from ipoa_mission.experiments.maps import MAPS, paper_map
 from ipoa_mission.files import write_atomically
+from tools import REPOSITORY
 
-FOLDER = Path(__file__).parents[2] / "missions" / "paper"
+FOLDER = REPOSITORY / "missions" / "paper"
 HEAD = """\
 # Random map {number} with {obstacles} obstacles, made by tools/generate/paper_maps.py: the size, landform
 # and number of obstacles of the paper, which does not publish its own.
