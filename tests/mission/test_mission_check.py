@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from hypothesis import given
-from mission_strategies import missions
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import Severity, check_mission
@@ -25,6 +24,7 @@ from ipoa_mission.items import (
 )
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.world.frame import Geodetic
+from tests.mission.mission_strategies import missions
 
 FILES = Path(__file__).parent / "files"
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 from hypothesis import assume, given
-from mission_strategies import missions, same
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.mission.waypoints_file import read_waypoints, write_waypoints
 from ipoa_mission.world.frame import Geodetic
+from tests.mission.mission_strategies import missions, same
 
 FILES = Path(__file__).parent / "files"
 HOME = Geodetic(39.101, 121.82, 20.0)
