@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,10 +18,11 @@ from ipoa_mission.planning.spline import even_basis
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Polygon
+from tests.planning.conftest import Make
 
 Town = Callable[[int], Scenario]
 SOFT = Soft(bend=0.02, reach=0.4, wall=0.1, stiffness=10.0, evenness=0.05, aside=0.1, above=0.2, flatter=0.01)
-LIMITLESS = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
+LIMITLESS: dict[str, Any] = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
 
 
 def curves(seed: int, count: int, control: int = 9) -> np.ndarray:
@@ -134,7 +136,7 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
             np.testing.assert_allclose(threat, danger, rtol=1e-9)
 
 
-def test_costs_spread_over_a_lattice_as_in_the_twin(scenario) -> None:
+def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
     from ipoa_mission.planning._dijkstra import spread
 
     anywhere = pose(scenario())
@@ -156,7 +158,7 @@ def test_costs_spread_over_a_lattice_as_in_the_twin(scenario) -> None:
         assert (before[~reached] == -1).all()
 
 
-def test_no_step_leads_through_what_is_between_two_nodes(scenario) -> None:
+def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None:
     """Two nodes on either side of a wall, and one beside each by which it can be passed."""
     from ipoa_mission.planning._dijkstra import spread
 

@@ -62,8 +62,8 @@ def _as_json(problem: PreparedProblem) -> dict[str, object]:
     rows = [part.chart_row() for body in scenario.airspace.obstacles for part in body.parts]
     land: dict[str, object] = {name: getattr(terrain, name) for name in ("a", "b", "c", "d", "e", "f", "g", "base")}
     return {
-        "start": scenario.start_point.tolist(),
-        "goal": scenario.goal_point.tolist(),
+        "start": scenario.places[0].tolist(),
+        "goal": scenario.places[-1].tolist(),
         "lower": list(scenario.airspace.bounds.lower),
         "upper": list(scenario.airspace.bounds.upper),
         "basis": even_basis(scenario.planning.control_points + 2, problem.nodes).tolist(),
