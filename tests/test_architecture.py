@@ -113,12 +113,10 @@ LONG_FILES = {
     "link/messages.py",
     "link/vehicle.py",
     "link/wire.py",
-    "planning/_kernels.py",
     "simulator/autopilot.py",
     "timing/px4.py",
 }
 LONG_FUNCTIONS = {
-    "planning/_kernels.py:path_model",
     "timing/_ardupilot_steps.py:fly_leg",
     "timing/_px4_steps.py:fly_to",
 }
@@ -126,7 +124,6 @@ MANY_PARAMETERS = {
     "planning/_dijkstra.py:spread",
     "planning/_kernels.py:_add",
     "planning/_kernels.py:_look",
-    "planning/_kernels.py:path_model",
     "simulator/server.py:serve",
     "timing/_px4_steps.py:corner_speed",
     "timing/_px4_steps.py:vertical_speed",

@@ -154,7 +154,7 @@ def _descend(
     control: Points, signs: Matrix, problem: PreparedProblem, bench: _Bench, soft: Soft, steps: int, enough: float
 ) -> tuple[Points, Matrix]:
     """Levenberg and Marquardt: the less damped the better the model has been right."""
-    from ipoa_mission.planning._kernels import path_model
+    from ipoa_mission.planning._path_model import path_model
 
     count, airspace = bench.some.stop - bench.some.start, (problem.chart, problem.rules)
 

@@ -66,7 +66,7 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
 def model(
     problem: PreparedProblem, control: np.ndarray, soft: Soft = SOFT, even: float | None = None
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    from ipoa_mission.planning._kernels import path_model
+    from ipoa_mission.planning._path_model import path_model
 
     n = len(control)
     first, window = _windows(n, 60)
@@ -174,7 +174,7 @@ def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None
 
 @pytest.mark.parametrize("spot", [(np.nan, 0.0), (0.0, np.nan), (np.inf, -np.inf), (1e300, -1e300)])
 def test_no_place_is_looked_up_outside_the_chart(town: Town, spot: tuple[float, float]) -> None:
-    from ipoa_mission.planning._kernels import _cell, _on_map
+    from ipoa_mission.planning._places import _cell, _on_map
 
     chart = pose(town(0)).chart
     assert 0 <= _cell(chart.cells, *spot) < chart.cells.rows * chart.cells.columns

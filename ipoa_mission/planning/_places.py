@@ -1,0 +1,124 @@
+"""What stands at a place, for compiled code: ground, distance to an obstacle, what is required there.
+
+All of it is inlined where it is called, at every node: handing on a whole chart there would count references to it.
+"""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+
+import numpy as np
+from numba import njit
+
+from ipoa_mission.planning.chart import FENCE, LEAST
+from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
+
+FAST = {"reassoc", "contract", "arcp", "nsz"}  # lets sums be vectorised
+
+
+@njit(inline="always")
+def _on_map(raster, x, y):
+    """Column and row of a place, fractions included; beyond the map the nearest ones, and 0 for what is no number."""
+    u, v = (x - raster.east) * raster.per_metre, (y - raster.north) * raster.per_metre
+    u, v = u if u > 0.0 else 0.0, v if v > 0.0 else 0.0
+    return min(u, raster.columns - 1.0), min(v, raster.rows - 1.0)
+
+
+@njit(inline="always")
+def _ground(raster, heights, x, y):
+    """Bilinear height of the ground, and its slopes along east and north."""
+    u, v = _on_map(raster, x, y)
+    i, j = min(int(u), raster.columns - 2), min(int(v), raster.rows - 2)
+    u, v = u - i, v - j
+    south, north = heights[j, i + 1] - heights[j, i], heights[j + 1, i + 1] - heights[j + 1, i]
+    low, high = heights[j, i] + u * south, heights[j + 1, i] + u * north
+    return low + v * (high - low), ((1.0 - v) * south + v * north) * raster.per_metre, (high - low) * raster.per_metre
+
+
+@njit(inline="always")
+def _cell(raster, x, y):
+    """The number of the cell at a place; beyond the map the nearest one."""
+    u, v = _on_map(raster, x, y)
+    return np.int32(np.floor(v) * raster.columns + np.floor(u))
+
+
+@njit(inline="always")
+def _least_height(low_zones, height, x, y):
+    """The height above ground that is required here."""
+    for k in range(low_zones.shape[0]):
+        if (x - low_zones[k, 0]) ** 2 + (y - low_zones[k, 1]) ** 2 <= low_zones[k, 2] ** 2:
+            height = min(height, low_zones[k, 3])
+    return height
+
+
+@njit(inline="always")
+def _aside(kind, shape, edges, body, x, y):
+    """Signed distance to an upright obstacle's outline in the plane, and its direction (east, north)."""
+    if kind[body] == CYLINDER:
+        e, n = x - shape[body, 0], y - shape[body, 1]
+        r = math.sqrt(e * e + n * n) + 1e-12
+        aside = r - shape[body, 2]
+    else:
+        e, n, nearest, inside = 0.0, 0.0, 1e300, False
+        for k in range(int(shape[body, 0]), int(shape[body, 1])):
+            e0, n0, e1, n1 = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
+            share = ((x - e0) * (e1 - e0) + (y - n0) * (n1 - n0)) / ((e1 - e0) ** 2 + (n1 - n0) ** 2)
+            share = min(max(share, 0.0), 1.0)
+            away_e, away_n = x - e0 - share * (e1 - e0), y - n0 - share * (n1 - n0)
+            square = away_e * away_e + away_n * away_n
+            if square < nearest:
+                nearest, e, n = square, away_e, away_n
+            if (n0 > y) != (n1 > y) and x < e0 + (y - n0) / (n1 - n0) * (e1 - e0):
+                inside = not inside
+        r = math.sqrt(nearest) + 1e-12
+        if inside != (kind[body] == FENCE):  # within a prism, or beyond a fence
+            r = -r
+        aside = r
+    return aside, e / r, n / r
+
+
+@njit(inline="always")
+def _distance(kind, shape, edges, body, x, y, z):
+    """Signed distance to an obstacle, and the direction in which it grows (east, north, up)."""
+    if kind[body] == SPHERE:
+        e, n, u = x - shape[body, 0], y - shape[body, 1], z - shape[body, 2]
+        r = math.sqrt(e * e + n * n + u * u) + 1e-12
+        distance, e, n, u = r - shape[body, 3], e / r, n / r, u / r
+    else:
+        distance, e, n = _aside(kind, shape, edges, body, x, y)
+        under, over = shape[body, 3] - z, z - shape[body, 4]
+        above, u = max(under, over), 0.0
+        if distance > 0.0 and above > 0.0:  # over a rim
+            r = math.sqrt(distance * distance + above * above)
+            e, n, u = e * distance / r, n * distance / r, (above if over > under else -above) / r
+            distance = r
+        elif above > distance:
+            distance, e, n, u = above, 0.0, 0.0, 1.0 if over > under else -1.0
+    return distance, e, n, u
+
+
+@njit(inline="always")
+def _look(
+    cells, first, listed, around, kind, shape, edges, raster, heights, zones, lower, upper, reach, rules, x, y, z
+):
+    """How much a place has more than required of everything solid [m], and the threat there per metre."""
+    ground, threat = _ground(raster, heights, x, y)[0], 0.0
+    spare = min(z - ground - _least_height(zones, rules.height, x, y), rules.ceiling - (z - ground))
+    spare = min(spare, reach - rules.clearance)
+    if not (lower[0] <= x <= upper[0] and lower[1] <= y <= upper[1] and lower[2] <= z <= upper[2]):
+        spare = -np.inf
+    cell = _cell(cells, x, y)
+    for k in range(first[cell], first[cell + 1]):
+        body = listed[k]
+        if not around[body, 3] < z < around[body, 4]:
+            continue
+        if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:
+            continue
+        distance = _distance(kind, shape, edges, body, x, y, z)[0]
+        if kind[body] == FENCE:
+            spare = min(spare, distance)
+            continue
+        spare = min(spare, distance - rules.clearance)
+        if distance - rules.radius < rules.d_safe:
+            threat += rules.threat / max(distance - rules.radius, LEAST)
+    return spare, threat
