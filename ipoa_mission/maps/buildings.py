@@ -132,7 +132,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
             if building and rules.take != "all":
                 raise BadInput(
                     f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
-                    hint="export whole outlines (`out geom` in Overpass turbo), not centres",
+                    hint="export whole outlines (`out geom` in Overpass turbo), not centers",
                 )
             made.append(Standing(feature.name, part, _reach(feature, place, rules), foot, top))
             continue

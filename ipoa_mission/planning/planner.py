@@ -43,7 +43,7 @@ def plan_path(scenario: Scenario, seed: int = 0, progress: Progress = lambda don
     """The best path that was found, proved to keep every limit; the same for the same scenario, seed and version.
 
     Raises:
-        BadInput: the optimiser is unknown, or has no such setting; start and goal are the same place.
+        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
         NoPath: a given place breaks a limit, or no path was found that keeps them all; the message says which, where
             and by how much.
     """

@@ -129,7 +129,7 @@ def test_the_script_is_given_the_world_as_it_is(bowed: Bowed) -> None:
     mast, hangar, balloon = data["world"]["bodies"]
     assert (mast["round"], mast["base"], mast["top"]) == (True, 0.0, 60.0)
     assert len(hangar["rings"][0]) == 4
-    assert (balloon["centre"], balloon["radius"]) == ([95.0, 45.0, 22.0], 12.0)
+    assert (balloon["center"], balloon["radius"]) == ([95.0, 45.0, 22.0], 12.0)
     course = data["course"]
     assert len({len(series) for series in course.values()}) == 1
     for stop, item in zip(data["stops"], timed.items, strict=True):
