@@ -5,7 +5,6 @@ import pytest
 import shapely
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.planning.obstruction import NoPath, refuse_closed
 from ipoa_mission.planning.plan_view import closure
 from ipoa_mission.planning.problem import pose
@@ -39,7 +38,7 @@ def test_it_is_closed_where_the_narrowest_gap_is_too_narrow(scenario: Make, seed
         narrowest = int(np.argmin(gaps))
         assert set(found.names) == {f"{narrowest}1", f"{narrowest}-1"}
         assert found.width == pytest.approx(gaps.min(), abs=1e-6)
-        assert found.needed == pytest.approx(2 * limits_of(job).obstacle_distance)
+        assert found.needed == pytest.approx(2 * job.limits.obstacle_distance)
         sides = [o.column.shape for o in job.airspace.obstacles if o.name in found.names and o.column]
         away = shapely.distance(sides, shapely.Point(found.place))
         np.testing.assert_allclose(away, gaps.min() / 2, atol=1e-6)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.cost import curve_cost
-from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.polish import polish, settle
 from ipoa_mission.planning.problem import Trail, follow, pose, refine
 from ipoa_mission.planning.spline import Spline
@@ -17,7 +16,7 @@ VEHICLE = {"radius": 0.5}
 
 def bulging(job: Scenario, aside: float, up: float) -> Trail:
     """A curve that bulges out of the straight way."""
-    straight = follow(places(job), 8, job)
+    straight = follow(job.places, 8, job)
     bulge = np.sin(np.linspace(0, np.pi, 10))[:, None] * (0.0, aside, up)
     return Trail(Spline(straight.curve.control + bulge), straight.via_at)
 
@@ -69,7 +68,7 @@ def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario: Make) -> 
 def test_ends_and_via_points_stay(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 5, "up": 20, "radius": 10}
     job = scenario(via=[(30, 30, 25), (70, -20, 22)], obstacles=[ball])
-    trail = polish(follow(places(job), 15, job), pose(job))
+    trail = polish(follow(job.places, 15, job), pose(job))
     np.testing.assert_allclose(trail.curve.points(trail.via_at), job.via_points, atol=1e-6)
     np.testing.assert_array_equal(trail.curve.control[[0, -1]], [job.start_point, job.goal_point])
 
@@ -89,7 +88,7 @@ def test_it_never_makes_a_curve_dearer(town: Town) -> None:
     for seed in range(4):
         job = town(seed)
         problem, rng = pose(job), np.random.default_rng(seed)
-        rough = follow(places(job), 8, job)
+        rough = follow(job.places, 8, job)
         rough = Trail(Spline(rough.curve.control + 10 * np.eye(10)[:, 1:-1] @ rng.normal(size=(8, 3))), rough.via_at)
         assert problem.cost(polish(rough, problem)) <= problem.cost(rough)
 

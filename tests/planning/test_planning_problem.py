@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.problem import encode, follow, freedom, pinned, pose, refine, surround
 from tests.planning.conftest import Make, Place
 
@@ -54,7 +53,7 @@ def test_sine_modes_are_waves_that_get_smaller(scenario: Make) -> None:
 @pytest.mark.parametrize("name", ENCODINGS)
 def test_every_candidate_passes_the_via_points_in_order(scenario: Make, name: str) -> None:
     job = scenario(via=[(30, 40, 25), (60, -30, 30)])
-    encoding = encode(name, places(job), 15, 30.0, job)
+    encoding = encode(name, job.places, 15, 30.0, job)
     rng = np.random.default_rng(1)
     for x in encoding.box.sample(20, rng):
         curve = encoding.curve(x)
@@ -65,7 +64,7 @@ def test_every_candidate_passes_the_via_points_in_order(scenario: Make, name: st
 
 def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> None:
     job = scenario(via=[(30, 40, 25), (60, -30, 30)])
-    trail = follow(places(job), 15, job)
+    trail = follow(job.places, 15, job)
     free = freedom(trail, job)
     assert np.linalg.matrix_rank(free) == free.shape[1] == 13
     np.testing.assert_array_equal(free[[0, -1]], 0.0)
@@ -86,7 +85,7 @@ def test_a_part_is_varied_and_the_rest_stays(scenario: Make) -> None:
 @pytest.mark.parametrize("goal", [(0, 0, 90), (0, 5, 20)])
 def test_a_way_straight_up_has_axes_too(scenario: Make, goal: Place) -> None:
     job = scenario(goal=goal)
-    encoding = encode("sine", places(job), 8, 10.0, job)
+    encoding = encode("sine", job.places, 8, 10.0, job)
     assert np.linalg.matrix_rank(encoding.matrix.reshape(16, -1)) == 16
     assert np.isfinite(pose(job).costs(encoding)(encoding.box.sample(10, np.random.default_rng(0)))).all()
 

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.planning.proof import Proof, prove, prove_curve
 from ipoa_mission.planning.spline import Spline
 from tests.planning.conftest import Make, Place, Town
@@ -21,7 +20,7 @@ def test_a_curve_has_at_least_what_is_proved_and_hardly_more(town: Town) -> None
     rng = np.random.default_rng(4)
     for seed in range(8):
         job = town(seed)
-        limits = limits_of(job)
+        limits = job.limits
         control = np.linspace(job.start_point, job.goal_point, 10) + rng.normal(size=(10, 3)) * (5, 15, 5)
         curve = Spline(np.vstack([job.start_point, control[1:-1], job.goal_point]))
         points = curve.points(np.linspace(0, 1, 40_001))
@@ -89,7 +88,7 @@ def test_each_limit_has_its_words(scenario: Make, points: list[Place], tables: d
 
 def test_a_low_start_may_be_left_but_not_be_hugged(scenario: Make) -> None:
     job = scenario(start=(0, 0, 3), goal=(100, 0, 20), planning={"min_height_above_ground": 15})
-    (zone,) = limits_of(job).low_zones
+    (zone,) = job.limits.low_zones
     assert (zone.east, zone.north, zone.height) == pytest.approx((0, 0, 2.99))
     assert zone.radius == pytest.approx(24.02)
     assert prove(np.array([(0.0, 0, 3), (0, 0, 16), (100, 0, 20)]), job).holds  # straight up, as it takes off
@@ -106,11 +105,11 @@ def test_a_low_start_may_be_left_but_not_be_hugged(scenario: Make) -> None:
 
 def test_a_low_zone_is_wider_where_climbs_are_flat(scenario: Make) -> None:
     flat = scenario(start=(0, 0, 5), planning={"min_height_above_ground": 15, "max_climb_angle_deg": 10})
-    assert limits_of(flat).low_zones[0].radius == pytest.approx(10.01 / np.tan(np.radians(10)))
+    assert flat.limits.low_zones[0].radius == pytest.approx(10.01 / np.tan(np.radians(10)))
 
 
 def test_places_at_the_required_height_need_no_zone(scenario: Make) -> None:
-    assert limits_of(scenario()).low_zones == ()
+    assert scenario().limits.low_zones == ()
 
 
 def test_without_obstacles_there_is_nothing_to_say_about_them(scenario: Make) -> None:
