@@ -57,7 +57,7 @@ class FencePolygon:
 
 @dataclass(frozen=True)
 class FenceCircle:
-    """A geofence circle: centre as (latitude, longitude) in degrees, radius in metres."""
+    """A geofence circle: center as (latitude, longitude) in degrees, radius in metres."""
 
     center: tuple[float, float]
     radius: float
@@ -159,7 +159,7 @@ def spline_waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item
 
 
 def change_speed(speed: float) -> Item:
-    """Fly at this ground speed from here on [m/s]; the form that QGroundControl recognises."""
+    """Fly at this ground speed from here on [m/s]; the form that QGroundControl recognizes."""
     return Item(Command.DO_CHANGE_SPEED, Frame.MISSION, (1.0, speed, -1.0, 0.0))
 
 

@@ -1,4 +1,4 @@
-"""What ArduCopter and PX4 take, and what they keep of it: tables, no behaviour.
+"""What ArduCopter and PX4 take, and what they keep of it: tables, no behavior.
 
 Measured on ArduCopter 4.7.0-dev and PX4 1.17.0; what was not measured is read in their storage code (AP_Mission,
 mavlink_mission). A row gives, for each of the seven params, what a read-back returns:

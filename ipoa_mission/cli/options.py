@@ -74,7 +74,7 @@ OptimizerOption: TypeAlias = Annotated[
         "--optimizer",
         metavar="NAME",
         autocompletion=optimizer_names,
-        help="Search by this optimiser: ipoa, poa, dbo, ...",
+        help="Search by this optimizer: ipoa, poa, dbo, ...",
     ),
 ]
 PlannerOption: TypeAlias = Annotated[

@@ -1,4 +1,4 @@
-"""The CEC2022 test suite (the paper's Table 1), by `minionpy`: the organisers' C code, bit for bit.
+"""The CEC2022 test suite (the paper's Table 1), by `minionpy`: the organizers' C code, bit for bit.
 
 `opfunu` 1.0.4 is wrong on eleven of the twelve functions; results made with it cannot be compared with any of these.
 """

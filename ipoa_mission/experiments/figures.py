@@ -18,8 +18,8 @@ from ipoa_mission.experiments.runs import CHECKPOINTS
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
 from ipoa_mission.report import palette
 
-#: One colour each, told apart by the colour-blind.
-COLOURS = {
+#: One color each, told apart by the color-blind.
+COLORS = {
     "ipoa": palette.VERMILLION,
     "dbo": palette.BLUE,
     "poa": palette.BLUISH_GREEN,
@@ -39,9 +39,9 @@ def figure_3() -> str:
     """The iterates of the chaotic map, and how they are distributed."""
     z = chaotic_iterates(1)[:, 0]
     figure, (left, right) = panels_of(1, 2, 9, 3.2)
-    left.plot(np.arange(1, 301), z, ".", ms=3, color=COLOURS["ipoa"])
+    left.plot(np.arange(1, 301), z, ".", ms=3, color=COLORS["ipoa"])
     left.set(xlabel="iteration", ylabel="z", title="300 iterates, a = 0.7")
-    right.hist(z, bins=30, color=COLOURS["dbo"], edgecolor="white", linewidth=0.3)
+    right.hist(z, bins=30, color=COLORS["dbo"], edgecolor="white", linewidth=0.3)
     right.set(xlabel="z", ylabel="count", title="their distribution", xticks=[-1, -0.5, 0, 0.5, 1])
     return draw_svg(figure)
 
@@ -52,9 +52,9 @@ def figure_5() -> str:
 
     x = np.linspace(-5, 5, 501)
     figure, (axes,) = panels_of(1, 1, 6, 3.6)
-    axes.plot(x, stats.cauchy.pdf(x), label="Cauchy, t(1)", color=COLOURS["dbo"])
-    axes.plot(x, stats.t.pdf(x, 5), label="t(5)", color=COLOURS["ipoa"])
-    axes.plot(x, stats.t.pdf(x, 30), label="t(30)", color=COLOURS["mpoa"])
+    axes.plot(x, stats.cauchy.pdf(x), label="Cauchy, t(1)", color=COLORS["dbo"])
+    axes.plot(x, stats.t.pdf(x, 5), label="t(5)", color=COLORS["ipoa"])
+    axes.plot(x, stats.t.pdf(x, 30), label="t(30)", color=COLORS["mpoa"])
     axes.plot(x, stats.norm.pdf(x), "--", label="Gauss", color="black")
     axes.set(xlabel="x", ylabel="density")
     axes.legend()
@@ -68,7 +68,7 @@ def figure_7(rows: Sequence[Row]) -> str:
         for name in ALGORITHMS:
             curves = [r.history for r in rows if (r.trial.case, r.trial.algorithm) == (function, name)]
             mean = np.maximum(np.mean(curves, axis=0), 1e-8)
-            axes.semilogy(CHECKPOINTS, mean, color=COLOURS[name], label=name.upper(), lw=1.2)
+            axes.semilogy(CHECKPOINTS, mean, color=COLORS[name], label=name.upper(), lw=1.2)
         axes.set(title=f"{function} (optimum {optimum:g})")
         _plain_log_ticks(axes)
         axes.grid(alpha=0.25)
@@ -87,7 +87,7 @@ def figure_8(rows: Sequence[Row]) -> str:
         samples = [errors(rows, function, name) + optimum for name in ALGORITHMS]
         boxes = axes.boxplot(samples, patch_artist=True, flierprops={"markersize": 2}, medianprops={"color": "black"})
         for box, name in zip(boxes["boxes"], ALGORITHMS, strict=True):
-            box.set_facecolor(COLOURS[name])
+            box.set_facecolor(COLORS[name])
         axes.set_xticks(range(1, len(ALGORITHMS) + 1), [name.upper() for name in ALGORITHMS], fontsize=7)
         if max(s.max() for s in samples) > 20 * optimum:
             axes.set_yscale("log")

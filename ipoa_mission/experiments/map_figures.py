@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.experiments.figures import COLOURS, draw_svg, legend_of_all, panels_of
+from ipoa_mission.experiments.figures import COLORS, draw_svg, legend_of_all, panels_of
 from ipoa_mission.experiments.published import ALGORITHMS
 from ipoa_mission.experiments.rows import Row
 from ipoa_mission.planning.spline import Spline
@@ -24,9 +24,9 @@ def paths_on_maps(rows: Sequence[Row], scenarios: dict[str, Scenario]) -> str:
             control = np.array(best.measures["control"], dtype=np.float64).reshape(-1, 3)
             path = Spline(control).points(np.linspace(0, 1, 300))
             style = "-" if best.measures["feasible"] else ":"
-            above.plot(path[:, 0], path[:, 1], style, color=COLOURS[name], lw=1.4, zorder=3)
-            front.plot(path[:, 0], path[:, 2], style, color=COLOURS[name], lw=1.4, zorder=3)
-            above.plot([], [], "-", color=COLOURS[name], label=name.upper())
+            above.plot(path[:, 0], path[:, 1], style, color=COLORS[name], lw=1.4, zorder=3)
+            front.plot(path[:, 0], path[:, 2], style, color=COLORS[name], lw=1.4, zorder=3)
+            above.plot([], [], "-", color=COLORS[name], label=name.upper())
         above.set(title=f"{case}, from above", xlabel="east [m]", ylabel="north [m]", aspect="equal")
         front.set(title=f"{case}, from the south", xlabel="east [m]", ylabel="up [m]")
     legend_of_all(figure, panels[0])

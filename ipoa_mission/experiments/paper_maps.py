@@ -147,7 +147,8 @@ def _ranked_by_length(rows: Sequence[Row], cases: Sequence[str]) -> str:
 
 def table_8(rows: Sequence[Row]) -> Table:
     """The campus: length, turn, distance to obstacles and flight time, ours and printed, each with its place."""
-    names = list(dict.fromkeys(row.trial.algorithm for row in rows))
+    measured = {row.trial.algorithm for row in rows}
+    names = [*published.ALGORITHMS, *sorted(measured.difference(published.ALGORITHMS))]
     lines = []
     for measure, printed_as, label in (
         ("distance", "distance", "Distance [m]"),

@@ -17,7 +17,7 @@ def nothing_more(_found: Optimum) -> Measures:
 
 @dataclass(frozen=True)
 class Problem:
-    """What is minimised, (n, D) -> (n,), inside which box, and the further measures of what was found."""
+    """What is minimized, (n, D) -> (n,), inside which box, and the further measures of what was found."""
 
     cost: Callable[[Candidates], Costs]
     box: Box

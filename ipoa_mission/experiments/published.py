@@ -94,7 +94,7 @@ TABLE_4: dict[str, Numbers] = {
     "f12": (0.0143, 0.0188, 0.0336, 0.0002, 0.0296),
 }
 
-#: Cost on a map by weights: experiment 1 favours length, 2 turning, 3 clearance (0.7 each, 0.15 the others).
+#: Cost on a map by weights: experiment 1 favors length, 2 turning, 3 clearance (0.7 each, 0.15 the others).
 TABLE_5: dict[int, dict[str, Numbers]] = {
     1: {
         "best": (33.04, 43.96, 45.59, 79.35, 37.64, 102.17),

@@ -1,4 +1,4 @@
-"""Optimisers of other libraries, as rivals beyond the paper.
+"""Optimizers of other libraries, as rivals beyond the paper.
 
 They call the cost themselves, so their evaluations are counted where they call: `Counted` sees every candidate, and
 what is tried after the budget is spent does not count, whatever the library does with it.
@@ -39,7 +39,7 @@ class Counted:
         return costs
 
     def optimum(self) -> Optimum:
-        """What was found, in the form that `minimise` returns."""
+        """What was found, in the form that `minimize` returns."""
         return Optimum(self.best_x, self.best, np.array(self._evaluations), np.array(self._history))
 
 
@@ -49,7 +49,7 @@ Rival = Callable[[Callable[[Candidates], Costs], Box, int, np.random.Generator],
 def _by_minionpy(
     name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
 ) -> Optimum:
-    """`minionpy`'s optimiser called `name` with its own defaults."""
+    """`minionpy`'s optimizer called `name` with its own defaults."""
     try:
         from minionpy import algorithms
     except ImportError as error:

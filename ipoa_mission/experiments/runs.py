@@ -24,7 +24,7 @@ from ipoa_mission.experiments.problem import Problem
 from ipoa_mission.experiments.rivals import RIVALS
 from ipoa_mission.experiments.rows import Row, Trial, line_of, open_to_append, read_rows
 from ipoa_mission.optimize.registry import build_optimizer
-from ipoa_mission.optimize.search import Optimum, minimise
+from ipoa_mission.optimize.search import Optimum, minimize
 
 #: Where along a run its best cost is kept: shares of the evaluations it spent.
 CHECKPOINTS = np.linspace(0, 1, 26)
@@ -54,7 +54,7 @@ def _run(trial: Trial) -> Row:
         found = RIVALS[trial.algorithm](problem.cost, problem.box, trial.budget, rng)
     else:
         optimizer = build_optimizer(trial.algorithm, json.loads(trial.settings))
-        found = minimise(problem.cost, problem.box, optimizer, rng, trial.budget or None)
+        found = minimize(problem.cost, problem.box, optimizer, rng, trial.budget or None)
     seconds = time.process_time() - started
     return Row(
         trial,

@@ -11,7 +11,7 @@ from ipoa_mission.experiments.rows import Trial, settings_text
 #: Evaluations of IPOA at N = 30 and T = 1000 with all strategies: the budget of every rival beyond the paper.
 BUDGET = 90_060
 
-#: What is compared beyond the paper: the libraries' optimisers, and the variant of ours.
+#: What is compared beyond the paper: the libraries' optimizers, and the variant of ours.
 BEYOND = ("adaptive-pelican", "rcmaes", "lshade", "de")
 
 #: Iterations with which each of the paper's six comes to spend `BUDGET` evaluations at N = 30.

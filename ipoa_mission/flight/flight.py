@@ -12,7 +12,7 @@ from ipoa_mission.checks.way_home import told as told_of_way_home
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
-from ipoa_mission.flight.summary import summarise
+from ipoa_mission.flight.summary import summarize
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.plan_file import write_plan
@@ -82,7 +82,7 @@ class Flight:
 
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
-        return summarise(self)
+        return summarize(self)
 
     def report(self, path: str | Path, record: FlightRecord | None = None) -> None:
         """Write the page that shows it, and how it was flown if that is known.
@@ -103,7 +103,7 @@ def plan_flight(
     seed and wind give the same flight. `progress` is told the share done and some words.
 
     Raises:
-        BadInput: the optimiser is unknown, or has no such setting; start and goal are the same place.
+        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
         NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
         NotEnoughBattery: it would not come home with its reserve.

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ipoa_mission.flight.flight import Flight
 
 
-def summarise(flight: "Flight") -> dict[str, Any]:
+def summarize(flight: "Flight") -> dict[str, Any]:
     """Metres, seconds, degrees. `legs` are those that will be flown."""
     scenario, plan, mission, estimate, energy = (
         flight.scenario,

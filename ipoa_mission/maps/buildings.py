@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.feature import Feature, Mistakes
-from ipoa_mission.maps.heights import foot_of, height_of, metres
+from ipoa_mission.maps.heights import foot_of, height_of, meters
 from ipoa_mission.maps.kinds import Reason, are_all_buildings, as_openstreetmap, why_passed_over
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, rings_of, to_plane
@@ -132,7 +132,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
             if building and rules.take != "all":
                 raise BadInput(
                     f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
-                    hint="export whole outlines (`out geom` in Overpass turbo), not centres",
+                    hint="export whole outlines (`out geom` in Overpass turbo), not centers",
                 )
             made.append(Standing(feature.name, part, _reach(feature, place, rules), foot, top))
             continue
@@ -158,7 +158,7 @@ def _reach(feature: Feature, place: str, rules: BuildingRules) -> float:
     """Radius of a point, or half the width of a line [m]."""
     for key in ("diameter", "diameter_crown", "width"):
         if key in feature.tags:
-            return metres(feature.tags[key], f"{place}.{key}") / 2 or rules.point_radius
+            return meters(feature.tags[key], f"{place}.{key}") / 2 or rules.point_radius
     return rules.point_radius
 
 

@@ -1,6 +1,6 @@
 """Elevation models (GeoTIFF, SRTM .hgt, whatever GDAL reads) as a regular grid of ground in the local frame.
 
-A model's heights belong to posts, the centres of its pixels; between them it is bilinear. The local grid is read off
+A model's heights belong to posts, the centers of its pixels; between them it is bilinear. The local grid is read off
 that surface and then raised where needed, so that no post lies above it: coarse spacing costs room, never safety.
 """
 
@@ -162,7 +162,7 @@ def _raise_over_posts(
 
 
 def _post_distance(raster: Raster, frame: LocalFrame, area: NDArray[np.float64]) -> float:
-    """Distance between neighbouring posts in the middle of the area, the shorter of both ways [m]."""
+    """Distance between neighboring posts in the middle of the area, the shorter of both ways [m]."""
     column, row = (float(area[i].mean()) for i in (0, 1))
     places = raster.places(np.array([column, column + 1, column]), np.array([row, row, row + 1]))
     here, right, down = frame.to_local(*places, np.full(3, frame.home.altitude))

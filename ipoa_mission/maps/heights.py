@@ -15,7 +15,7 @@ METRES = re.compile(rf"~?{NUMBER} ?(?:m|metres?|meters?)?")
 FEET = re.compile(rf"~?{NUMBER} ?(?:ft|feet|foot|'|′|’)(?: ?{NUMBER} ?(?:in|inches|\"|″|”|''))?")
 
 
-def metres(text: str, place: str) -> float:
+def meters(text: str, place: str) -> float:
     """A length of OpenStreetMap ("23", "23 m", "75 ft", "7'6\\"", "12;15") in metres.
 
     Raises:
@@ -46,7 +46,7 @@ def height_of(tags: Mapping[str, str], place: str, height_key: str, storey_heigh
         BadInput: a tag that is no height, or a height of nothing.
     """
     if height_key in tags:
-        height = metres(tags[height_key], f"{place}.{height_key}")
+        height = meters(tags[height_key], f"{place}.{height_key}")
         if height <= 0:
             raise BadInput(f"{place}.{height_key}: expected a height of more than nothing, not {tags[height_key]!r}")
         return height
@@ -54,7 +54,7 @@ def height_of(tags: Mapping[str, str], place: str, height_key: str, storey_heigh
         return None
     storeys = levels(tags["building:levels"], f"{place}.building:levels")
     if "roof:height" in tags:
-        height = storeys * storey_height + metres(tags["roof:height"], f"{place}.roof:height")
+        height = storeys * storey_height + meters(tags["roof:height"], f"{place}.roof:height")
     else:
         in_roof = levels(tags["roof:levels"], f"{place}.roof:levels") if "roof:levels" in tags else 0.0
         height = (storeys + in_roof) * storey_height
@@ -70,7 +70,7 @@ def foot_of(tags: Mapping[str, str], place: str, storey_height: float) -> float:
     if "min_height" in tags:
         if tags["min_height"].startswith("-"):
             return 0.0  # it begins below the ground
-        return metres(tags["min_height"], f"{place}.min_height")
+        return meters(tags["min_height"], f"{place}.min_height")
     if "building:min_level" in tags:
         return levels(tags["building:min_level"], f"{place}.building:min_level") * storey_height
     return 0.0

@@ -20,12 +20,12 @@ UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters":
 UNITS |= {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
 LOWEST, HIGHEST = -12_000.0, 10_000.0  # no ground on Earth is lower or higher [m]
 BEYOND = 2  # posts read beyond the area, so that its edge lies between posts
-FILL_REACH = 100  # pixels over which a missing height is filled from its neighbours
+FILL_REACH = 100  # pixels over which a missing height is filled from its neighbors
 
 
 @dataclass(frozen=True, eq=False)
 class Raster:
-    """An open dataset. Pixel coordinates are those of posts: column 0, row 0 is the centre of the first pixel."""
+    """An open dataset. Pixel coordinates are those of posts: column 0, row 0 is the center of the first pixel."""
 
     path: Path
     dataset: Any
@@ -118,14 +118,14 @@ class Raster:
             return heights, ()
         found = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, first)}"
         if not fill:
-            raise BadInput(f"{self.path}: {found}", hint='terrain.voids = "fill" fills them from their neighbours')
+            raise BadInput(f"{self.path}: {found}", hint='terrain.voids = "fill" fills them from their neighbors')
         from rasterio.fill import fillnodata
 
         holed = np.where(missing, LOWEST - 1, heights).astype("float32")
         filled = np.asarray(fillnodata(holed, mask=~missing, max_search_distance=FILL_REACH), float)
         if (filled < LOWEST).any():
             raise BadInput(f"{self.path}: {found}, and some are too far from any other to be filled")
-        return np.where(missing, filled, heights), (f"{found}: filled from their neighbours",)
+        return np.where(missing, filled, heights), (f"{found}: filled from their neighbors",)
 
     def _where(self, which: NDArray[np.bool_], first: tuple[int, int]) -> str:
         row, column = np.argwhere(which)[0] + first

@@ -147,7 +147,7 @@ def _whole(value: float) -> float:
     return float(math.trunc(value)) if math.isfinite(value) else 0.0
 
 
-def _centimetres(value: float) -> float:
+def _centimeters(value: float) -> float:
     """Cut as ArduPilot cuts: times a hundred in single precision, then to an integer."""
     scaled = _single(_single(value) * 100.0)
     return _single(_single(math.trunc(scaled)) / 100.0) if math.isfinite(scaled) else 0.0
@@ -173,7 +173,7 @@ KEEP: Mapping[str, Callable[[float], float]] = {
     "s": lambda value: -1.0 if value < 0.0 else 1.0,
     "y": lambda value: _single(value % 360.0),
     "w": _whole,
-    "c": _centimetres,
+    "c": _centimeters,
     "m": _whole,
     "d": lambda value: _deg_e7(value) / 1e7,
     "t": _turns,

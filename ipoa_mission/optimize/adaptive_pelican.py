@@ -1,6 +1,6 @@
 """The adaptive pelican, ours: POA's two phases, but with differences instead of products, and steps that learn.
 
-POA's steps multiply coordinates, so they favour the origin, and their size is fixed beforehand. Here every step is a
+POA's steps multiply coordinates, so they favor the origin, and their size is fixed beforehand. Here every step is a
 difference of members, so that moving, turning or stretching the problem changes nothing but crossover; the scale of a
 step is drawn around what lately succeeded (SHADE, Tanabe and Fukunaga 2013); the population shrinks linearly while the
 evaluations are spent (L-SHADE, 2014). Uses its budget of `evaluations` and no more.
@@ -128,11 +128,11 @@ def _gain(f: Costs, g: Costs) -> Costs:
     return np.where(finite, gain, max(gain[finite].max(initial=0), 1e-300))
 
 
-def _cauchy(centres: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-    """Scales Cauchy-distributed around `centres`, drawn again until positive, at most 1."""
-    drawn = centres + 0.1 * rng.standard_cauchy(len(centres))
+def _cauchy(centers: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Scales Cauchy-distributed around `centers`, drawn again until positive, at most 1."""
+    drawn = centers + 0.1 * rng.standard_cauchy(len(centers))
     while (again := np.flatnonzero(drawn <= 0)).size:
-        drawn[again] = centres[again] + 0.1 * rng.standard_cauchy(again.size)
+        drawn[again] = centers[again] + 0.1 * rng.standard_cauchy(again.size)
     return np.minimum(drawn, 1)
 
 

@@ -1,4 +1,4 @@
-"""HHO, Harris hawks optimisation (Heidari et al., Future Gener. Comput. Syst. 2019, 97, 849), as its authors code it.
+"""HHO, Harris hawks optimization (Heidari et al., Future Gener. Comput. Syst. 2019, 97, 849), as its authors code it.
 
 A hawk that does not dive goes wherever its rule sends it, better or not; only the best position ever found, the rabbit,
 is kept. Costs N + N T evaluations and one more for every dive that has to be repeated with a Levy step (a hawk whose

@@ -103,8 +103,8 @@ class IPOA:
                         x, f = x.copy(), f.copy()
                         x[b], f[b] = trial[0], g
                 else:
-                    centre = x[b] if self.mutated == "each" else x
-                    trial = box.clip(centre + centre * rng.standard_t(nu, (n, steps)))
+                    center = x[b] if self.mutated == "each" else x
+                    trial = box.clip(center + center * rng.standard_t(nu, (n, steps)))
                     x, f = keep_better(x, f, trial, (yield trial))
 
     def _omega(self, done: float) -> float:

@@ -1,4 +1,4 @@
-"""POA, the pelican optimisation algorithm (Trojovsky and Dehghani, Sensors 2022, 22, 855), as its authors' code has it.
+"""POA, the pelican optimization algorithm (Trojovsky and Dehghani, Sensors 2022, 22, 855), as its authors' code has it.
 
 Two things the formulas do not say and the authors' code does: the prey is a member of the population, drawn once an
 iteration, and `rand` of eq. (14) is one number for each pelican. Costs N + 2 N T evaluations.

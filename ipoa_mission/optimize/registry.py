@@ -1,4 +1,4 @@
-"""The optimisers by name, and how one is made from a name and settings that a user wrote."""
+"""The optimizers by name, and how one is made from a name and settings that a user wrote."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -28,10 +28,10 @@ OPTIMIZERS: dict[str, type[Optimizer]] = {
 
 
 def build_optimizer(name: str, settings: Mapping[str, object], place: str = "optimizer") -> Optimizer:
-    """The optimiser called `name` with `settings`; what is not set keeps its default.
+    """The optimizer called `name` with `settings`; what is not set keeps its default.
 
     Raises:
-        BadInput: no such optimiser, no such setting, or a value it cannot have; the message begins with `place`.
+        BadInput: no such optimizer, no such setting, or a value it cannot have; the message begins with `place`.
     """
     if name not in OPTIMIZERS:
         raise BadInput(f"{place}.name: expected {_one_of(OPTIMIZERS)}, not {name!r}{_did_you_mean(name, OPTIMIZERS)}")

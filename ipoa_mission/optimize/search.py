@@ -1,6 +1,6 @@
-"""The one loop that all optimisers share: an optimiser yields candidates and is sent their costs.
+"""The one loop that all optimizers share: an optimizer yields candidates and is sent their costs.
 
-An optimiser never calls the cost function, so it cannot miscount its budget, and several phases an iteration
+An optimizer never calls the cost function, so it cannot miscount its budget, and several phases an iteration
 need no flag: each phase is a `yield`.
 """
 
@@ -58,7 +58,7 @@ class Optimum:
     history: NDArray[np.float64]
 
 
-def minimise(
+def minimize(
     cost: Callable[[Candidates], Costs],
     box: Box,
     optimizer: Optimizer,

@@ -1,6 +1,6 @@
-"""What a setting of an optimiser may be: the types and ranges that its fields declare, and the check of a value.
+"""What a setting of an optimizer may be: the types and ranges that its fields declare, and the check of a value.
 
-An optimiser is a frozen dataclass; its fields are its settings. `Annotated[int, Between(1, ...)]` says the range once,
+An optimizer is a frozen dataclass; its fields are its settings. `Annotated[int, Between(1, ...)]` says the range once,
 where the field is; `check_setting` reads it from there.
 """
 

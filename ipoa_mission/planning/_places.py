@@ -19,7 +19,7 @@ FAST = {"reassoc", "contract", "arcp", "nsz"}  # lets sums be vectorised
 @njit(inline="always")
 def _on_map(raster, x, y):
     """Column and row of a place, fractions included; beyond the map the nearest ones, and 0 for what is no number."""
-    u, v = (x - raster.east) * raster.per_metre, (y - raster.north) * raster.per_metre
+    u, v = (x - raster.east) * raster.per_meter, (y - raster.north) * raster.per_meter
     u, v = u if u > 0.0 else 0.0, v if v > 0.0 else 0.0
     return min(u, raster.columns - 1.0), min(v, raster.rows - 1.0)
 
@@ -32,7 +32,7 @@ def _ground(raster, heights, x, y):
     u, v = u - i, v - j
     south, north = heights[j, i + 1] - heights[j, i], heights[j + 1, i + 1] - heights[j + 1, i]
     low, high = heights[j, i] + u * south, heights[j + 1, i] + u * north
-    return low + v * (high - low), ((1.0 - v) * south + v * north) * raster.per_metre, (high - low) * raster.per_metre
+    return low + v * (high - low), ((1.0 - v) * south + v * north) * raster.per_meter, (high - low) * raster.per_meter
 
 
 @njit(inline="always")

@@ -30,7 +30,7 @@ class Raster(NamedTuple):
 
     east: float
     north: float
-    per_metre: float
+    per_meter: float
     rows: int
     columns: int
 

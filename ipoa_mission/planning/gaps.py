@@ -1,4 +1,4 @@
-"""Gaps between neighbours: where a lattice must have nodes lest it miss one that is narrower than its cells."""
+"""Gaps between neighbors: where a lattice must have nodes lest it miss one that is narrower than its cells."""
 
 from itertools import pairwise
 

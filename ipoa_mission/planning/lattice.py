@@ -34,8 +34,8 @@ DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
 MOST_BESIDE = 8  # ways that are added beside those that lead through what is too narrow
 PER_LEG = 10  # points at which a leg between two nodes is looked at
 PER_TURN, DENSEST = 4, 80  # control points of a curve that follows a way, at most
-STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbours
-BETWEEN = 0.05  # how much less slack than a node its neighbours on both sides have, in steps, if it is in a gap
+STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbors
+BETWEEN = 0.05  # how much less slack than a node its neighbors on both sides have, in steps, if it is in a gap
 WIDE_GAP = 1.5  # how much wider than required a gap may be, in steps, to have nodes of its own
 ROUNDS = 6  # each looks three times as closely for the best place in a cell
 NEAREST, GLANCES = 64, 8  # nodes that may be an end's, and points at which the leg to each is looked at
@@ -137,7 +137,7 @@ def lay(problem: PreparedProblem, fineness: float = 1.0) -> Lattice:
     nodes = np.minimum(lower + spacing * grid, upper)
     slack, threat = _survey(nodes, problem)
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
-    nodes[between] = _centred(nodes[between], spacing, problem)
+    nodes[between] = _centered(nodes[between], spacing, problem)
     slack[between], threat[between] = _survey(nodes[between], problem)
     winding = problem.rules.turning / max(problem.rules.length, LEAST) / min(ROUND, float(size[:2].min()) / 4)
     _occupy_gaps(nodes, slack, threat, lower, spacing, problem)
@@ -178,7 +178,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
     return np.asarray(doubtful & binary_dilation(found & doubtful, np.ones((3, 3, 3))))
 
 
-def _centred(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
+def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
     """The places with the most slack in the cells round nodes (n, 3)."""
     lower, upper = _region(problem)
     for closer in range(1, ROUNDS + 1):
@@ -198,7 +198,7 @@ def _mended(found: list[Points], lattice: Lattice, problem: PreparedProblem) -> 
     mended, closed = list[Points](), list[Points]()
     for way in found:
         points, cut = _cuts(way, problem)
-        points[cut] = _centred(points[cut], lattice.spacing, problem)
+        points[cut] = _centered(points[cut], lattice.spacing, problem)
         kept = cut | (np.arange(len(points)) % PER_LEG == 0)
         mended.append(points[kept])
         still = np.nonzero(_cuts(mended[-1], problem)[1])[0] // PER_LEG
@@ -309,8 +309,8 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
 
 def _even(points: Points, count: int = 24) -> Points:
     """Points equally far apart along a polyline, (count, 3)."""
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
-    return np.column_stack([np.interp(np.linspace(0, travelled[-1], count), travelled, points[:, k]) for k in range(3)])
+    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+    return np.column_stack([np.interp(np.linspace(0, traveled[-1], count), traveled, points[:, k]) for k in range(3)])
 
 
 def _turns(way: Points, tolerance: float) -> int:

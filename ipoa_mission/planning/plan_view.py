@@ -124,7 +124,7 @@ def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
     """Between which heights one may fly beside a body, at most."""
     airspace, limits, chart = problem.task.airspace, problem.limits, problem.chart
     (west, south, _), (east, north, _) = body.bounds
-    reach, step = limits.obstacle_distance, 1 / chart.ground.per_metre
+    reach, step = limits.obstacle_distance, 1 / chart.ground.per_meter
     places = np.array([(west - reach, south - reach), (east + reach, north + reach)])
     first, last = np.floor((places - (chart.ground.east, chart.ground.north)) / step).astype(int)
     rows, columns = chart.heights.shape

@@ -42,7 +42,7 @@ def plan_path(task: PathTask, seed: int = 0, progress: Progress = lambda done, w
     """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
 
     Raises:
-        BadInput: the optimiser is unknown, or has no such setting; start and goal are the same place.
+        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
         NoPath: a given place breaks a limit, or no path was found that keeps them all; the message says which, where
             and by how much.
     """

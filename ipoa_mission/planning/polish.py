@@ -190,7 +190,7 @@ def _descend(
 
 @lru_cache(maxsize=64)
 def _windows(n: int, nodes: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """For each node the first of five control points that it and its neighbours depend on, and how, (nodes, 3, 5)."""
+    """For each node the first of five control points that it and its neighbors depend on, and how, (nodes, 3, 5)."""
     look = even_basis(n, nodes)
     around = np.stack([look[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)], axis=1)
     first = np.minimum(np.argmax(np.abs(around).max(axis=1) > 1e-14, axis=1), n - 5)

@@ -87,9 +87,9 @@ class PreparedProblem:
         legs = leg_lengths(nodes)
         longest = max(1.5 * self.limits.obstacle_distance, NARROW)
         if legs.max() > longest:  # lest it skip a thin wall
-            travelled = np.concatenate([[0.0], np.cumsum(legs)])
-            even = np.linspace(0.0, travelled[-1], int(np.clip(travelled[-1] / longest, len(nodes), MOST)))
-            nodes = np.column_stack([np.interp(even, travelled, nodes[:, k]) for k in range(3)])
+            traveled = np.concatenate([[0.0], np.cumsum(legs)])
+            even = np.linspace(0.0, traveled[-1], int(np.clip(traveled[-1] / longest, len(nodes), MOST)))
+            nodes = np.column_stack([np.interp(even, traveled, nodes[:, k]) for k in range(3)])
         chart = self.chart._replace(lower=self.chart.lower - LENIENCE, upper=self.chart.upper + LENIENCE)
         rules = self.rules._replace(
             clearance=self.rules.clearance - LENIENCE,
@@ -114,12 +114,12 @@ def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = No
 
     They are evenly apart along it, or as many on each leg as its share (k-1,) of the sum.
     """
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
+    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
     stops = [0, *_corners(guide, task.places[1:-1]), len(guide) - 1]
-    legs = np.diff(travelled[stops]) / travelled[-1]
+    legs = np.diff(traveled[stops]) / traveled[-1]
     legs = np.maximum(legs, min(SHORTEST / (inner - 1), 0.5 / len(legs)))  # or via points would share control points
     reached = np.concatenate([[0.0], np.cumsum(legs) / legs.sum()])
-    progress = np.interp(travelled, travelled[stops], reached)
+    progress = np.interp(traveled, traveled[stops], reached)
     control = np.column_stack([np.interp(_greville(inner + 2), progress, guide[:, k]) for k in range(3)])
     return pinned(Trail(Spline(control), reached[1:-1]), task)
 

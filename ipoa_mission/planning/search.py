@@ -1,4 +1,4 @@
-"""One search for a path: an optimiser of the registry let loose in the space round a curve."""
+"""One search for a path: an optimizer of the registry let loose in the space round a curve."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import polyline_length
 from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
-from ipoa_mission.optimize.search import Optimizer, minimise
+from ipoa_mission.optimize.search import Optimizer, minimize
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.problem import ALL, PreparedProblem, Trail, surround
 
 Progress: TypeAlias = Callable[[float, str], None]  # hears which share of the work is done, and a few words
 
-#: A search that is one of several may be short: settings for optimisers that have them, where the task sets none.
+#: A search that is one of several may be short: settings for optimizers that have them, where the task sets none.
 SHORT = {"population": 20, "iterations": 25, "evaluations": 2500, "evaluations_per_member": 40.0}
 
 
@@ -38,12 +38,12 @@ class Searcher:
     ) -> Trail:
         """The best curve found round one, or round a part of its inner control points.
 
-        `width` is how far the search goes, as a share of the length of what is varied; `progress` is `minimise`'s.
+        `width` is how far the search goes, as a share of the length of what is varied; `progress` is `minimize`'s.
         """
         task = self.problem.task
         spread = width * polyline_length(around.curve.control[1:-1][part])
         encoding = surround(encoding_of(task), around, spread, task, part)
-        found = minimise(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
+        found = minimize(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
         spent, known = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
         self.spent += [spent + int(evaluations) for evaluations in found.evaluations]
         trail = Trail(encoding.curve(found.x), around.via_at)
@@ -64,10 +64,10 @@ def encoding_of(task: PathTask) -> str:
 
 
 def optimizer_of(task: PathTask, short: bool) -> Optimizer:
-    """The task's optimiser with its settings; what is not set is as in `SHORT`, or else the algorithm's default.
+    """The task's optimizer with its settings; what is not set is as in `SHORT`, or else the algorithm's default.
 
     Raises:
-        BadInput: there is no such optimiser, or it has no such setting.
+        BadInput: there is no such optimizer, or it has no such setting.
     """
     name, settings = task.optimizer.name, task.optimizer.settings
     if short and name in OPTIMIZERS:

@@ -48,8 +48,8 @@ class Spline:
 
     def parameters(self, n: int) -> Vector:
         """Parameters of `n` points from start to goal that are equally far apart along the curve, (n,)."""
-        u, travelled = self._arcs
-        even = np.interp(np.linspace(0.0, travelled[-1], n), travelled, u)
+        u, traveled = self._arcs
+        even = np.interp(np.linspace(0.0, traveled[-1], n), traveled, u)
         return np.concatenate([[0.0], even[1:-1], [1.0]])
 
     @cached_property

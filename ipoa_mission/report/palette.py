@@ -1,7 +1,7 @@
-"""Colours that everybody can tell apart: those of Okabe and Ito for paths, quiet ones for the world they fly through.
+"""Colors that everybody can tell apart: those of Okabe and Ito for paths, quiet ones for the world they fly through.
 
 Source: M. Okabe and K. Ito, Color Universal Design, jfly.uni-koeln.de/color (2008). Paths also differ by their
-markers, so that a grey print can be read.
+markers, so that a gray print can be read.
 """
 
 BLACK = "#000000"

@@ -1,6 +1,6 @@
 """Pictures for papers: a scenario and its paths from above, from the front and in space; convergence curves.
 
-Paths differ by colour and by marker. The same input gives the same bytes.
+Paths differ by color and by marker. The same input gives the same bytes.
 """
 
 import io

@@ -54,24 +54,24 @@ def draw_space(axes: Axes3D, airspace: Airspace, paths: Mapping[str, Points]) ->
     cell = float(np.hypot(east[0, 1] - east[0, 0], north[1, 0] - north[0, 0]))
     stretch = shape / (upper - lower)
 
-    polygons, colours, depths = _ground_tiles(east, north, up, stretch, cell)
+    polygons, colors, depths = _ground_tiles(east, north, up, stretch, cell)
     for obstacle in airspace.obstacles:
         for tile in obstacle.tiles(cell):
             polygons.append(tile)
-            colours.append(_lit(_roof_colour(obstacle.bounds[1, 2], lower[2], upper[2]), _normal(tile * stretch)))
+            colors.append(_lit(_roof_color(obstacle.bounds[1, 2], lower[2], upper[2]), _normal(tile * stretch)))
             depths.append(_depth(tile, stretch))
     lines = [line for obstacle in airspace.obstacles for whole in obstacle.edges() for line in _cut(whole, cell)]
     depths += [_depth(line, stretch) + 0.3 * cell * stretch[0] for line in lines]
-    edge_colours = [*colours, *[to_rgb(palette.OUTLINE)] * len(lines)]
-    colours += [(0.0, 0.0, 0.0)] * len(lines)
+    edge_colors = [*colors, *[to_rgb(palette.OUTLINE)] * len(lines)]
+    colors += [(0.0, 0.0, 0.0)] * len(lines)
     shapes = [*polygons, *(line[[0, 1, 0]] for line in lines)]
     ends = np.cumsum([len(shape) for shape in shapes])[:-1]
     flat = np.split(_projected(axes, np.vstack(shapes)), ends)
     order = np.argsort(depths, kind="stable")
     solids = _FlatPolygons(
         [flat[i] for i in order],
-        facecolors=[colours[i] for i in order],
-        edgecolors=[edge_colours[i] for i in order],
+        facecolors=[colors[i] for i in order],
+        edgecolors=[edge_colors[i] for i in order],
         linewidths=0.35,
         zorder=1,
         rasterized=True,
@@ -86,9 +86,9 @@ def _draw_path(axes: Axes3D, airspace: Airspace, path: Points, sight: Vector, na
     points = _resampled(path)
     flat, seen = _projected(axes, points), visible((points[1:] + points[:-1]) / 2, airspace, sight)
     pieces = np.stack([flat[:-1], flat[1:]], axis=1)
-    colour = palette.PATHS[n % len(palette.PATHS)]
-    hidden = _FlatLines(list(pieces[~seen][::2]), colors=colour, linewidths=0.9, zorder=2)
-    plain = _FlatLines(list(pieces[seen]), colors=colour, linewidths=1.8, capstyle="round", zorder=3)
+    color = palette.PATHS[n % len(palette.PATHS)]
+    hidden = _FlatLines(list(pieces[~seen][::2]), colors=color, linewidths=0.9, zorder=2)
+    plain = _FlatLines(list(pieces[seen]), colors=color, linewidths=1.8, capstyle="round", zorder=3)
     for lines in (hidden, plain):
         lines.set_clip_on(False)
         axes.add_collection(lines, autolim=False)
@@ -97,7 +97,7 @@ def _draw_path(axes: Axes3D, airspace: Airspace, path: Points, sight: Vector, na
     Axes.plot(
         axes,
         *flat[marks].T,
-        color=colour,
+        color=color,
         linestyle="",
         marker=palette.MARKERS[n % len(palette.MARKERS)],
         markersize=4,
@@ -160,8 +160,8 @@ def _ground_tiles(
         for i in range(nodes.shape[0] - 1)
         for j in range(nodes.shape[1] - 1)
     ]
-    colours = [_lit(_ground_colour(tile[:, 2].mean(), least, most), _normal(tile * stretch)) for tile in cells]
-    return cells, colours, [_depth(tile, stretch) - cell * stretch[0] for tile in cells]
+    colors = [_lit(_ground_color(tile[:, 2].mean(), least, most), _normal(tile * stretch)) for tile in cells]
+    return cells, colors, [_depth(tile, stretch) - cell * stretch[0] for tile in cells]
 
 
 def _resampled(path: Points) -> Points:
@@ -197,19 +197,19 @@ def _normal(polygon: Points) -> Vector:
     return np.asarray(normal / size if normal @ _sight() > 0 else -normal / size)
 
 
-def _lit(colour: tuple[float, ...], normal: Vector) -> tuple[float, ...]:
-    """A matt colour in the light: between 62 % and 104 % of it."""
+def _lit(color: tuple[float, ...], normal: Vector) -> tuple[float, ...]:
+    """A matt color in the light: between 62 % and 104 % of it."""
     brightness = 0.62 + 0.42 * max(0.0, float(normal @ LIGHT))
-    return tuple(min(1.0, channel * brightness) for channel in colour)
+    return tuple(min(1.0, channel * brightness) for channel in color)
 
 
 _GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
 _ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])
 
 
-def _ground_colour(up: float, least: float, most: float) -> tuple[float, ...]:
+def _ground_color(up: float, least: float, most: float) -> tuple[float, ...]:
     return tuple(_GROUND((up - least) / max(most - least, 5.0))[:3])
 
 
-def _roof_colour(top: float, least: float, most: float) -> tuple[float, ...]:
+def _roof_color(top: float, least: float, most: float) -> tuple[float, ...]:
     return tuple(_ROOFS((top - least) / (most - least))[:3])

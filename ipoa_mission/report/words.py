@@ -13,7 +13,7 @@ def seconds(value: float) -> str:
     return f"{minutes}\N{NO-BREAK SPACE}min {rest:02d}\N{NO-BREAK SPACE}s"
 
 
-def metres(value: float, digits: int = 2) -> str:
+def meters(value: float, digits: int = 2) -> str:
     """A length for reading: `2.61 m`; `free` when there is nothing near."""
     return f"{number(value, digits)}\N{NO-BREAK SPACE}m" if math.isfinite(value) else "free"
 

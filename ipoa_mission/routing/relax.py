@@ -38,8 +38,8 @@ def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
 
     The nearest to each via point (m, 3) stand on it.
     """
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(line))])
-    before = travelled[-1] - last
+    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(line))])
+    before = traveled[-1] - last
     count = max(1 + len(via), math.ceil(before / spacing))
-    stops = np.append(np.linspace(0.0, before, count + 1), travelled[-1])
-    return through(np.asarray(CubicSpline(travelled, line)(stops)), via)[0]
+    stops = np.append(np.linspace(0.0, before, count + 1), traveled[-1])
+    return through(np.asarray(CubicSpline(traveled, line)(stops)), via)[0]

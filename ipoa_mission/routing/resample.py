@@ -88,9 +88,9 @@ def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
 
 def _steps(path: Points) -> Points:
     """The corners of a path and points between them, half a metre apart at most."""
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
-    stops = np.union1d(travelled, np.linspace(0.0, travelled[-1], math.ceil(travelled[-1] / STEP) + 1))
-    return np.column_stack([np.interp(stops, travelled, axis) for axis in path.T])
+    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    stops = np.union1d(traveled, np.linspace(0.0, traveled[-1], math.ceil(traveled[-1] / STEP) + 1))
+    return np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
 
 
 @lru_cache(maxsize=8)

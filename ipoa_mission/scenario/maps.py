@@ -122,7 +122,7 @@ class ElevationTerrain(Section):
     spacing: Positive | None = None
     """Distance between the nodes of the local grid [m]; left out, that of the model's posts."""
     voids: Literal["refuse", "fill"] = "refuse"
-    """What is done about missing heights: `fill` takes them from their neighbours."""
+    """What is done about missing heights: `fill` takes them from their neighbors."""
     nodata: float | None = None
     """A number that stands for a missing height, where the file does not say so itself."""
     level_at_home: bool = False

@@ -90,7 +90,7 @@ class OptimizerSection(Section):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Everything but the name, as the optimiser's own fields."""
+        """Everything but the name, as the optimizer's own fields."""
         return dict(self.model_extra or {})
 
 

@@ -24,7 +24,7 @@ class SphereSection(Horizontal):
     radius: Positive
     """Radius [m]."""
     up: float | None = None
-    """Height of the centre [m above home]; left out, the ball rests on the ground."""
+    """Height of the center [m above home]; left out, the ball rests on the ground."""
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
         """The obstacle itself."""
@@ -54,7 +54,7 @@ class CylinderSection(Horizontal):
 
 
 class BoxSection(Horizontal):
-    """A box, centred on its position, turned clockwise from north by `heading_deg`."""
+    """A box, centered on its position, turned clockwise from north by `heading_deg`."""
 
     kind: Literal["box"]
     name: str | None = None

@@ -166,7 +166,7 @@ class GridTerrain(Section):
     north: float
     """North of the first row [m]."""
     spacing: Positive
-    """Distance between neighbouring heights, along east and north [m]."""
+    """Distance between neighboring heights, along east and north [m]."""
     heights: Annotated[tuple[tuple[float, ...], ...], Field(min_length=2)] | None = None
     """Heights [m above home], the southernmost row first."""
     file: Path | None = None
@@ -220,7 +220,7 @@ class FenceSection(Section):
     polygon_geodetic: Ring | None = None
     """Corners as [latitude_deg, longitude_deg]."""
     center: Horizontal | None = None
-    """Centre of a circle, in place of a polygon."""
+    """Center of a circle, in place of a polygon."""
     radius: Positive | None = None
     """Radius of the circle [m]."""
 

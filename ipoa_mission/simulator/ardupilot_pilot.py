@@ -195,7 +195,7 @@ class ArduPilotPilot:
         if cone >= LEAST_CONE:
             height = min(height, max(cone * home, least))
         self._path.speeds = (self._p["RTL_SPEED"] / 100 or self._p["WPNAV_SPEED"] / 100, *self._path.speeds[1:])
-        self._return_height = _whole_centimetres(height)
+        self._return_height = _whole_centimeters(height)
         self._path.begin(here)
         self._path.fly_to(Stop((here[0], here[1], self._return_height)), Stop((0.0, 0.0, self._return_height)))
         self._manoeuvre = self._climb_to_return
@@ -233,7 +233,7 @@ class ArduPilotPilot:
             return
         if self._manoeuvre not in (self._follow, self._hold) or not self._path.reached:
             self._path.begin(self._stopping_place())
-        self._path.fly_to(Stop((place[0], place[1], _whole_centimetres(self._body.z))), None)
+        self._path.fly_to(Stop((place[0], place[1], _whole_centimeters(self._body.z))), None)
         self._manoeuvre = self._fly_over_landing
 
     def _fly_over_landing(self, dt: float) -> None:
@@ -320,6 +320,6 @@ class ArduPilotPilot:
         self._body.step(lean, thrust, dt)
 
 
-def _whole_centimetres(height: float) -> float:
+def _whole_centimeters(height: float) -> float:
     """A height as ArduCopter keeps that of a place."""
     return math.floor(height / CENTIMETRE) * CENTIMETRE

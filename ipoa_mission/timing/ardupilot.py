@@ -58,7 +58,7 @@ ERROR_FILTER = 1 / (2 * math.pi * 5.0)  # of the velocity error: 5 Hz by default
 OVERRUNNING = 1.0  # a stop that is come to faster is overrun; after a leg that is long enough it is 0.3 [m/s]
 DOUBT, DOUBT_SHARE = 0.5, 0.015  # half the width of the interval: seconds, and share of the time
 
-#: Of these only the flight to their place is modelled.
+#: Of these only the flight to their place is modeled.
 ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})
 TO_A_PLACE = FLOWN_ON_INTO | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
 
@@ -155,7 +155,7 @@ class _Flight:
             self.straight_to((east, north, self.here[2]))
             self.remarks.append(f"item {visit.seq}: only the flight to its place is counted")
         elif command <= LAST_NAV or command in UNTIMED:
-            self.remarks.append(f"item {visit.seq}: command {command} is not modelled and counts as no time")
+            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
         return ""
 
     def target(self, n: int) -> Place:

@@ -189,7 +189,7 @@ class _Flight:
             self.straight_to((east, north, self.here[2]))
             self.come_down()
         elif command <= LAST_NAV or command in UNTIMED:
-            self.remarks.append(f"item {visit.seq}: command {command} is not modelled and counts as no time")
+            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
         return self.now, ""
 
     def target(self, n: int) -> Place:

@@ -88,9 +88,9 @@ def _smoothed(path: Points) -> Points:
     path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
     if len(path) < 2:
         return path
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
-    stops = np.linspace(0.0, travelled[-1], max(2, math.ceil(travelled[-1] / STEP) + 1))
-    even = np.column_stack([np.interp(stops, travelled, axis) for axis in path.T])
+    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    stops = np.linspace(0.0, traveled[-1], max(2, math.ceil(traveled[-1] / STEP) + 1))
+    even = np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
     if len(even) <= SMOOTHED:
         return even[[0, -1]]
     wide = np.pad(even, ((SMOOTHED // 2, SMOOTHED // 2), (0, 0)), mode="edge")

@@ -1,6 +1,6 @@
 """A leg of ArduCopter 4.x as a speed profile: it rises with raised-cosine jerk ramps, cruises, falls as it rose.
 
-The laws are those of ArduPilot's published behaviour ("S-curves", Copter 4.1 on): jerk rises from 0 to J over the ramp
+The laws are those of ArduPilot's published behavior ("S-curves", Copter 4.1 on): jerk rises from 0 to J over the ramp
 time t_j as (J/2)(1 - cos(pi t/t_j)), may stay at J, and falls again; S = pi J / (2 t_j) is the snap limit.
 """
 

@@ -210,7 +210,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Peak:
-    """One Gaussian mountain of eq. (2): its height, its centre, and its slopes a and b along east and north [m]."""
+    """One Gaussian mountain of eq. (2): its height, its center, and its slopes a and b along east and north [m]."""
 
     height: float
     east: float

@@ -82,7 +82,7 @@ def test_a_scenario_that_is_wrong_is_told_by_place(run: Run, missions: Path) -> 
     assert "Traceback" not in ended.err
 
 
-def test_an_unknown_optimiser_is_bad_input(run: Run, missions: Path) -> None:
+def test_an_unknown_optimizer_is_bad_input(run: Run, missions: Path) -> None:
     ended = run(f"plan {missions / 'sitl.toml'} --optimizer ipao")
     assert ended.code == 2
     assert "did you mean 'ipoa'" in ended.err

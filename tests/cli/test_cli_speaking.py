@@ -122,7 +122,7 @@ def test_a_warning_of_the_package_is_heard_without_v(run: Run, mission: Path) ->
 
 
 @pytest.mark.parametrize("no_color", [False, True])
-def test_a_terminal_gets_colour_unless_no_color_says_otherwise(tmp_path: Path, no_color: bool) -> None:
+def test_a_terminal_gets_color_unless_no_color_says_otherwise(tmp_path: Path, no_color: bool) -> None:
     theirs, ours = pty.openpty()
     environment = {name: value for name, value in os.environ.items() if name != "NO_COLOR"} | {"TERM": "xterm-256color"}
     if no_color:

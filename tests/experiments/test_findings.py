@@ -13,6 +13,7 @@ from ipoa_mission.experiments.reproduce import ITEMS
 from ipoa_mission.experiments.rows import Row, read_rows
 
 DOCS = Path(__file__).parents[2] / "docs"
+pytestmark = pytest.mark.xdist_group("findings")  # the rows are read once
 SENTENCES = re.findall(r"(?m)^\* \[(\w+)\] ", template())
 
 
@@ -47,7 +48,10 @@ def test_no_fact_is_idle(known: Facts) -> None:
     assert known.keys() - told == {"best_of_six", "without_all_better", "without_all_worse"}
 
 
-def test_the_page_in_the_documents_is_made_of_the_recorded_rows(rows: dict[str, Sequence[Row]]) -> None:
+def test_the_page_in_the_documents_is_made_of_the_recorded_rows(
+    rows: dict[str, Sequence[Row]], known: Facts, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ipoa_mission.experiments.page.facts", lambda _: known)  # those of these rows, made once
     made = {name: item.make(rows) if "figure" not in name else "<svg/>" for name, item in ITEMS.items()}
     sources = {name: [series.name for series in item.needs] for name, item in ITEMS.items()}
     page = findings(made, sources, rows, "reproduction")

@@ -170,7 +170,7 @@ def test_frames_are_found_between_any_garbage(before: bytes, between: bytes) -> 
     assert [frame for frame in got if frame in sent] == sent
 
 
-def test_a_corrupt_length_costs_one_frame_and_not_its_neighbours() -> None:
+def test_a_corrupt_length_costs_one_frame_and_not_its_neighbors() -> None:
     _, sent = stream(3)
     torn = bytearray(sent[0])
     torn[1] = 255

@@ -87,7 +87,7 @@ def test_a_restart_of_the_autopilot_does_not_turn_the_clock_back() -> None:
     assert times == pytest.approx([200.0, 201.0, 201.0, 204.0, 205.0], abs=0.11)
 
 
-def test_a_torn_stamp_is_between_its_neighbours() -> None:
+def test_a_torn_stamp_is_between_its_neighbors() -> None:
     stamps = growing([1.7e9, 1.7e9 + 1, 9.9e12, 1.7e9 + 2, 1.7e9 + 2, 1.7e9 + 3])
     assert stamps == pytest.approx([0, 1, 2, 2, 2, 3], abs=1e-6)
     assert (np.diff(stamps) > 0).all()

@@ -62,7 +62,7 @@ def test_shapely_reads_every_geometry_as_we_do(write_map: Callable[..., Path]) -
         assert feature.shape.equals(shapely.force_2d(shapely.from_geojson(json.dumps(geometry))))
 
 
-def test_coordinates_in_metres_are_turned_into_degrees(write_map: Callable[..., Path]) -> None:
+def test_coordinates_in_meters_are_turned_into_degrees(write_map: Callable[..., Path]) -> None:
     to_utm = Transformer.from_crs("EPSG:4326", "EPSG:32632", always_xy=True)
     metres = [list(to_utm.transform(x, y)) for x, y in RING]
     crs = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}}

@@ -3,7 +3,7 @@
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.heights import foot_of, height_of, metres
+from ipoa_mission.maps.heights import foot_of, height_of, meters
 
 #: What the wiki's page on `height` allows, and what is met in exports, in metres.
 LENGTHS = {
@@ -27,13 +27,13 @@ NO_LENGTHS = ["tall", "", "-3", "20-25", "1,200", "12 km", "3 storeys", "nan", "
 
 @pytest.mark.parametrize(("text", "expected"), LENGTHS.items(), ids=LENGTHS)
 def test_a_length_is_read_in_metres(text: str, expected: float) -> None:
-    assert metres(text, "here") == pytest.approx(expected)
+    assert meters(text, "here") == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("text", NO_LENGTHS)
 def test_what_is_no_length_is_refused_with_its_place(text: str) -> None:
     with pytest.raises(BadInput) as told:
-        metres(text, "map.geojson: features[3].properties.height")
+        meters(text, "map.geojson: features[3].properties.height")
     assert str(told.value) == (
         f'map.geojson: features[3].properties.height: expected metres or feet ("23", "23 m", "75 ft"), not {text!r}'
     )

@@ -107,7 +107,7 @@ def test_what_is_no_archive_is_no_kmz(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["polygon.shp", "pline.shp"])
-def test_qgroundcontrols_shapefiles_hold_metres_where_their_prj_says_degrees(samples: Path, name: str) -> None:
+def test_qgroundcontrols_shapefiles_hold_meters_where_their_prj_says_degrees(samples: Path, name: str) -> None:
     pytest.importorskip("pyogrio")
     with pytest.raises(BadInput, match="expected longitude and latitude in degrees") as told:
         read_features(samples / "DonLakeFlyer+qgroundcontrol" / "test" / "Utilities" / "Geo" / name)

@@ -37,8 +37,8 @@ def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
         np.array([getattr(item, name) for item in flown]) for name in ("latitude_deg", "longitude_deg", "altitude")
     )
     points = LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + height)
-    travelled = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    control = np.linalg.lstsq(basis(36, travelled / travelled[-1]), points, rcond=None)[0]
+    traveled = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    control = np.linalg.lstsq(basis(36, traveled / traveled[-1]), points, rcond=None)[0]
     control[[0, -1]] = points[[0, -1]]
     speed = next(item.params[1] for item in mission.items if item.command == Command.DO_CHANGE_SPEED)
     start, goal = (f"{{ east = {p[0]}, north = {p[1]}, up = {p[2]} }}" for p in points[[0, -1]])
@@ -52,7 +52,7 @@ def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
     route = {{ tolerance = {WITHIN} }}
     """
     curve = Spline(np.asarray(control, float))
-    assert np.abs(curve.points(travelled / travelled[-1]) - points).max() < 0.02
+    assert np.abs(curve.points(traveled / traveled[-1]) - points).max() < 0.02
     return curve, parse_scenario(text, Path("ways.toml"))
 
 

@@ -57,7 +57,7 @@ def test_what_is_no_fence_is_an_error() -> None:
         rally_from_wire([Item(16, 3)])
 
 
-def test_ardupilot_keeps_whole_metres_of_a_rally_points_height() -> None:
+def test_ardupilot_keeps_whole_meters_of_a_rally_points_height() -> None:
     items = rally_to_wire([Geodetic(39.1, 121.8, 35.7)])
     assert rally_from_wire(as_stored(items, Autopilot.ARDUPILOT)) == (Geodetic(39.1, 121.8, 35.0),)
     assert rally_from_wire(as_stored(items, Autopilot.PX4))[0].altitude == pytest.approx(35.7, abs=1e-5)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
 from ipoa_mission.optimize.ipoa import IPOA
-from ipoa_mission.optimize.search import Box, Candidates, Costs, minimise
+from ipoa_mission.optimize.search import Box, Candidates, Costs, minimize
 
 D = 8
 BOX = Box(np.full(D, -5.0), np.full(D, 5.0))
@@ -26,7 +26,7 @@ def rosenbrock(x: Candidates) -> Costs:
 def test_it_spends_its_evaluations_and_not_one_more(evaluations: int, dimension: int) -> None:
     box = Box(np.full(dimension, -1.0), np.full(dimension, 2.0))
     search = AdaptivePelican(evaluations=evaluations)
-    found = minimise(lambda x: (x**2).sum(axis=1), box, search, np.random.default_rng(1))
+    found = minimize(lambda x: (x**2).sum(axis=1), box, search, np.random.default_rng(1))
     assert found.evaluations[-1] == evaluations
 
 
@@ -37,7 +37,7 @@ def test_the_flock_shrinks_to_four() -> None:
         sizes.append(len(x))
         return rosenbrock(x)
 
-    minimise(watched, BOX, AdaptivePelican(evaluations=20_000), np.random.default_rng(1))
+    minimize(watched, BOX, AdaptivePelican(evaluations=20_000), np.random.default_rng(1))
     towards_prey = sizes[1::2]
     assert sizes[0] == 12 * D
     assert towards_prey[0] == 12 * D
@@ -55,7 +55,7 @@ def test_a_shift_of_the_problem_shifts_the_run_and_nothing_else() -> None:
     shift = 100.0
     moved = Box(BOX.lower + shift, BOX.upper + shift)
     here, there = (
-        minimise(cost, box, AdaptivePelican(evaluations=2000), np.random.default_rng(4))
+        minimize(cost, box, AdaptivePelican(evaluations=2000), np.random.default_rng(4))
         for box, cost in ((BOX, rosenbrock), (moved, lambda x: rosenbrock(x - shift)))
     )
     assert there.x - shift == pytest.approx(here.x, abs=1e-6)
@@ -64,8 +64,8 @@ def test_a_shift_of_the_problem_shifts_the_run_and_nothing_else() -> None:
 
 def test_it_solves_in_a_tenth_of_the_budget_what_ipoa_does_not_solve_in_all_of_it() -> None:
     ours = [
-        minimise(rosenbrock, BOX, AdaptivePelican(evaluations=9_000), np.random.default_rng(run)).cost
+        minimize(rosenbrock, BOX, AdaptivePelican(evaluations=9_000), np.random.default_rng(run)).cost
         for run in range(5)
     ]
-    ipoa = [minimise(rosenbrock, BOX, IPOA(), np.random.default_rng(run)).cost for run in range(5)]
+    ipoa = [minimize(rosenbrock, BOX, IPOA(), np.random.default_rng(run)).cost for run in range(5)]
     assert np.median(ours) < np.median(ipoa) / 3

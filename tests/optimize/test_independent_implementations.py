@@ -14,7 +14,7 @@ from scipy.stats import ks_2samp
 from ipoa_mission.optimize.dbo import DBO
 from ipoa_mission.optimize.hho import HHO
 from ipoa_mission.optimize.poa import POA
-from ipoa_mission.optimize.search import Box, Optimizer, minimise
+from ipoa_mission.optimize.search import Box, Optimizer, minimize
 from ipoa_mission.optimize.ssa import SSA
 from tests.optimize.authors_rules import dbo, hho, ssa
 
@@ -42,7 +42,7 @@ FUNCTIONS = [sphere, rosenbrock, rastrigin]
 
 
 def ours(optimizer: Optimizer, function: Callable[[np.ndarray], np.ndarray]) -> list[float]:
-    return [minimise(function, BOX, optimizer, np.random.default_rng([1, run])).cost for run in range(RUNS)]
+    return [minimize(function, BOX, optimizer, np.random.default_rng([1, run])).cost for run in range(RUNS)]
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
@@ -72,7 +72,7 @@ def test_poa_is_distributed_as_mealpy_has_it(function: Callable[[np.ndarray], np
     assert ks_2samp(ours(POA(population=10, iterations=25), function), theirs).pvalue > 0.01
 
 
-def test_so_many_runs_tell_a_reading_from_its_neighbour() -> None:
+def test_so_many_runs_tell_a_reading_from_its_neighbor() -> None:
     """What `rand` of eq. (14) is drawn for is the finest point in which POA and its readings differ."""
     each = ours(POA(population=10, iterations=25, rand="dimension"), rosenbrock)
     assert ks_2samp(ours(POA(population=10, iterations=25), rosenbrock), each).pvalue < 0.001

@@ -10,7 +10,7 @@ from ipoa_mission.optimize.ipoa import IPOA, iterate_chaotic_map, refract
 from ipoa_mission.optimize.levy import levy_factor
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.registry import build_optimizer
-from ipoa_mission.optimize.search import Box, Candidates, Costs, minimise
+from ipoa_mission.optimize.search import Box, Candidates, Costs, minimize
 
 BOX = Box(np.full(4, -10.0), np.full(4, 30.0))
 
@@ -35,7 +35,7 @@ def test_the_evaluations_of_thirty_pelicans_and_a_thousand_iterations(
     settings: dict[str, object], evaluations: int
 ) -> None:
     """2 N + 3 N T with everything on; the formulas' document has the same numbers."""
-    found = minimise(lambda x: np.zeros(len(x)), BOX, build_optimizer("ipoa", settings), np.random.default_rng(1))
+    found = minimize(lambda x: np.zeros(len(x)), BOX, build_optimizer("ipoa", settings), np.random.default_rng(1))
     assert found.evaluations[-1] == evaluations
 
 
@@ -66,17 +66,17 @@ def test_the_evaluations_of_thirty_pelicans_and_a_thousand_iterations(
     ids=str,
 )
 def test_no_setting_is_dead(settings: dict[str, object]) -> None:
-    default = minimise(bowl, BOX, IPOA(iterations=10), np.random.default_rng(1))
-    other = minimise(bowl, BOX, build_optimizer("ipoa", {"iterations": 10} | settings), np.random.default_rng(1))
+    default = minimize(bowl, BOX, IPOA(iterations=10), np.random.default_rng(1))
+    other = minimize(bowl, BOX, build_optimizer("ipoa", {"iterations": 10} | settings), np.random.default_rng(1))
     assert not np.array_equal(default.x, other.x)
 
 
 def test_without_its_four_strategies_it_is_poa() -> None:
     bare = IPOA(population=10, iterations=25, chaotic_start=False, inertia=False, levy=False, mutation=False)
     runs = range(100)
-    ours = [minimise(bowl, BOX, bare, np.random.default_rng([1, run])).cost for run in runs]
+    ours = [minimize(bowl, BOX, bare, np.random.default_rng([1, run])).cost for run in runs]
     poas = [
-        minimise(bowl, BOX, POA(population=10, iterations=25), np.random.default_rng([2, run])).cost for run in runs
+        minimize(bowl, BOX, POA(population=10, iterations=25), np.random.default_rng([2, run])).cost for run in runs
     ]
     assert ks_2samp(ours, poas).pvalue > 0.01
 
@@ -86,7 +86,7 @@ def test_the_literal_reading_is_the_worse_one_away_from_the_origin() -> None:
     step, literal = (
         np.median(
             [
-                minimise(bowl, BOX, build_optimizer("ipoa", {"iterations": 60, "reading": reading}), rng).cost
+                minimize(bowl, BOX, build_optimizer("ipoa", {"iterations": 60, "reading": reading}), rng).cost
                 for rng in map(np.random.default_rng, range(15))
             ]
         )

@@ -1,10 +1,10 @@
-"""One referee for every optimiser in the registry: what any of them must keep to, whatever its metaphor."""
+"""One referee for every optimizer in the registry: what any of them must keep to, whatever its metaphor."""
 
 import numpy as np
 import pytest
 
 from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
-from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimizer, minimise
+from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimizer, minimize
 
 D = 6
 LOWER, UPPER = np.linspace(-30, -10, D), np.linspace(20, 60, D)
@@ -44,7 +44,7 @@ def test_every_candidate_is_inside_the_box(name: str) -> None:
         assert np.all(x <= UPPER)
         return ellipsoid(x)
 
-    minimise(watched, BOX, small(name), np.random.default_rng(1))
+    minimize(watched, BOX, small(name), np.random.default_rng(1))
 
 
 @pytest.mark.parametrize("name", OPTIMIZERS)
@@ -56,7 +56,7 @@ def test_a_budget_is_never_exceeded_and_the_count_is_that_of_the_cost(name: str)
         seen += len(x)
         return ellipsoid(x)
 
-    found = minimise(counted, BOX, small(name), np.random.default_rng(1), budget=1234)
+    found = minimize(counted, BOX, small(name), np.random.default_rng(1), budget=1234)
     assert seen == found.evaluations[-1] <= 1234
     assert seen > 1234 - 120  # no batch is larger than that
 
@@ -64,7 +64,7 @@ def test_a_budget_is_never_exceeded_and_the_count_is_that_of_the_cost(name: str)
 @pytest.mark.parametrize("name", OPTIMIZERS)
 def test_the_same_seed_gives_the_same_run_and_another_seed_another(name: str) -> None:
     first, again, other = (
-        minimise(ellipsoid, BOX, small(name), np.random.default_rng(seed), budget=2000) for seed in (3, 3, 4)
+        minimize(ellipsoid, BOX, small(name), np.random.default_rng(seed), budget=2000) for seed in (3, 3, 4)
     )
     assert np.array_equal(first.x, again.x)
     assert np.array_equal(first.history, again.history)
@@ -73,7 +73,7 @@ def test_the_same_seed_gives_the_same_run_and_another_seed_another(name: str) ->
 
 @pytest.mark.parametrize("name", OPTIMIZERS)
 def test_the_best_cost_known_never_rises_and_is_that_of_the_best_candidate(name: str) -> None:
-    found = minimise(ellipsoid, BOX, small(name), np.random.default_rng(2))
+    found = minimize(ellipsoid, BOX, small(name), np.random.default_rng(2))
     assert np.all(np.diff(found.history) <= 0)
     assert np.all(np.diff(found.evaluations) > 0)
     assert found.cost == found.history[-1] == pytest.approx(ellipsoid(found.x[None])[0], rel=1e-9)
@@ -94,13 +94,13 @@ def test_a_cost_that_is_sent_is_not_changed(name: str) -> None:
 
 @pytest.mark.parametrize("name", OPTIMIZERS)
 def test_a_shifted_and_rotated_optimum_is_found_as_well_as_is_known(name: str) -> None:
-    errors = [minimise(ellipsoid, BOX, small(name), np.random.default_rng(run)).cost for run in range(11)]
+    errors = [minimize(ellipsoid, BOX, small(name), np.random.default_rng(run)).cost for run in range(11)]
     assert ABILITY[name] / 5 < np.median(errors) < ABILITY[name] * 5 or np.median(errors) < 1e-12
 
 
 @pytest.mark.parametrize("name", OPTIMIZERS)
 def test_a_cost_that_is_the_same_everywhere_stops_nobody(name: str) -> None:
-    found = minimise(lambda x: np.ones(len(x)), BOX, small(name), np.random.default_rng(1))
+    found = minimize(lambda x: np.ones(len(x)), BOX, small(name), np.random.default_rng(1))
     assert found.cost == 1
 
 
@@ -109,7 +109,7 @@ def test_penalties_that_are_huge_or_infinite_do_no_harm(name: str) -> None:
     def walled(x: Candidates) -> Costs:
         return np.where(x[:, 0] > OPTIMUM[0] + 1, np.inf, ellipsoid(x))
 
-    found = minimise(walled, BOX, small(name), np.random.default_rng(1))
+    found = minimize(walled, BOX, small(name), np.random.default_rng(1))
     assert np.isfinite(found.cost)
     assert found.cost < np.median(ellipsoid(BOX.sample(200, np.random.default_rng(9))))
 
@@ -118,9 +118,9 @@ def test_penalties_that_are_huge_or_infinite_do_no_harm(name: str) -> None:
 def test_one_dimension_and_one_iteration_are_enough(name: str) -> None:
     box = Box(np.array([-1.0]), np.array([2.0]))
     least: dict[str, object] = {"evaluations": 40} if name == "adaptive-pelican" else {"iterations": 1}
-    found = minimise(lambda x: x[:, 0] ** 2, box, build_optimizer(name, least), np.random.default_rng(1))
+    found = minimize(lambda x: x[:, 0] ** 2, box, build_optimizer(name, least), np.random.default_rng(1))
     assert -1 <= found.x[0] <= 2
 
 
-def test_every_optimiser_has_a_known_ability() -> None:
+def test_every_optimizer_has_a_known_ability() -> None:
     assert set(ABILITY) == set(OPTIMIZERS)

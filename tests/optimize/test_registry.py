@@ -1,4 +1,4 @@
-"""An optimiser is made from a name and settings that a user wrote: what is wrong is said in the user's own terms."""
+"""An optimizer is made from a name and settings that a user wrote: what is wrong is said in the user's own terms."""
 
 import dataclasses
 
@@ -20,7 +20,7 @@ def test_every_default_is_a_value_that_the_setting_may_have(name: str) -> None:
     assert build_optimizer(name, defaults) == OPTIMIZERS[name]()
 
 
-def test_settings_reach_the_optimiser() -> None:
+def test_settings_reach_the_optimizer() -> None:
     built = build_optimizer("ipoa", {"population": 40, "reading": "literal", "levy": False, "radius": 1})
     assert built == IPOA(population=40, reading="literal", levy=False, radius=1.0)
 

@@ -30,7 +30,7 @@ def gap(width: float) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("name", OPTIMIZERS)
-def test_every_optimiser_finds_a_safe_path(scenario: Make, name: str) -> None:
+def test_every_optimizer_finds_a_safe_path(scenario: Make, name: str) -> None:
     job = scenario(obstacles=[PILLAR, BALL], optimizer={"name": name})
     plan = plan_path(job, seed=1)
     assert plan.proof.holds
@@ -169,12 +169,12 @@ def test_start_and_goal_in_the_same_place_are_refused(scenario: Make) -> None:
         plan_path(scenario(goal=(0, 0, 20)))
 
 
-def test_an_unknown_optimiser_is_bad_input(scenario: Make) -> None:
+def test_an_unknown_optimizer_is_bad_input(scenario: Make) -> None:
     with pytest.raises(BadInput, match=r"optimizer\.name: expected ipoa"):
         plan_path(scenario(optimizer={"name": "ipao"}))
 
 
-def test_settings_of_the_optimiser_are_passed_on(scenario: Make) -> None:
+def test_settings_of_the_optimizer_are_passed_on(scenario: Make) -> None:
     job = scenario(obstacles=[PILLAR], optimizer={"name": "poa", "population": 5, "iterations": 3})
     first, *_ = np.diff(plan_path(job).evaluations)
     assert first == 5

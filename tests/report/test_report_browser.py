@@ -77,12 +77,12 @@ def test_every_view_is_drawn(open_page: Callable[..., Any], name: str) -> None:
         box = page.locator(selector).bounding_box()
         assert box["width"] > 300
         assert box["height"] > 60
-    colours = page.evaluate(
+    colors = page.evaluate(
         """() => { const c = document.querySelector('.space canvas');
         const d = new Uint32Array(c.getContext('2d').getImageData(0, 0, c.width, c.height).data.buffer);
         return new Set(d).size; }"""
     )
-    assert colours > 200  # lit walls, roofs, ground, path and their soft edges
+    assert colors > 200  # lit walls, roofs, ground, path and their soft edges
 
 
 @pytest.mark.parametrize(
@@ -244,16 +244,16 @@ def test_nothing_is_wider_than_the_screen(open_page: Callable[..., Any], width: 
 
 
 def contrast(page: Any, one: str, other: str) -> float:
-    """Contrast ratio of two of the page's colours, by WCAG's definition."""
+    """Contrast ratio of two of the page's colors, by WCAG's definition."""
     found = page.evaluate(
         """(names) => names.map((name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim())""",
         [one, other],
     )
-    return _contrast(*(_luminance(colour) for colour in found))
+    return _contrast(*(_luminance(color) for color in found))
 
 
-def _luminance(colour: str) -> float:
-    digits = colour.lstrip("#")
+def _luminance(color: str) -> float:
+    digits = color.lstrip("#")
     digits = "".join(2 * d for d in digits) if len(digits) == 3 else digits
     channels = [int(digits[k : k + 2], 16) / 255 for k in (0, 2, 4)]
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]

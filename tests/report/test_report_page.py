@@ -19,7 +19,7 @@ from ipoa_mission.report.page import report_html, write_report
 from ipoa_mission.report.panels.headline import verdict
 from ipoa_mission.report.panels.profile import _near
 from ipoa_mission.report.stops import stops
-from ipoa_mission.report.words import metres, number, seconds, share
+from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
@@ -129,7 +129,7 @@ def test_the_script_is_given_the_world_as_it_is(bowed: Bowed) -> None:
     mast, hangar, balloon = data["world"]["bodies"]
     assert (mast["round"], mast["base"], mast["top"]) == (True, 0.0, 60.0)
     assert len(hangar["rings"][0]) == 4
-    assert (balloon["centre"], balloon["radius"]) == ([95.0, 45.0, 22.0], 12.0)
+    assert (balloon["center"], balloon["radius"]) == ([95.0, 45.0, 22.0], 12.0)
     course = data["course"]
     assert len({len(series) for series in course.values()}) == 1
     for stop, item in zip(data["stops"], timed.items, strict=True):
@@ -237,8 +237,8 @@ def test_an_axis_over_one_value_still_has_a_length() -> None:
         (seconds(103.4), "103 s"),
         (seconds(725.2), "12 min 05 s"),
         (seconds(599.6), "10 min 00 s"),
-        (metres(-0.5), "−0.50 m"),
-        (metres(float("inf")), "free"),
+        (meters(-0.5), "−0.50 m"),
+        (meters(float("inf")), "free"),
         (number(-0.04, 1), "0.0"),
         (share(29.0, 103.0), "−71.8 %"),
         (share(102.99, 103.0), "+0.0 %"),

@@ -1,4 +1,4 @@
-"""Pictures: the same bytes each time, readable by the colour-blind, and geometry that is right."""
+"""Pictures: the same bytes each time, readable by the color-blind, and geometry that is right."""
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -108,11 +108,11 @@ DICHROMACY = {
 
 
 @pytest.mark.parametrize("eye", DICHROMACY)
-def test_the_first_five_path_colours_stay_apart_for_colour_blind_eyes(eye: str) -> None:
-    linear = np.array([[_linear(c) for c in to_rgb(colour)] for colour in palette.PATHS[:5]])
+def test_the_first_five_path_colors_stay_apart_for_color_blind_eyes(eye: str) -> None:
+    linear = np.array([[_linear(c) for c in to_rgb(color)] for color in palette.PATHS[:5]])
     seen = _lab(np.clip(linear @ np.array(DICHROMACY[eye]).T, 0, 1))
     apart = np.linalg.norm(seen[:, None] - seen, axis=2) + 1e3 * np.eye(5)
-    assert apart.min() > 10  # CIE 1976 colour difference; 2.3 is just noticeable
+    assert apart.min() > 10  # CIE 1976 color difference; 2.3 is just noticeable
 
 
 def _linear(channel: float) -> float:

@@ -60,7 +60,7 @@ def test_the_time_to_a_speed_is_the_published_one(gain: float, expected: float) 
     assert ramp_for(gain, Limits(12.0, 2.5, 1.0, math.pi / 0.6)).lasts == pytest.approx(expected)
 
 
-def test_a_twelve_metre_leg_crawls_whatever_speed_is_asked_for() -> None:
+def test_a_twelve_meter_leg_crawls_whatever_speed_is_asked_for() -> None:
     limit = Limits(12.0, 2.5, 1.0, math.pi / 0.6)
     assert profile(12.0, limit).peak == pytest.approx(3.1, abs=0.1)
     assert profile(12.0, Limits(20.0, 2.5, 1.0, math.pi / 0.6)).lasts == profile(12.0, limit).lasts

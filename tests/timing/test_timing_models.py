@@ -169,7 +169,7 @@ def test_what_a_model_does_not_know_is_said(autopilot: Autopilot) -> None:
         Command.NAV_WAYPOINT, Frame.GLOBAL_TERRAIN_ALT, (0, 0, 0, math.nan), there.latitude_deg, there.longitude_deg, 30
     )
     found = fly(autopilot, odd, terrain)
-    assert "item 2: command 83 is not modelled and counts as no time" in found.remarks
+    assert "item 2: command 83 is not modeled and counts as no time" in found.remarks
     assert "items 3: height over terrain taken as height over home" in found.remarks
 
 

@@ -22,9 +22,9 @@ def test_local_coordinates_are_right_to_a_millimetre(row: np.void) -> None:
 def test_geodetic_coordinates_are_right_to_a_millimetre(row: np.void) -> None:
     frame = LocalFrame(Geodetic(row["home_latitude_deg"], row["home_longitude_deg"], row["home_altitude"]))
     place = frame.geodetic(np.array([row["east"], row["north"], row["up"]]))
-    metres_a_degree = 111_700.0
-    assert abs(place.latitude_deg - row["latitude_deg"]) * metres_a_degree < MILLIMETRE
+    meters_a_degree = 111_700.0
+    assert abs(place.latitude_deg - row["latitude_deg"]) * meters_a_degree < MILLIMETRE
     turn = (place.longitude_deg - row["longitude_deg"] + 180) % 360 - 180
-    assert abs(turn) * metres_a_degree * np.cos(np.radians(row["latitude_deg"])) < MILLIMETRE
+    assert abs(turn) * meters_a_degree * np.cos(np.radians(row["latitude_deg"])) < MILLIMETRE
     assert abs(place.altitude - row["altitude"]) < MILLIMETRE
     assert -180 <= place.longitude_deg < 180

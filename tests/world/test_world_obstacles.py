@@ -26,18 +26,18 @@ def a_box(rng: Rng) -> Obstacle:
     return box("box", tuple(lower), tuple(lower + rng.uniform(2, 30, 3)))
 
 
-def a_ring(rng: Rng, corners: int, low: float, high: float, centre: np.ndarray) -> tuple[tuple[float, float], ...]:
+def a_ring(rng: Rng, corners: int, low: float, high: float, center: np.ndarray) -> tuple[tuple[float, float], ...]:
     angle = np.sort(rng.uniform(0, 2 * np.pi, corners))
     while np.diff(np.append(angle, angle[0] + 2 * np.pi)).max() > 2.5 or np.diff(angle).min() < 0.05:
         angle = np.sort(rng.uniform(0, 2 * np.pi, corners))
-    ring = centre + rng.uniform(low, high, corners)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    ring = center + rng.uniform(low, high, corners)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     return tuple(map(tuple, ring))
 
 
 def a_building_with_a_courtyard(rng: Rng) -> Obstacle:
-    centre, base = rng.uniform(-10, 10, 2), rng.uniform(-20, 10)
-    outer = a_ring(rng, int(rng.integers(4, 12)), 14, 20, centre)
-    holes = (a_ring(rng, int(rng.integers(4, 7)), 1, 3.5, centre),) if rng.random() < 0.7 else ()
+    center, base = rng.uniform(-10, 10, 2), rng.uniform(-20, 10)
+    outer = a_ring(rng, int(rng.integers(4, 12)), 14, 20, center)
+    holes = (a_ring(rng, int(rng.integers(4, 7)), 1, 3.5, center),) if rng.random() < 0.7 else ()
     return Prism("hall", outer, holes, base, base + rng.uniform(1, 30))
 
 
@@ -77,8 +77,8 @@ def test_the_least_distance_of_a_leg_is_what_dense_sampling_closes_in_on(kind: s
         for _ in range(4):  # closes in on the sampled minimum: a 25th of the step each time
             sampled = body.distance(a + span[:, None] * (b - a))
             assert least <= sampled.min() + 1e-9
-            centre, half = span[np.argmin(sampled)], 2 * (span[1] - span[0])
-            span = np.clip(np.linspace(centre - half, centre + half, 101), 0.0, 1.0)
+            center, half = span[np.argmin(sampled)], 2 * (span[1] - span[0])
+            span = np.clip(np.linspace(center - half, center + half, 101), 0.0, 1.0)
         assert least >= sampled.min() - 1e-3 or _second_valley(body, a, b, least)
         assert 0 <= where <= 1
         assert body.distance((a + where * (b - a))[None])[0] == pytest.approx(least, abs=1e-9)
@@ -87,7 +87,7 @@ def test_the_least_distance_of_a_leg_is_what_dense_sampling_closes_in_on(kind: s
 
 
 def _second_valley(body: Obstacle, a: np.ndarray, b: np.ndarray, least: float) -> bool:
-    """Whether a finer sampling of the whole leg finds what the closing-in missed in a neighbouring valley."""
+    """Whether a finer sampling of the whole leg finds what the closing-in missed in a neighboring valley."""
     sampled = body.distance(a + np.linspace(0.0, 1.0, 200_001)[:, None] * (b - a)).min()
     return bool(abs(sampled - least) < 1e-3)
 
@@ -109,7 +109,7 @@ def test_distance_is_to_the_nearest_point_of_the_surface(kind: str) -> None:
 
 
 @every_kind
-def test_distance_changes_by_a_metre_a_metre_at_most(kind: str) -> None:
+def test_distance_changes_by_a_meter_a_meter_at_most(kind: str) -> None:
     rng = np.random.default_rng(6)
     for _ in range(100):
         body = KINDS[kind](rng)

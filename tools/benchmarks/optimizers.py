@@ -1,4 +1,4 @@
-"""Our optimisers beside mealpy's, on the same function with the same budget: seconds of CPU, and their ratio.
+"""Our optimizers beside mealpy's, on the same function with the same budget: seconds of CPU, and their ratio.
 
 Timed side by side, alternating, because two numbers from two machines, or two hours, mean nothing.
 Needs: pip install mealpy minionpy, in an environment of its own, for mealpy holds NumPy at 1.26.
@@ -20,7 +20,7 @@ from mealpy.swarm_based.SSA import OriginalSSA
 from ipoa_mission.experiments.cec2022 import cec2022
 from ipoa_mission.experiments.problem import Problem
 from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
-from ipoa_mission.optimize.search import Candidates, Costs, minimise
+from ipoa_mission.optimize.search import Candidates, Costs, minimize
 
 PEERS = {"poa": OriginalPOA, "hho": OriginalHHO, "ssa": OriginalSSA}
 N, T = 30, 1000
@@ -33,7 +33,7 @@ def seconds(job: Callable[[], object]) -> float:
 
 
 def run_ours(name: str, problem: Problem, cost: Callable[[Candidates], Costs]) -> int:
-    found = minimise(cost, problem.box, build_optimizer(name, {}), np.random.default_rng(1))
+    found = minimize(cost, problem.box, build_optimizer(name, {}), np.random.default_rng(1))
     return int(found.evaluations[-1])
 
 

@@ -9,6 +9,7 @@ import sys
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.experiments.markdown import filled
 from tests.flown_here import fly_here
 from tests.recorded_flights import Recorded, read_flights
 from tools import REPOSITORY
@@ -71,7 +72,7 @@ def main() -> None:
         print(text)
         return
     before, rest = DOCUMENT.read_text(encoding="utf-8").split(BEGIN)
-    DOCUMENT.write_text(f"{before}{BEGIN}\n{text}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+    DOCUMENT.write_text(f"{before}{BEGIN}\n{filled(text)}{END}{rest.split(END)[1]}", encoding="utf-8")
 
 
 if __name__ == "__main__":

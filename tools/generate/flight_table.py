@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.experiments.markdown import filled
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
 from ipoa_mission.timing.estimate import Estimate, estimate
@@ -155,7 +156,7 @@ def main() -> None:
         return
     document = DOCUMENT.read_text(encoding="utf-8")
     before, rest = document.split(BEGIN)
-    DOCUMENT.write_text(f"{before}{BEGIN}\n{text}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+    DOCUMENT.write_text(f"{before}{BEGIN}\n{filled(text)}{END}{rest.split(END)[1]}", encoding="utf-8")
 
 
 if __name__ == "__main__":

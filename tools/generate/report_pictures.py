@@ -78,7 +78,7 @@ def columns(tall: Image.Image, count: int) -> Image.Image:
 
 
 def save(picture: Image.Image, name: str) -> None:
-    """As small as PNG goes without losing a colour."""
+    """As small as PNG goes without losing a color."""
     picture.convert("RGB").save(PICTURES / name, optimize=True)
     print(f"{PICTURES / name}: {(PICTURES / name).stat().st_size // 1024} kB")
 

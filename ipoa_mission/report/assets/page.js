@@ -10,9 +10,9 @@
 
   const path = course.points.filter((_, i) => i % 2 === 0);
   const lines = [
-    { points: path.map(([e, n], i) => [e, n, course.ground[2 * i] + 0.15]), colour: "--quiet", width: 0.5, dashed: false },
-    { points: path, colour: "--planned", width: 1.8, dashed: false },
-    ...(flown ? [{ points: flown, colour: "--flown", width: 1.3, dashed: true }] : []),
+    { points: path.map(([e, n], i) => [e, n, course.ground[2 * i] + 0.15]), color: "--quiet", width: 0.5, dashed: false },
+    { points: path, color: "--planned", width: 1.8, dashed: false },
+    ...(flown ? [{ points: flown, color: "--flown", width: 1.3, dashed: true }] : []),
   ];
   const placed = stops.map((stop, n) => ({ ...stop, n })).filter((stop) => stop.spot);
   const scene = makeScene(canvas, world, lines, placed.map((stop) => stop.spot));

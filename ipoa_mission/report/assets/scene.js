@@ -6,7 +6,7 @@ function makeScene(canvas, world, lines, spots) {
   const buffer = document.createElement("canvas");
   const start = { heading: -28, elevation: 38, zoom: 1, east: 0, north: 0 };
   let view = { ...start }, marker = null, chosen = -1, waiting = 0;
-  let faces = [], strokes = [], colours = null;
+  let faces = [], strokes = [], colors = null;
 
   const middle = [0, 1].map((k) => (world.lower[k] + world.upper[k]) / 2);
   const radius = Math.hypot(world.upper[0] - world.lower[0], world.upper[1] - world.lower[1]) / 2;
@@ -15,7 +15,7 @@ function makeScene(canvas, world, lines, spots) {
 
   function unit(v) { const n = Math.hypot(...v) || 1; return v.map((x) => x / n); }
 
-  function colour(name) {
+  function color(name) {
     const probe = document.createElement("i");
     probe.style.color = `var(${name})`;
     document.body.append(probe);
@@ -46,10 +46,10 @@ function makeScene(canvas, world, lines, spots) {
 
   function build() {
     faces = []; strokes = [];
-    colours = Object.fromEntries(["--planned", "--flown", "--bad", "--ink", "--card", "--edge", "--focus", "--quiet", "--paper"]
-      .map((name) => [name, colour(name)]));
-    const [low, high] = [colour("--low-ground"), colour("--high-ground")];
-    const [lowRoof, highRoof] = [colour("--low-roof"), colour("--high-roof")];
+    colors = Object.fromEntries(["--planned", "--flown", "--bad", "--ink", "--card", "--edge", "--focus", "--quiet", "--paper"]
+      .map((name) => [name, color(name)]));
+    const [low, high] = [color("--low-ground"), color("--high-ground")];
+    const [lowRoof, highRoof] = [color("--low-roof"), color("--high-roof")];
     const g = world.ground, at = (i, j) => [g.east + j * g.step_east, g.north + i * g.step_north, g.heights[i * g.columns + j]];
     const least = Math.min(...g.heights), most = Math.max(Math.max(...g.heights), least + 5);
     for (let i = 0; i + 1 < g.rows; i++) for (let j = 0; j + 1 < g.columns; j++) {
@@ -62,7 +62,7 @@ function makeScene(canvas, world, lines, spots) {
       strokes.push([[...a, base], [...a, top], "--bad"]);
     });
     for (const body of world.bodies) {
-      const tint = mix(lowRoof, highRoof, (body.top ?? body.centre[2] + body.radius) / world.highest);
+      const tint = mix(lowRoof, highRoof, (body.top ?? body.center[2] + body.radius) / world.highest);
       if (body.radius !== undefined) { addBall(body, tint); continue; }
       const rings = body.rings.map((ring, n) => (turnsLeft(ring) === (n === 0) ? ring : [...ring].reverse()));
       addFace(rings.map((ring) => ring.map(([e, n]) => [e, n, body.top])), tint);
@@ -74,11 +74,11 @@ function makeScene(canvas, world, lines, spots) {
       });
     }
   }
-  function addBall({ centre, radius: r }, tint) {
+  function addBall({ center, radius: r }, tint) {
     const N = 28, M = 14;
     const node = (i, j) => {
       const a = (2 * Math.PI * j) / N, b = Math.PI * (i / M - 0.5);
-      return [centre[0] + r * Math.cos(b) * Math.cos(a), centre[1] + r * Math.cos(b) * Math.sin(a), centre[2] + r * Math.sin(b)];
+      return [center[0] + r * Math.cos(b) * Math.cos(a), center[1] + r * Math.cos(b) * Math.sin(a), center[2] + r * Math.sin(b)];
     };
     for (let i = 0; i < M; i++) for (let j = 0; j < N; j++) {
       const quad = [node(i, j), node(i, j + 1), node(i + 1, j + 1), node(i + 1, j)];
@@ -101,7 +101,7 @@ function makeScene(canvas, world, lines, spots) {
   }
 
   function paint(width, height) {
-    const ink = new Uint32Array(width * height).fill(pack(colours["--paper"]));
+    const ink = new Uint32Array(width * height).fill(pack(colors["--paper"]));
     const depth = new Float32Array(width * height).fill(-Infinity);
     const { to, near, scale } = camera(width, height);
     const towards = [near[0], near[1], near[2] / lift];
@@ -111,13 +111,13 @@ function makeScene(canvas, world, lines, spots) {
       if (n[0] * towards[0] + n[1] * towards[1] + n[2] * towards[2] <= 1e-6) continue;
       fill(face.rings.map((ring) => ring.map(to)), face.ink);
     }
-    const thick = Math.max(1, width / 900), edge = colours["--edge"];
+    const thick = Math.max(1, width / 900), edge = colors["--edge"];
     const crisp = Math.min(0.75, scale / thick - 0.3);  // outlines of what is only a few pixels wide blacken it
     if (crisp > 0.05) for (const [a, b, tone] of strokes)
-      stroke(to(a), to(b), thick * 0.5, tone ? colours[tone] : edge, 1.5 * thick, 0, tone ? 1 : crisp);
-    for (const spot of spots) stroke(to(spot), to([spot[0], spot[1], spot[3]]), thick * 0.5, colours["--quiet"], thick, 0, 0.8);
+      stroke(to(a), to(b), thick * 0.5, tone ? colors[tone] : edge, 1.5 * thick, 0, tone ? 1 : crisp);
+    for (const spot of spots) stroke(to(spot), to([spot[0], spot[1], spot[3]]), thick * 0.5, colors["--quiet"], thick, 0, 0.8);
     for (const line of lines) {
-      const tone = colours[line.colour], wide = thick * line.width, ends = line.points.map(to);
+      const tone = colors[line.color], wide = thick * line.width, ends = line.points.map(to);
       for (let i = 0; i + 1 < ends.length; i++)
         if (!line.dashed || i % 6 < 4) stroke(ends[i], ends[i + 1], wide, tone, 3 * thick, 0.28, 1);
     }
@@ -166,13 +166,13 @@ function makeScene(canvas, world, lines, spots) {
   }
 
   function show() {  // puts what was painted on the screen, and the marks that move over it
-    if (!colours) return;
+    if (!colors) return;
     const ratio = Math.min(window.devicePixelRatio || 1, 2), { clientWidth: width, clientHeight: height } = canvas;
     canvas.width = width * ratio; canvas.height = height * ratio;
     context.imageSmoothingQuality = "high";
     context.drawImage(buffer, 0, 0, canvas.width, canvas.height);
     context.scale(ratio, ratio);
-    const { to } = camera(width, height), css = (name) => `rgb(${colours[name].join(" ")})`;
+    const { to } = camera(width, height), css = (name) => `rgb(${colors[name].join(" ")})`;
     spots.forEach((spot, n) => dot(to(spot), n === chosen ? 6 : 3.4, css(n === chosen ? "--focus" : "--card"), css(n === chosen ? "--ink" : "--planned")));
     if (marker) dot(to(marker), 5, css("--ink"), css("--card"));
     const [x, y] = [26, height - 26], h = (-view.heading * Math.PI) / 180, flat = Math.sin((view.elevation * Math.PI) / 180);
@@ -188,7 +188,7 @@ function makeScene(canvas, world, lines, spots) {
   function render(fine) {
     const width = canvas.clientWidth, height = canvas.clientHeight;
     if (!width || !height) return;
-    if (!colours) build();
+    if (!colors) build();
     const grain = fine ? 2 : 1;
     buffer.width = width * grain; buffer.height = height * grain;
     buffer.getContext("2d").putImageData(paint(buffer.width, buffer.height), 0, 0);
@@ -214,18 +214,18 @@ function makeScene(canvas, world, lines, spots) {
   }
 
   const fingers = new Map();
-  let travelled = 0;
+  let traveled = 0;
   canvas.addEventListener("pointerdown", (event) => {
     fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
     canvas.setPointerCapture(event.pointerId);
-    travelled = 0;
+    traveled = 0;
   });
   canvas.addEventListener("pointermove", (event) => {
     const before = fingers.get(event.pointerId);
     if (!before) return;
     const others = [...fingers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
     const dx = event.offsetX - before[0], dy = event.offsetY - before[1];
-    travelled += Math.abs(dx) + Math.abs(dy);
+    traveled += Math.abs(dx) + Math.abs(dy);
     if (others.length) {
       const apart = (p) => Math.hypot(p[0] - others[0][0], p[1] - others[0][1]) || 1;
       move({ zoom: (view.zoom * apart([event.offsetX, event.offsetY])) / apart(before) });
@@ -259,7 +259,7 @@ function makeScene(canvas, world, lines, spots) {
     key: (name) => move(keys[name]()),
     mark(place, stop) { marker = place; chosen = stop; show(); },
     nearestSpot(x, y) {  // the stop at a place on the canvas, or -1; a drag is not a click
-      if (travelled > 5) return -1;
+      if (traveled > 5) return -1;
       const { to } = camera(canvas.clientWidth, canvas.clientHeight);
       const apart = spots.map((spot) => { const [px, py] = to(spot); return Math.hypot(px - x, py - y); });
       const n = apart.indexOf(Math.min(...apart));

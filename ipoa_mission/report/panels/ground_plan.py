@@ -55,7 +55,7 @@ def ground_plan(scenario: Scenario, extent: Extent, found: Sequence[Stop], cours
 
 
 def legend(scenario: Scenario, extent: Extent, flown: bool) -> str:
-    """What the colours of the map and of the 3D view mean."""
+    """What the colors of the map and of the 3D view mean."""
     airspace = scenario.airspace
     tops = [float(body.bounds[1, 2]) for body in extent.buildings(airspace)]
     keys = [

@@ -8,7 +8,7 @@ from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.course import Danger
-from ipoa_mission.report.words import metres, number, seconds, share
+from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.scenario.vehicle import BatterySection
 from ipoa_mission.timing.estimate import Estimate
 
@@ -22,7 +22,7 @@ def verdict(proof: Proof | None, found: Sequence[Danger]) -> str:
         return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {escape(against[0])}.</p>'
     least = proof.clearance
     required = next(check.required for check in proof.checks if check.found is least)
-    words = f"Clear by {metres(least.distance)}: the nearest thing is {escape(least.what)}; {metres(required)} required"
+    words = f"Clear by {meters(least.distance)}: the nearest thing is {escape(least.what)}; {meters(required)} required"
     if found:
         return f'<p class="verdict bad"><b aria-hidden="true">!</b> {words}; but {escape(found[0].words)}.</p>'
     return f'<p class="verdict good"><b aria-hidden="true">✓</b> {words}.</p>'
@@ -46,8 +46,8 @@ def figures(
     cards.append(_card("QGroundControl says", seconds(estimate.qgroundcontrol_s), against))
     if proof is not None:
         look = "" if proof.holds else "bad"
-        cards.append(_card("least clearance", metres(proof.clearance.distance), f"to {proof.clearance.what}", look))
-    cards.append(_card("path", metres(length, 0), f"{waypoints} waypoints"))
+        cards.append(_card("least clearance", meters(proof.clearance.distance), f"to {proof.clearance.what}", look))
+    cards.append(_card("path", meters(length, 0), f"{waypoints} waypoints"))
     if estimate.route.seconds > 0:
         against = f"{number(estimate.route.ratio, 2)} times the least, {seconds(estimate.route.least)}, on that path"
         cards.append(_card("first place to last waypoint", seconds(estimate.route.seconds), against))

@@ -79,4 +79,4 @@ class Sphere(Body):
 
     def page_shape(self) -> dict[str, Any]:
         """Center and radius."""
-        return {"centre": np.array(self.center), "radius": self.radius}
+        return {"center": np.array(self.center), "radius": self.radius}

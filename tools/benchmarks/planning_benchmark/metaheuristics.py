@@ -12,7 +12,7 @@ import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.optimize.registry import build_optimizer
-from ipoa_mission.optimize.search import minimise
+from ipoa_mission.optimize.search import minimize
 from ipoa_mission.planning.chart import LEAST
 from ipoa_mission.planning.problem import PreparedProblem, encode, pose
 from ipoa_mission.planning.spline import Spline, even_basis
@@ -25,12 +25,12 @@ AGREE = 0.01  # relative: our kernel has the terrain on a fine grid
 
 
 def search(name: str, scenario: Scenario, seed: int) -> tuple[Spline, float, int]:
-    """The curve that the optimiser finds as printed, the seconds of CPU and the number of evaluations."""
+    """The curve that the optimizer finds as printed, the seconds of CPU and the number of evaluations."""
     problem = pose(scenario)
     encoding = encode("absolute", scenario.places, scenario.planning.control_points, 0.0, scenario)
     optimizer = build_optimizer(name, {"population": POPULATION, "iterations": ITERATIONS})
     started = time.process_time()
-    found = minimise(problem.costs(encoding), encoding.box, optimizer, np.random.default_rng(seed))
+    found = minimize(problem.costs(encoding), encoding.box, optimizer, np.random.default_rng(seed))
     return encoding.curve(found.x), time.process_time() - started, int(found.evaluations[-1])
 
 

@@ -1,7 +1,7 @@
 """OMPL's planners on a scenario, given the seconds of CPU that they are given.
 
 What keeps a state from being valid is what keeps our planner: obstacles, inflated; ground, ceiling and bounds. A leg
-is checked in one compiled call, every tenth of a metre, so that Python costs OMPL little. They minimise length, and
+is checked in one compiled call, every tenth of a metre, so that Python costs OMPL little. They minimize length, and
 inflation is how a margin is asked of them: obstacles are inflated by the distance at which the threat ends, or, where
 nothing was found so, by the distance that is required. Climb limits are none of theirs.
 """
@@ -49,9 +49,9 @@ def best_paths(name: str, scenario: Scenario, seconds: Sequence[float]) -> list[
 def polyline_cost(points: Points, scenario: Scenario) -> float:
     """The composite cost of a polyline, its corners and all: nodes every few centimetres, as for a curve."""
     legs = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    travelled = np.concatenate([[0.0], np.cumsum(legs)])
-    at = np.union1d(travelled, np.linspace(0.0, travelled[-1], int(np.clip(travelled[-1] / FINE, 1000, 8000))))
-    nodes = np.column_stack([np.interp(at, travelled, points[:, k]) for k in range(3)])
+    traveled = np.concatenate([[0.0], np.cumsum(legs)])
+    at = np.union1d(traveled, np.linspace(0.0, traveled[-1], int(np.clip(traveled[-1] / FINE, 1000, 8000))))
+    nodes = np.column_stack([np.interp(at, traveled, points[:, k]) for k in range(3)])
     return path_cost(nodes, scenario).total
 
 

@@ -136,6 +136,6 @@ def _gap(a: Points, b: Points) -> float:
 
 def _even(points: Points) -> Points:
     legs = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    travelled = np.concatenate([[0.0], np.cumsum(legs)])
-    at = np.linspace(0, travelled[-1], 50)
-    return np.column_stack([np.interp(at, travelled, points[:, k]) for k in range(3)])
+    traveled = np.concatenate([[0.0], np.cumsum(legs)])
+    at = np.linspace(0, traveled[-1], 50)
+    return np.column_stack([np.interp(at, traveled, points[:, k]) for k in range(3)])

@@ -139,7 +139,7 @@ def pictures(rows: Sequence[Row]) -> dict[str, Figure]:
             runs = [row for row in rows if row.part == part and row.cost is not None]
             at = sorted({number(row) for row in runs})
             cost, seconds = axes[0][column], axes[1][column]
-            for axis, value in ((cost, _per_metre(part)), (seconds, lambda row: row.cpu_s)):
+            for axis, value in ((cost, _per_meter(part)), (seconds, lambda row: row.cpu_s)):
                 values = [[value(row) for row in runs if number(row) == x] for x in at]
                 middle = [float(np.median(each)) for each in values]
                 axis.fill_between(
@@ -159,7 +159,7 @@ def pictures(rows: Sequence[Row]) -> dict[str, Figure]:
     return {"scaling": figure}
 
 
-def _per_metre(part: str) -> Callable[[Row], float]:
+def _per_meter(part: str) -> Callable[[Row], float]:
     def value(row: Row) -> float:
         assert row.cost is not None
         if part == "control points":

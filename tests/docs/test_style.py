@@ -1,0 +1,58 @@
+"""How the words are set: lines that fit a screen, and one spelling."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[2]
+WIDTH = 120
+#: British forms, and where one is somebody else's word.
+BRITISH = re.compile(
+    r"(?i)(?:mini|maxi|opti|organ|recogn|summar|normal|initial|lineari|seriali)(?:mis|is)(?:e|ed|es|er|ing|ation)\b"
+    r"|colour|neighbour|behaviour|favour|honour|\bgrey\b|(?<!sports_)centre|modelled|travelled|labelled|\blicence\b"
+)
+METERS_IN_NAMES = re.compile(r"\b(?:def|class) \w*metre|\bmetres?_|_metres?\b")
+WRITTEN = {".py", ".md", ".js", ".css", ".html", ".toml"}
+
+
+def written() -> list[Path]:
+    if not (REPOSITORY / ".git").exists():  # an archive has nothing else in it
+        listed = [path for path in REPOSITORY.rglob("*") if ".venv" not in path.parts and path.is_file()]
+    else:
+        names = subprocess.run(["git", "ls-files"], cwd=REPOSITORY, capture_output=True, text=True, check=True).stdout
+        listed = [REPOSITORY / name for name in names.splitlines()]
+    return [path for path in listed if path.suffix in WRITTEN and path.exists() and path != Path(__file__)]
+
+
+FILES = written()
+
+
+@pytest.mark.parametrize(
+    "path", [p for p in FILES if p.suffix == ".md"], ids=lambda p: p.relative_to(REPOSITORY).as_posix()
+)
+def test_lines_of_markdown_fit_unless_they_cannot_be_broken(path: Path) -> None:
+    """Tables, code, and a word longer than the line cannot."""
+    fenced = False
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+        if line.lstrip().startswith("```"):
+            fenced = not fenced
+        elif not fenced and not line.startswith("|") and " " in line.strip():
+            assert len(line) <= WIDTH, f"{path.name}:{number}: {len(line)} columns"
+
+
+def test_the_spelling_is_american() -> None:
+    found = {
+        f"{path.relative_to(REPOSITORY).as_posix()}: {match[0]}"
+        for path in FILES
+        for match in BRITISH.finditer(path.read_text(encoding="utf-8"))
+    }
+    assert not found
+
+
+def test_names_in_the_code_say_meter() -> None:
+    """In prose a metre may stay one."""
+    for path in FILES:
+        if path.suffix == ".py" and "tests" not in path.parts:
+            assert not METERS_IN_NAMES.search(path.read_text(encoding="utf-8")), path
