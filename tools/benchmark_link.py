@@ -3,7 +3,7 @@
     python tools/benchmark_link.py                        what the rows of docs/link/uploads.csv still lack
     python tools/benchmark_link.py --table                the tables of docs/link.md, from those rows
     python tools/benchmark_link.py --fast-path            ArduPilot's mission file against items, on a virtual clock
-    python tools/benchmark_link.py --clean                ours and MAVSDK by turns, 200 items over a perfect link
+    python tools/benchmark_link.py --clean --runs 20      client beside client over a perfect link, to a server in C
     python tools/benchmark_link.py --runs 5 --loss 0 30 --rows new.csv
 
 Each upload has an autopilot, a UDP socket and a radio of its own, in real time. Several run at once, for they mostly
@@ -21,8 +21,9 @@ import importlib.util
 import itertools
 from pathlib import Path
 
-from link_benchmark.measure import clean, complete, fast_path
+from link_benchmark.measure import complete, fast_path
 from link_benchmark.rows import CLIENTS, Cell, read_rows
+from link_benchmark.speed import HEADING, speed
 from link_benchmark.tell import table
 
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -46,9 +47,9 @@ def main() -> None:
     parser.add_argument("--clean", action="store_true")
     arguments = parser.parse_args()
     if arguments.clean:
-        print("| autopilot | ours | by-file | mavsdk |\n|---|---|---|---|")
+        print(HEADING)
         for autopilot in arguments.autopilots:
-            print(clean(autopilot, arguments.runs), flush=True)
+            print(speed(autopilot, arguments.runs), flush=True)
         return
     if arguments.fast_path:
         print("| delay, ms | loss, % | item by item, s | as one file, s | times as quick |\n|---|---|---|---|---|")

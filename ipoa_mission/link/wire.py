@@ -4,11 +4,10 @@ degE7 is made here and nowhere else, with `round` (truncation moves six coordina
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Generic, TypeVar
 
-from ipoa_mission.autopilots.vehicle import SINGLE_MAX
 from ipoa_mission.commands import SAME_FRAME, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item
@@ -17,7 +16,6 @@ from ipoa_mission.link import messages as m
 M = TypeVar("M", bound=m.Message)
 Fields = Mapping[str, Any]
 
-MOST_ITEMS = 65535
 INT32_MAX = 2**31 - 1  # "no value" in an integer coordinate
 GLOBAL_FRAMES = frozenset({*SAME_FRAME, *SAME_FRAME.values()})
 LOCAL_SCALE = 10_000  # metres in local frames
@@ -61,32 +59,6 @@ def coordinate(degrees: float, frame: int) -> int:
     if not -INT32_MAX <= value < INT32_MAX:
         raise BadInput(f"coordinate: expected one that fits MAVLink's 32 bits, not {degrees}")
     return value
-
-
-def expect_items(items: Sequence[Item]) -> None:
-    """See that a list can be said at all, before any of it is.
-
-    Raises:
-        BadInput: there are more items than MAVLink can count, or a field of one does not fit it.
-    """
-    if len(items) > MOST_ITEMS:
-        raise BadInput(f"expected {MOST_ITEMS} items at most, as many as MAVLink can count, not {len(items)}")
-    for seq, item in enumerate(items):
-        numbers = {f"param{i}": value for i, value in enumerate(item.params, start=1)} | {"altitude": item.altitude}
-        wrong = next((name for name, value in numbers.items() if SINGLE_MAX < abs(value) < math.inf), None)
-        if wrong:
-            raise BadInput(
-                f"item {seq}: {wrong}: expected a number that fits in single precision, not {numbers[wrong]:g}"
-            )
-        if not 0 <= item.command <= 65535:
-            raise BadInput(f"item {seq}: command: expected a number from 0 to 65535, not {item.command}")
-        if not 0 <= item.frame <= 255:
-            raise BadInput(f"item {seq}: frame: expected a number from 0 to 255, not {item.frame}")
-        try:
-            coordinate(item.latitude_deg, item.frame)
-            coordinate(item.longitude_deg, item.frame)
-        except BadInput as error:
-            raise BadInput(f"item {seq}: {error}") from None
 
 
 def degrees(value: int, frame: int) -> float:

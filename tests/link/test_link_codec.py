@@ -72,16 +72,6 @@ def test_pymavlink_reads_our_frames_byte_for_byte(kind: type[m.Message]) -> None
     assert theirs.pack(voice) == frame
 
 
-def test_a_message_that_was_made_ready_beforehand_goes_out_as_any_other() -> None:
-    one, other = m.ItemAt(3, Item(16, 3, altitude=1.0)), m.ItemAt(3, Item(16, 3, altitude=2.0))
-    ready, plain = Codec(245, 190), Codec(245, 190)
-    ready.prepare(one, Target(1, 1))
-    for said in (other, one, one):
-        assert ready.encode(said, Target(1, 1), NOW) == plain.encode(said, Target(1, 1), NOW)
-    ready.prepare(one, Target(1, 1))
-    assert ready.encode(one, Target(2, 1), NOW) == plain.encode(one, Target(2, 1), NOW)
-
-
 def test_pymavlink_s_frames_of_both_versions_are_read() -> None:
     voice = dialect.MAVLink(None, 1, 1)
     message = dialect.MAVLink_mission_count_message(245, 190, 12, 0)

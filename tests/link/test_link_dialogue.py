@@ -169,17 +169,6 @@ def test_a_question_asked_again_before_its_answer_can_have_arrived_is_not_answer
     assert exchange.outgoing() == [Ack(0)] * 3
 
 
-def test_what_will_be_said_next_is_foreseen() -> None:
-    def telling() -> Dialogue[None]:
-        yield Tell(Ack(0), Ack(1))
-        yield Tell(Ack(1))
-
-    exchange = Exchange(telling(), 0.0, SPECIFIED)
-    assert exchange.foreseen == Ack(1)
-    exchange.receive(BEAT, 0.1)
-    assert exchange.foreseen is None
-
-
 def test_a_dialogue_may_catch_silence_and_try_another_way() -> None:
     def stubborn() -> Dialogue[str]:
         try:
