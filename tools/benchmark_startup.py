@@ -10,6 +10,7 @@ each verb has imported when it ends.
 import argparse
 import os
 import resource
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -51,12 +52,15 @@ def imported(arguments: Sequence[str]) -> str:
 @contextmanager
 def autopilot() -> Iterator[str]:
     """The address of a built-in autopilot."""
-    command = [*VERB, "mock", "--autopilot", "px4", "--link", "udpin:127.0.0.1:0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        place = f"127.0.0.1:{free.getsockname()[1]}"
+    command = [*VERB, "mock", "--json", "--autopilot", "px4", "--link", f"udpin:{place}"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
             assert process.stdout is not None
-            line = next(line for line in process.stdout if "127.0.0.1:" in line)
-            yield "udpout:127.0.0.1:" + line.split("127.0.0.1:")[1].split()[0].strip(".,;)")
+            process.stdout.readline()
+            yield f"udpout:{place}"
         finally:
             process.kill()
 
