@@ -9,7 +9,7 @@ import ipoa_mission
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
-GROUND = {"errors", "files", "geometry", "wind"}
+GROUND = {"errors", "files", "finding", "geometry", "wind"}
 
 #: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
 MAY_IMPORT = {
@@ -29,7 +29,7 @@ MAY_IMPORT = {
     "routing": {"checks", "planning", "scenario", "timing", "itinerary", "items", "autopilots", "commands", "world"},
     "exports": {"checks", "scenario", "itinerary", "items", "autopilots", "commands", "world"},
     "link": {"checks", "mission", "items", "autopilots", "commands", "world"},
-    "simulator": {"link", "mission", "items", "autopilots", "commands", "world"},
+    "simulator": {"link", "mission", "itinerary", "items", "autopilots", "commands", "world"},
     "report": set(),
     "flight": set(),
     "experiments": set(),

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.problem import PathProblem
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Cylinder, Prism
 from ipoa_mission.world.polygon import Plane
 
 BEYOND = 1.5  # how far the places go on before and behind a gap, in cells
@@ -58,11 +57,8 @@ def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_],
     """Shapes in the plane, by how much they are larger all round, the distance required, lowest and highest (k, 2)."""
     found: list[tuple[shapely.Geometry, float, float, float, float]] = []
     for body in airspace.obstacles:
-        match body:
-            case Cylinder(_, east, north, radius, base, top):
-                found.append((shapely.Point(east, north), radius, distance, base, top))
-            case Prism():
-                found.append((body.footprint.shape, 0.0, distance, body.base, body.top))
+        if (column := body.column) is not None:
+            found.append((column.shape, column.radius, distance, column.base, column.top))
     lower, upper = airspace.bounds.lower[:2], airspace.bounds.upper[:2]
     area = airspace.bounds.footprint.shape if airspace.bounds.footprint else shapely.box(*lower, *upper)
     corners = shapely.get_coordinates(area.exterior)

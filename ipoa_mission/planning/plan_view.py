@@ -12,7 +12,7 @@ import shapely
 
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.problem import PathProblem
-from ipoa_mission.world.obstacles import Cylinder, Prism
+from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.terrain import Flat, Grid
 
 ROUGHLY, FINELY = 2, 16  # sides of a quarter of a circle; they lie inside the true one
@@ -56,13 +56,14 @@ class _View:
         self.ends = shapely.points([start[:2], goal[:2]])
         shapes, radii, required, names = [], [], [], []
         for body in problem.scenario.airspace.obstacles:
-            if not isinstance(body, Cylinder | Prism):
+            column = body.column
+            if column is None:
                 continue
             lowest, highest = _heights(problem, body)
-            spare = max(body.base - lowest, highest - body.top, 0.0)
+            spare = max(column.base - lowest, highest - column.top, 0.0)
             if spare < problem.limits.obstacle_distance:
-                shapes.append(body.footprint.shape if isinstance(body, Prism) else shapely.Point(body.east, body.north))
-                radii.append(body.radius if isinstance(body, Cylinder) else 0.0)
+                shapes.append(column.shape)
+                radii.append(column.radius)
                 required.append(float(np.sqrt(problem.limits.obstacle_distance**2 - spare**2)))
                 names.append(body.name)
         self.shapes, self.names = np.array(shapes), names
@@ -119,7 +120,7 @@ class _View:
         return list(shapely.get_parts(self.area.difference(shapely.union_all(grown))))
 
 
-def _heights(problem: PathProblem, body: Cylinder | Prism) -> tuple[float, float]:
+def _heights(problem: PathProblem, body: Obstacle) -> tuple[float, float]:
     """Between which heights one may fly beside a body, at most."""
     airspace, limits, chart = problem.scenario.airspace, problem.limits, problem.chart
     (west, south, _), (east, north, _) = body.bounds

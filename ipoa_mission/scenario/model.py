@@ -13,12 +13,12 @@ from pydantic import ConfigDict, Field, model_validator
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.scenario.maps import MapSection
+from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.places import (
     BoundsSection,
     FenceSection,
     FlatTerrain,
     HomeSection,
-    ObstacleSection,
     Place,
     TerrainSection,
 )
@@ -110,10 +110,14 @@ class RouteSection(Section):
     at the goal."""
 
 
+#: What a file may be called on every system: no separators, nothing that Windows keeps for itself, no dot before it.
+FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
+
+
 class Scenario(Section):
     """A flight to be planned: what a scenario file holds."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")] = "mission"
+    name: Annotated[str, Field(pattern=FILE_NAME)] = "mission"
     """Also the name of the files that are written; left out, that of the scenario file."""
     profile: Literal["delivery", "rescue", "endurance"] | None = None
     """Weights and distances for a task; what the file says itself wins. Left out, those of the paper."""

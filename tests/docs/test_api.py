@@ -94,9 +94,16 @@ def test_what_a_public_docstring_raises_can_be_caught_by_its_public_name(name: s
             assert is_word or (isinstance(kind, type) and issubclass(kind, Exception)), f"{name} raises {error}"
 
 
-@pytest.mark.parametrize("module", ["mission.items", "timing.estimate", "vehicle", "wind"])
+WITH_EXAMPLES = [
+    path for path in sorted(Path(ipoa_mission.__file__).parent.rglob("*.py")) if ">>> " in path.read_text()
+]
+
+
+@pytest.mark.parametrize(
+    "module", [".".join(path.relative_to(REPOSITORY).with_suffix("").parts) for path in WITH_EXAMPLES]
+)
 def test_the_examples_in_docstrings_run(module: str) -> None:
-    found = doctest.testmod(import_module(f"ipoa_mission.{module}"))
+    found = doctest.testmod(import_module(module))
     assert found.attempted > 0
     assert found.failed == 0
 

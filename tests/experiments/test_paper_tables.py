@@ -113,7 +113,7 @@ def test_the_page_holds_every_table_and_links_every_figure(rows: dict[str, Seque
     sources = {name: [series.name for series in item.needs] for name, item in ITEMS.items()}
     page = findings(made, sources, rows, "results")
     for name, item in made.items():
-        assert (item.caption if isinstance(item, Table) else f"(results/{name}.svg)") in page, name
+        assert (item.markdown() if isinstance(item, Table) else f"(results/{name}.svg)") in page, name
         assert f"`ipoa-mission reproduce {name}`" in page
     assert "nan" not in page
 

@@ -1,7 +1,6 @@
 """The client's conversations, message by message, and against the mock's own end."""
 
 import pytest
-from link_pair import CLIENT, Air, Fate, Vehicle, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
@@ -30,6 +29,7 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
+from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 
 ITEMS = items_of(Autopilot.PX4, 3)
 BEAT = Heartbeat(2, 12)

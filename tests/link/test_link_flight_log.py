@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from log_writers import WRITERS, Flown, write_dataflash, write_ulog
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
@@ -13,6 +12,7 @@ from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.link.flight_log import read_flight
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.link.log_writers import WRITERS, Flown, write_dataflash, write_ulog
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 FRAME = LocalFrame(HOME)

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from types import FrameType
 
 import pytest
-from link_pair import HOME, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import FenceCircle, Item, Mission, takeoff, waypoint
@@ -24,6 +23,7 @@ from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import HOME, items_of
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 SLOW = Faults(delay_s=0.02)

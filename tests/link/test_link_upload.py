@@ -1,7 +1,6 @@
 """An upload ends when the vehicle is known to hold what was sent, or with an error that says what it holds."""
 
 import pytest
-from link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
@@ -24,6 +23,7 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload, upload
 from ipoa_mission.mission.firmware import compare
+from tests.link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 RALLY = tuple(Item(5100, 3, (0.0,) * 4, 47.4 + 0.001 * n, 8.5, 20.0) for n in range(3))

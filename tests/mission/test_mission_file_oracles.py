@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given
-from mission_strategies import missions
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item, Mission
@@ -15,6 +14,7 @@ from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import home_item
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints
+from tests.mission.mission_strategies import missions
 
 mavwp = pytest.importorskip("pymavlink.mavwp")
 

@@ -30,7 +30,7 @@ BROKEN = {
     "safety_distance = -1": "safety_distance: expected a number of at least 0, not -1",
     "safety_distance = inf": "safety_distance: expected a finite number, not inf",
     "safety_distance = 'far'": "safety_distance: expected a number, not 'far'",
-    "name = 'a b'": "name: expected letters, digits, dots, dashes and underscores, not 'a b'",
+    "name = 'a:b'": "name: expected what a file can be called, not 'a:b'",
     "obstacles = [{ kind = 'sphere', east = 0, north = 0, radius = -3 }]": (
         "obstacles[0].radius: expected a number greater than 0, not -3"
     ),

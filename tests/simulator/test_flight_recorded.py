@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from flown_here import fly_here
-from recorded_flights import FLIGHTS, LANDINGS, read_flight, read_flights
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from tests.flown_here import fly_here
+from tests.recorded_flights import FLIGHTS, LANDINGS, read_flight, read_flights
 
 #: PX4's flights differ from one to the next, recorded as flown here: the mean of so many stands for ours.
 SEEDS = range(2)

@@ -3,8 +3,6 @@
 from dataclasses import replace
 
 import pytest
-from bad_radio import bad_radio
-from simulated import Sitl, interrupt
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
@@ -13,6 +11,8 @@ from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import until
 from ipoa_mission.link.messages import CommandResult
 from ipoa_mission.world.frame import LocalFrame, apart
+from tests.sitl.bad_radio import bad_radio
+from tests.sitl.simulated import Sitl, interrupt
 
 pytestmark = pytest.mark.sitl
 RADIO_LOSS = 0.3
