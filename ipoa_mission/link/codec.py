@@ -17,6 +17,7 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import wire
+from ipoa_mission.link.layout import Fields
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.signing import Signer
 
@@ -72,7 +73,7 @@ class Definition:
         """CRC_EXTRA as a byte: the last that the checksum sees."""
         return bytes((self.crc_extra,))
 
-    def pack(self, fields: wire.Fields) -> bytes:
+    def pack(self, fields: Fields) -> bytes:
         """The payload without the zeros at its end; a field that is not given is zero.
 
         Raises:

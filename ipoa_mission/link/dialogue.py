@@ -328,6 +328,8 @@ class Exchange(Generic[T]):
         self._awaited = step
         self._since = now
         self._repeats = 0
+        if isinstance(step, Ask):
+            self._acted_on = (None, now)  # what answers a new question is no echo, even in the same words
         if not isinstance(step, Pause):
             self._say(step.message, now)
 

@@ -34,8 +34,9 @@ from ipoa_mission.link.messages import (
     MissionType,
     Result,
 )
+from ipoa_mission.link.presence import Found
 from ipoa_mission.link.upload import NO_MISSION, ReadBackDiffers, Unflyable
-from ipoa_mission.link.vehicle import Found, Vehicle
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate, degrees
 from ipoa_mission.mission.firmware import compare
 

@@ -10,17 +10,16 @@ from ipoa_mission.link.codec import message_number
 from ipoa_mission.link.conversations import Overheard
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell
 from ipoa_mission.link.messages import (
-    AutopilotVersion,
     CommandAck,
     CommandLong,
     CommandResult,
     Current,
-    HomePosition,
     ParamRequestRead,
     ParamSet,
     ParamValue,
     SetCurrent,
 )
+from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
 from ipoa_mission.world.frame import Geodetic
 
 DO_SET_MODE = 176

@@ -9,6 +9,7 @@ from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
+from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target, message_name
 from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.logbook import LAST_NAV
@@ -193,7 +194,7 @@ class Autopilot:
             case "TIMESYNC":
                 return m.TimeSync(0, round(self._now * 1e9))
             case "GLOBAL_POSITION_INT" if self._age < self.habits.start_up.origin_s:
-                return m.Position(self._now, 0.0, 0.0, 0.0, 0.0) if self.habits.tells_prearm else None
+                return telemetry.Position(self._now, 0.0, 0.0, 0.0, 0.0) if self.habits.tells_prearm else None
             case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if self._age < self.habits.start_up.origin_s:
                 return None
             case _:
@@ -325,7 +326,7 @@ class Autopilot:
 
     def _asked_for(self, number: int) -> Message | None:
         if number == AUTOPILOT_VERSION:
-            return m.AutopilotVersion(self.habits.capabilities, self.habits.version, uid=1)
+            return telemetry.AutopilotVersion(self.habits.capabilities, self.habits.version, uid=1)
         return self._stream(message_name(number) or "")
 
     def can_tell(self, number: float) -> CommandResult:

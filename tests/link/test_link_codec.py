@@ -15,7 +15,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
-from ipoa_mission.link import wire
+from ipoa_mission.link import telemetry, wire
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames, message_name, message_number
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
@@ -32,10 +32,10 @@ def example(kind: type[m.Message]) -> m.Message:
         m.ItemAt: m.ItemAt(7, Item(16, 3, (1.0, 2.0, 3.0, 4.0), 39.1234567, 121.7654321, 12.5), 1, 1),
         m.CommandLong: m.CommandLong(400, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0), 2),
         m.CommandInt: m.CommandInt(192, 6, (1.0, 2.0, 3.0, 4.0), 391234567, -10, 50.0),
-        m.Position: m.Position(12.345, 39.1, -121.5, 400.25, 30.5, (1.25, -2.5, 0.5), math.pi / 2),
-        m.LocalPosition: m.LocalPosition(1.0, (1.0, 2.0, -3.0), (0.5, 0.25, -0.125)),
+        telemetry.Position: telemetry.Position(12.345, 39.1, -121.5, 400.25, 30.5, (1.25, -2.5, 0.5), math.pi / 2),
+        telemetry.LocalPosition: telemetry.LocalPosition(1.0, (1.0, 2.0, -3.0), (0.5, 0.25, -0.125)),
         m.FileTransfer: m.FileTransfer(bytes(range(251))),
-        m.SystemTime: m.SystemTime(NOW, 5.0),
+        telemetry.SystemTime: telemetry.SystemTime(NOW, 5.0),
         m.Ack: m.Ack(1, 1),  # without the ids that pymavlink does not know
         m.Current: m.Current(1, 1, 1, 1),
     }
@@ -251,7 +251,7 @@ def test_a_new_stream_may_not_be_long_behind() -> None:
 
 def test_the_radio_may_speak_unsigned() -> None:
     judge = Codec(1, 1, Signer(KEY))
-    assert judge.decode(Codec(51, 68).encode(m.RadioStatus(100, 90), EVERYONE, NOW)) is not None
+    assert judge.decode(Codec(51, 68).encode(telemetry.RadioStatus(100, 90), EVERYONE, NOW)) is not None
 
 
 # --- what MAVLink cannot carry, and what is no MAVLink --------------------------------------------------------------

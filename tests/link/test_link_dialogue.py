@@ -245,3 +245,20 @@ def test_an_answer_to_a_repeated_question_is_no_measure() -> None:
     exchange.tick(1.5)
     exchange.receive(Request(0), 1.6)
     assert tempo.wait_s(item=True) == pytest.approx(0.25 * 1.5)
+
+
+def test_the_same_words_in_answer_to_a_new_question_are_no_echo() -> None:
+    """Ten streams are asked for, and each request is granted in the same words."""
+
+    def asking_twice() -> Dialogue[int]:
+        for n in range(2):
+            heard = yield Ask(Request(n))
+            while heard != Ack(0):
+                heard = yield None
+        return 2
+
+    exchange = Exchange(asking_twice(), 0.0, SPECIFIED)
+    exchange.receive(Ack(0), 0.01)
+    exchange.receive(Ack(0), 0.02)
+    assert exchange.finished
+    assert exchange.outgoing() == [Request(0), Request(1)]
