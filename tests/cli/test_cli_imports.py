@@ -17,7 +17,8 @@ from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
 
-PLAN = str(Path(__file__).parents[2] / "missions" / "sitl.plan")
+MISSIONS = Path(__file__).parents[2] / "missions"
+FOR_ARDUPILOT, FOR_PX4 = str(MISSIONS / "campus.plan"), str(MISSIONS / "sitl.plan")
 LARGE = {"numpy", "scipy", "shapely", "pyproj", "matplotlib", "contourpy", "numba", "pymavlink", "mavsdk", "rasterio"}
 #: Of our own: pydantic's models are built when their module is imported.
 OURS = {"ipoa_mission.scenario", "ipoa_mission.planning", "ipoa_mission.simulator", "ipoa_mission.report"}
@@ -59,9 +60,9 @@ def test_help_needs_none_of_them() -> None:
 
 @pytest.mark.parametrize("verb", ["show", "check", "estimate"])
 def test_a_mission_file_is_looked_at_without_what_only_scenarios_need(verb: str) -> None:
-    assert imported(verb, PLAN) == {"numpy", "pyproj"}
+    assert imported(verb, FOR_ARDUPILOT) == {"numpy", "pyproj"}
 
 
 def test_an_upload_needs_the_messages_besides(link: str, tmp_path: Path) -> None:
     log = str(tmp_path / "upload.tlog")
-    assert imported("upload", PLAN, "--link", link, "--log", log) == {"numpy", "pyproj", "pymavlink"}
+    assert imported("upload", FOR_PX4, "--link", link, "--log", log) == {"numpy", "pyproj", "pymavlink"}

@@ -2,8 +2,9 @@
 
     python -m tools.benchmarks.startup [--runs 5] [--modules]
 
-Each verb runs in a process of its own on `missions/sitl.plan`; `upload` puts it on the built-in autopilot, which is not
-counted. The least of the runs is told: the rest is the load of the machine. `--modules` lists which large packages
+Each verb runs in a process of its own on `missions/campus.plan` (ArduPilot) and `missions/sitl.plan` (PX4, whose time
+model flies a mission step by step: that is no matter of imports). `upload` puts it on the built-in autopilot, which is
+not counted. The least of the runs is told: the rest is the load of the machine. `--modules` lists which large packages
 each verb has imported when it ends.
 """
 
@@ -15,10 +16,11 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 
 from tools import REPOSITORY
 
-PLAN = REPOSITORY / "missions" / "sitl.plan"
+PLANS = {"ardupilot": str(REPOSITORY / "missions" / "campus.plan"), "px4": str(REPOSITORY / "missions" / "sitl.plan")}
 PACKAGES = ("numpy", "scipy", "shapely", "pyproj", "matplotlib", "contourpy", "numba", "pydantic", "rich", "pymavlink")
 VERB = (sys.executable, "-m", "ipoa_mission")
 #: Tells on stderr which packages a command line has imported, whatever becomes of it.
@@ -74,16 +76,13 @@ def main() -> None:
     numpy_s = cpu_s((sys.executable, "-c", "import numpy"), arguments.runs)
     print(f"import numpy: {numpy_s:.3f} s\n\n| verb | CPU, s | times `import numpy` |\n|---|---|---|")
     with autopilot() as link:
-        plan = str(PLAN)
-        for verb in (
-            ("--help",),
-            ("show", plan),
-            ("check", plan),
-            ("estimate", plan),
-            ("upload", plan, "--link", link, "--log", os.devnull),
-        ):
+        verbs: list[tuple[str, ...]] = [("--help",)]
+        verbs += [(verb, plan) for plan in PLANS.values() for verb in ("show", "check", "estimate")]
+        verbs += [("upload", PLANS["px4"], "--link", link, "--log", os.devnull)]
+        for verb in verbs:
             seconds = cpu_s((*VERB, *verb), arguments.runs)
-            print(f"| {verb[0]} | {seconds:.2f} | {seconds / numpy_s:.1f} |", flush=True)
+            words = " ".join([verb[0], *(Path(one).name for one in verb[1:2])])
+            print(f"| {words} | {seconds:.2f} | {seconds / numpy_s:.1f} |", flush=True)
             if arguments.modules:
                 print(f"|  | {imported(verb)} |  |")
 
