@@ -11,7 +11,7 @@ _GLUED = "\N{NO-BREAK SPACE}"
 def filled(text: str) -> str:
     """The same text, its paragraphs and list items filled to `WIDTH`; blank lines are where they were.
 
-    >>> print(filled("* one\\n  and\\n* two"))
+    >>> print(filled("* one\\n  and\\n* two"), end="")
     * one and
     * two
     """

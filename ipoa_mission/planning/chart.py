@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.limits import Limits
+from ipoa_mission.scenario.limits import Limits
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Part
 from ipoa_mission.world.terrain import Flat, Grid, Terrain

@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.planning.problem import PathProblem
+from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Plane
 
@@ -16,14 +16,14 @@ LONGEST = 20.0  # a gap goes no farther than this from where it is narrowest, in
 TOUCHING = 1e-6  # what stands nearer together than this leaves no gap [m]
 
 
-def gap_places(problem: PathProblem, widest: float, cell: float, heights: Vector) -> Points:
+def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Points:
     """Places (k, 3) before, in and behind the gaps up to `widest` [m], at those of the heights at which they are gaps.
 
     On the line through a gap they are half a cell apart. Gaps are looked for between the outlines of upright obstacles,
     and between these and the sides of the flight area; their middle is where both sides leave as much more than is
     required.
     """
-    shapes, radii, required, levels = _outlines(problem.scenario.airspace, problem.limits.obstacle_distance)
+    shapes, radii, required, levels = _outlines(problem.task.airspace, problem.limits.obstacle_distance)
     tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
     one, other = tree.query(tree.geometries, "dwithin", widest)
     one, other = one[one < other], other[one < other]

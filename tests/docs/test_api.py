@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -41,10 +42,12 @@ def vehicle_at() -> Iterator[str]:
     channel.close()
 
 
-def test_the_examples_run_one_after_the_other(vehicle_at: str, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_the_examples_run_one_after_the_other(
+    vehicle_at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     Path("missions").symlink_to(REPOSITORY / "missions")
-    names: dict[str, object] = {}
+    names: dict[str, Any] = {}
     for example in re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL):
         exec(compile(example.replace(PORT, vehicle_at), "docs/api.md", "exec"), names)
     said = capsys.readouterr().out

@@ -19,7 +19,7 @@ SENTENCES = re.findall(r"(?m)^\* \[(\w+)\] ", template())
 @pytest.fixture(scope="module")
 def rows() -> dict[str, Sequence[Row]]:
     """The recorded rows of every series, in the order of its trials."""
-    found = {}
+    found: dict[str, Sequence[Row]] = {}
     for series in (series for item in ITEMS.values() for series in item.needs):
         recorded = {row.trial: row for row in read_rows(DOCS / "reproduction" / "rows" / f"{series.name}.csv")}
         found[series.name] = [recorded[trial] for trial in series.trials(None)]

@@ -54,7 +54,7 @@ def read(name: str, flown: Flown, folder: Path):  # type: ignore[no-untyped-def]
 @pytest.mark.parametrize("name", WRITERS)
 def test_items_are_done_when_they_were(name: str, flown: Flown, tmp_path: Path) -> None:
     flight = read(name, flown, tmp_path)
-    assert flight.item_reached_s == pytest.approx(flown.done | {4: flown.landed_s}, abs=0.002)
+    assert flight.item_reached_s == pytest.approx({**flown.done, 4: flown.landed_s}, abs=0.002)
     assert flight.completed
     assert flight.total_s == pytest.approx(flown.landed_s, abs=0.002)
     assert "Takeoff" in flight.messages

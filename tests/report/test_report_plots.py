@@ -76,7 +76,7 @@ def test_the_same_scenario_and_paths_give_the_same_bytes(ending: str, missions: 
 def test_a_path_is_drawn_where_it_is() -> None:
     curves = {"IPOA": (np.array([10, 20, 30]), np.array([9.0, 4.0, 1.0])), "POA": (np.array([10, 30]), np.ones(2))}
     axes = draw_convergence(curves, logarithmic=True).axes[0]
-    assert [line.get_xydata().tolist() for line in axes.lines] == [
+    assert [np.asarray(line.get_xydata()).tolist() for line in axes.lines] == [
         [[10, 9], [20, 4], [30, 1]],
         [[10, 1], [30, 1]],
     ]

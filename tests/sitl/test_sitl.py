@@ -114,7 +114,7 @@ def test_a_vehicle_that_stands_elsewhere_is_not_armed(sitl: Sitl) -> None:
 def test_mavsdk_flies_it_with_the_same_result(sitl: Sitl) -> None:
     pytest.importorskip("mavsdk")
     ours, theirs = flown(sitl), flown(sitl, "--backend mavsdk")
-    assert theirs["flown_s"] == pytest.approx(ours["flown_s"], rel=0.06)  # type: ignore[arg-type]
+    assert theirs["flown_s"] == pytest.approx(ours["flown_s"], rel=0.06)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -72,7 +72,7 @@ def strung(missions: Path) -> Scenario:
 
 def test_its_parts_cover_it() -> None:
     rng = np.random.default_rng(5)
-    points = rng.uniform(*CABLE.bounds, (20_000, 3))
+    points = rng.uniform(CABLE.bounds[0], CABLE.bounds[1], (20_000, 3))
     inside = points[CABLE.distance(points) <= 0]
     assert len(inside) > 20
     assert np.min([part.distance(inside) for part in CABLE.parts], axis=0).max() <= 0

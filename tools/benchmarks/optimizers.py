@@ -9,6 +9,7 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from mealpy import FloatVar
@@ -63,12 +64,14 @@ if __name__ == "__main__":
     problem = cec2022("f6", 20)
     print(f"CEC2022 f6, D = 20, N = {N}, T = {T}; CPU seconds, median of {options.repeats}")
     for name in OPTIMIZERS:
-        ours, loops, theirs, their_loops, evaluations = [], [], [], [], 0
+        evaluations = 0
+        ours, loops = list[float](), list[float]()
+        theirs, their_loops = list[float](), list[float]()
         for _ in range(options.repeats):
             started = time.process_time()
             evaluations = run_ours(name, problem, problem.cost)
             ours.append(time.process_time() - started)
-            loops.append(seconds(lambda name=name: run_ours(name, problem, nothing)))
+            loops.append(seconds(partial(run_ours, name, problem, nothing)))
             if name in PEERS:
                 for cost_of, kept in ((problem.cost, theirs), (nothing, their_loops)):
                     started = time.process_time()

@@ -12,7 +12,6 @@ mealpy an interpreter of its own that has it, for it holds NumPy back. Times are
 
 import argparse
 import os
-import re
 from pathlib import Path
 
 from ipoa_mission.files import read_text, write_atomically
@@ -56,8 +55,10 @@ def main() -> None:
         return
     text = read_text(DOCUMENT)
     for title, table in told.items():
-        mark = rf"(<!-- {re.escape(title)} -->\n).*?(<!-- end -->)"
-        text = re.sub(mark, lambda found, table=table: f"{found[1]}{table}\n{found[2]}", text, flags=re.DOTALL)
+        mark = f"<!-- {title} -->\n"
+        before, found, after = text.partition(mark)
+        if found:
+            text = f"{before}{mark}{table}\n{after[after.index('<!-- end -->') :]}"
     write_atomically(DOCUMENT, text)
     for name, picture in pictures(read_rows(wanted.rows)).items():
         write_picture(picture, ROWS.with_name(f"{name}.svg"))

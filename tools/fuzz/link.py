@@ -18,7 +18,9 @@ import tempfile
 import time
 import traceback
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
@@ -172,22 +174,21 @@ def mislead_a_client(chance: random.Random) -> None:
     family = chance.choice(list(Autopilot))
     job = Upload(ITEMS, family)
     departure = Departure(VehicleState(family), 1, 1)
-    dialogue = chance.choice(
-        [
-            lambda: upload(job),
-            lambda: upload_by_file(job),
-            lambda: download(0),
-            lambda: clear(255),
-            lambda: set_current(1),
-            lambda: prepare(departure),
-            lambda: depart(departure),
-            lambda: parameters(("A", "B"), family),
-            lambda: read_file("x"),
-        ]
-    )()
+    dialogues: list[Callable[[], Any]] = [
+        lambda: upload(job),
+        lambda: upload_by_file(job),
+        lambda: download(0),
+        lambda: clear(255),
+        lambda: set_current(1),
+        lambda: prepare(departure),
+        lambda: depart(departure),
+        lambda: parameters(("A", "B"), family),
+        lambda: read_file("x"),
+    ]
+    dialogue = chance.choice(dialogues)()
     now = 0.0
     try:
-        exchange: Exchange[object] = Exchange(dialogue, now, SPECIFIED)  # type: ignore[arg-type]
+        exchange: Exchange[object] = Exchange(dialogue, now, SPECIFIED)
         for _ in range(3000):
             if exchange.finished:
                 return

@@ -106,12 +106,12 @@ def table(rows: list[Row]) -> str:
         cells = (flown, f"{row.estimated:.1f}", f"{100 * row.error:+.1f} %", quoted, *ends, f"{row.miss:.1f} m")
         lines.append(f"| {row.flight.name.rsplit('-', 1)[0]} | " + " | ".join(cells) + " |")
     errors = np.abs([100 * row.error for row in rows])
-    quoted = np.abs([100 * (row.quoted / row.flown - 1) for row in rows])
+    off = np.abs([100 * (row.quoted / row.flown - 1) for row in rows])
     kept = np.mean([row.kept for row in rows])
     lines.append("")
     lines.append(
         f"Median error {np.median(errors):.2f} %, largest {errors.max():.1f} % (QGroundControl: median "
-        f"{np.median(quoted):.0f} %, largest {quoted.max():.0f} %). {100 * kept:.0f} % of all items were done within "
+        f"{np.median(off):.0f} %, largest {off.max():.0f} %). {100 * kept:.0f} % of all items were done within "
         "the interval given for them."
     )
     repeated = [abs(100 * row.error) for row in rows if len(row.flight.runs) > 1]

@@ -7,6 +7,7 @@ oldtown-area.geojson (the flight area) and oldtown.tif (an elevation model in UT
 """
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -149,7 +150,7 @@ def rectangle(east: float, north: float, width: float, depth: float, heading: fl
     return polygon([(east + c * x - s * y, north + s * x + c * y) for x, y in corners])
 
 
-def polygon(*rings: list[tuple[float, float]]) -> dict[str, Any]:
+def polygon(*rings: Sequence[tuple[float, float]]) -> dict[str, Any]:
     return {"type": "Polygon", "coordinates": [degrees([*ring, ring[0]]) for ring in rings]}
 
 

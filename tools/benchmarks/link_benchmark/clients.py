@@ -55,6 +55,7 @@ def mavsdk(port: str, sent: Mission) -> tuple[bool, float, float | None]:
     """MAVSDK's own upload, in the process of the client."""
     mavsdk_backend.PRESENCE_S = 60.0
     with mavsdk_backend.connect(f"udpout:127.0.0.1:{port}") as here:
+        assert isinstance(here, mavsdk_backend.MavsdkVehicle)
         rows = [here._spell(seq, item, 0) for seq, item in enumerate(to_wire(sent))]
         begun = time.monotonic()
         try:
@@ -88,7 +89,7 @@ def mavproxy(port: int, sent: Mission) -> tuple[bool, float, float | None]:
             lines: queue.Queue[str] = queue.Queue()
             assert process.stdout is not None
             assert process.stdin is not None
-            threading.Thread(target=lambda: [lines.put(line) for line in process.stdout or ()], daemon=True).start()
+            threading.Thread(target=lambda: [*map(lines.put, process.stdout or ())], daemon=True).start()
             try:
                 if not _until(lines, "online system", 60.0):
                     raise NotConnected("MAVProxy heard nobody")

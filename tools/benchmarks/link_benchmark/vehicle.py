@@ -47,8 +47,8 @@ class CountingChannel(UdpChannel):
 def mission(autopilot: Autopilot, items: int) -> Mission:
     """A mission of so many items whose coordinates need every digit, and whose params every client's file can hold."""
     legs = [waypoint(Geodetic(47.4 + 0.000123457 * n, 8.5 - 0.000098763 * n), 30.0) for n in range(1, items - 1)]
-    items = (takeoff(HOME, 20.0), *legs, return_to_launch())
-    return Mission(HOME, tuple(replace(item, params=(0.0,) * 4) for item in items), autopilot)
+    every = (takeoff(HOME, 20.0), *legs, return_to_launch())
+    return Mission(HOME, tuple(replace(item, params=(0.0,) * 4) for item in every), autopilot)
 
 
 @contextmanager

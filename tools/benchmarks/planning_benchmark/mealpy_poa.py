@@ -7,13 +7,17 @@ ours is imported. Spheres and cylinders only, the paper's terrain; control point
 import json
 import sys
 import time
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from mealpy import FloatVar
 from mealpy.swarm_based.POA import OriginalPOA
 
+Candidate = np.ndarray[Any, np.dtype[np.float64]]
 
-def user_cost(problem):
+
+def user_cost(problem: dict[str, Any]) -> Callable[[Candidate], float]:
     start, goal = np.array(problem["start"]), np.array(problem["goal"])
     basis = np.array(problem["basis"])  # (nodes, control points)
     lower, upper = np.array(problem["lower"]), np.array(problem["upper"])
@@ -22,16 +26,16 @@ def user_cost(problem):
     land, peaks = problem["terrain"], np.array(problem["terrain"]["peaks"])  # height, east, north, a, b
     rules = problem["rules"]
 
-    def ground(x, y):
+    def ground(x: Candidate, y: Candidate) -> Candidate:
         r = np.hypot(x, y)
         rolling = np.sin(y + land["a"]) + land["b"] * np.sin(x) + land["c"] * np.cos(land["d"] * r)
         rolling += (land["e"] + land["g"]) * np.cos(y) + land["f"] * np.sin(land["f"] * r)
         bell = np.exp(
             -(((x[:, None] - peaks[:, 1]) / peaks[:, 3]) ** 2) - ((y[:, None] - peaks[:, 2]) / peaks[:, 4]) ** 2
         )
-        return np.maximum(rolling, land["base"] + bell @ peaks[:, 0])
+        return np.asarray(np.maximum(rolling, land["base"] + bell @ peaks[:, 0]))
 
-    def cost(candidate):
+    def cost(candidate: Candidate) -> float:
         nodes = basis @ np.vstack([start, candidate.reshape(-1, 3), goal])
         x, y, z = nodes.T
         step = np.diff(nodes, axis=0)
@@ -47,14 +51,14 @@ def user_cost(problem):
         depth = (share[:, None] * np.maximum(rules["clearance"] - distance, 0)).sum() + outside
         depth += (share * np.maximum(rules["height"] - (z - ground(x, y)), 0)).sum()
         if depth > 0:
-            return rules["length"] * length + rules["collision"] + rules["depth"] * depth
+            return float(rules["length"] * length + rules["collision"] + rules["depth"] * depth)
         hull = distance - rules["radius"]
         threat = (share[:, None] * np.where(hull < rules["d_safe"], 1 / np.maximum(hull, rules["least"]), 0)).sum()
         level = step[:, :2]
         cross = level[:-1, 0] * level[1:, 1] - level[:-1, 1] * level[1:, 0]
         turning = np.abs(np.arctan2(cross, (level[:-1] * level[1:]).sum(axis=1))).sum()
         climbing = np.abs(np.diff(np.arctan2(step[:, 2], np.linalg.norm(level, axis=1)))).sum()
-        return (
+        return float(
             rules["length"] * length
             + rules["turning"] * turning
             + rules["climbing"] * climbing
@@ -68,7 +72,7 @@ if __name__ == "__main__":
     problem = json.load(sys.stdin)
     cost, evaluations = user_cost(problem), 0
 
-    def counted(candidate):
+    def counted(candidate: Candidate) -> float:
         global evaluations
         evaluations += 1
         return float(cost(candidate))

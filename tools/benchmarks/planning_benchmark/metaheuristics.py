@@ -14,8 +14,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import minimise
 from ipoa_mission.planning.chart import LEAST
-from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.problem import PathProblem, encode, pose
+from ipoa_mission.planning.problem import PreparedProblem, encode, pose
 from ipoa_mission.planning.spline import Spline, even_basis
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
@@ -28,7 +27,7 @@ AGREE = 0.01  # relative: our kernel has the terrain on a fine grid
 def search(name: str, scenario: Scenario, seed: int) -> tuple[Spline, float, int]:
     """The curve that the optimiser finds as printed, the seconds of CPU and the number of evaluations."""
     problem = pose(scenario)
-    encoding = encode("absolute", places(scenario), scenario.planning.control_points, 0.0, scenario)
+    encoding = encode("absolute", scenario.places, scenario.planning.control_points, 0.0, scenario)
     optimizer = build_optimizer(name, {"population": POPULATION, "iterations": ITERATIONS})
     started = time.process_time()
     found = minimise(problem.costs(encoding), encoding.box, optimizer, np.random.default_rng(seed))
@@ -48,7 +47,7 @@ def mealpy_poa(scenario: Scenario, interpreter: str, iterations: int = ITERATION
     if ran.returncode:
         raise MissionError(f"{interpreter}: expected a Python that has mealpy: {ran.stderr.strip()[-300:]}")
     found = json.loads(ran.stdout)
-    encoding = encode("absolute", places(scenario), scenario.planning.control_points, 0.0, scenario)
+    encoding = encode("absolute", scenario.places, scenario.planning.control_points, 0.0, scenario)
     candidate = np.array(found["candidate"])
     ours = float(problem.costs(encoding)(candidate[None])[0])
     if abs(ours - found["cost"]) > AGREE * ours:
@@ -56,15 +55,15 @@ def mealpy_poa(scenario: Scenario, interpreter: str, iterations: int = ITERATION
     return encoding.curve(candidate), found["seconds"], found["evaluations"]
 
 
-def _as_json(problem: PathProblem) -> dict[str, object]:
-    scenario, rules = problem.scenario, problem.rules
+def _as_json(problem: PreparedProblem) -> dict[str, object]:
+    scenario, rules = problem.task, problem.rules
     terrain = scenario.airspace.terrain
     assert isinstance(terrain, Analytic)
     rows = [part.chart_row() for body in scenario.airspace.obstacles for part in body.parts]
     land: dict[str, object] = {name: getattr(terrain, name) for name in ("a", "b", "c", "d", "e", "f", "g", "base")}
     return {
-        "start": scenario.start_point.tolist(),
-        "goal": scenario.goal_point.tolist(),
+        "start": scenario.places[0].tolist(),
+        "goal": scenario.places[-1].tolist(),
         "lower": list(scenario.airspace.bounds.lower),
         "upper": list(scenario.airspace.bounds.upper),
         "basis": even_basis(scenario.planning.control_points + 2, problem.nodes).tolist(),

@@ -16,7 +16,7 @@ from ompl import base, geometric, util
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning._kernels import survey
 from ipoa_mission.planning.cost import FINE, path_cost
-from ipoa_mission.planning.problem import PathProblem, pose
+from ipoa_mission.planning.problem import PreparedProblem, pose
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
 
@@ -106,7 +106,7 @@ def _smoothed(problem: Any, space: Any) -> Iterator[Points]:
     yield _points(path)
 
 
-def _space(problem: PathProblem, inflation: float) -> Any:
+def _space(problem: PreparedProblem, inflation: float) -> Any:
     rules = problem.rules._replace(clearance=inflation)
     euclidean = base.RealVectorStateSpace(3)
     box = base.RealVectorBounds(3)

@@ -18,9 +18,8 @@ from ipoa_mission.geometry import Points, polyline_length
 from ipoa_mission.optimize.search import Candidates, Costs
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import lay, ways
-from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.polish import HARDEST, SHARPEST, polish, settle
-from ipoa_mission.planning.problem import Encoding, PathProblem, Trail, follow, pose, refine, surround
+from ipoa_mission.planning.problem import Encoding, PreparedProblem, Trail, follow, pose, refine, surround
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.scenario import Scenario
 
@@ -42,7 +41,7 @@ def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -
     rng = np.random.default_rng(seed)
     close = scenario.planning.model_copy(update={"samples": max(scenario.planning.samples, 200)})
     problem = pose(scenario.model_copy(update={"planning": close}))
-    stretch = problem.scenario.planning.control_points
+    stretch = problem.task.planning.control_points
     rough: list[Trail] = []
     for k, guide in enumerate(_guides(problem, starts, rng)):
         inner = int(INNER[k % len(INNER)] * max(1.0, polyline_length(guide) / (12.5 * stretch) / 2))
@@ -54,9 +53,9 @@ def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -
     return min(proved, key=lambda each: each[0])
 
 
-def _guides(problem: PathProblem, count: int, rng: np.random.Generator) -> Iterator[Points]:
+def _guides(problem: PreparedProblem, count: int, rng: np.random.Generator) -> Iterator[Points]:
     """Polylines from start to goal: the straight one, lattice ways, and lattice ways at shaken prices."""
-    yield places(problem.scenario)
+    yield problem.task.places
     known: list[Points] = []
     lattices = [lay(problem, fineness) for fineness in (1.0, 1.5)]
     for k in range(3 * count):
@@ -72,14 +71,14 @@ def _guides(problem: PathProblem, count: int, rng: np.random.Generator) -> Itera
                     return
 
 
-def _search(problem: PathProblem, guide: Points, inner: int, rng: np.random.Generator) -> list[Trail]:
-    trail = follow(guide, inner, problem.scenario)
-    encoding = surround("sine", trail, 0.25 * polyline_length(guide), problem.scenario)
+def _search(problem: PreparedProblem, guide: Points, inner: int, rng: np.random.Generator) -> list[Trail]:
+    trail = follow(guide, inner, problem.task)
+    encoding = surround("sine", trail, 0.25 * polyline_length(guide), problem.task)
     sought = Trail(encoding.curve(_cma(problem.costs(encoding), encoding, 0.03, 4000, rng)), trail.via_at)
     return [polish(each, problem) for each in (trail, sought)]
 
 
-def _finish(trail: Trail, problem: PathProblem, rng: np.random.Generator) -> tuple[float, Trail]:
+def _finish(trail: Trail, problem: PreparedProblem, rng: np.random.Generator) -> tuple[float, Trail]:
     """Settled, sharpened and twice doubled, every control point varied once; the best proved curve on the way."""
     found = [settle(trail, problem)[0]]
     found.append(_vary(found[0], problem, rng))
@@ -91,13 +90,13 @@ def _finish(trail: Trail, problem: PathProblem, rng: np.random.Generator) -> tup
             if len(sharp.curve.control) > 90:
                 break
             sharp = refine(sharp)
-    proved = [each for each in found if prove_curve(each.curve, problem.scenario).holds]
-    costs = [curve_cost(each.curve, problem.scenario).total for each in proved]
+    proved = [each for each in found if prove_curve(each.curve, problem.task).holds]
+    costs = [curve_cost(each.curve, problem.task).total for each in proved]
     return min(zip(costs, proved, strict=True), key=lambda each: each[0], default=(np.inf, trail))
 
 
-def _vary(trail: Trail, problem: PathProblem, rng: np.random.Generator) -> Trail:
-    encoding = surround("chord", trail, 1.0, problem.scenario)
+def _vary(trail: Trail, problem: PreparedProblem, rng: np.random.Generator) -> Trail:
+    encoding = surround("chord", trail, 1.0, problem.task)
     return Trail(encoding.curve(_cma(problem.costs(encoding), encoding, 0.01, 10_000, rng)), trail.via_at)
 
 

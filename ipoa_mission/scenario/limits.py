@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Airspace
 
 SLACK = 0.01  # a place that is lower by less than this is not lower [m]
 CLIMB_OUT = 0.5  # height over distance
@@ -33,10 +33,10 @@ class Limits:
 
     obstacle_distance: float
     height_above_ground: float
-    ceiling_above_ground: float
-    climb_angle: float
-    descent_angle: float
-    low_zones: tuple[LowZone, ...]
+    ceiling_above_ground: float = np.inf
+    climb_angle: float = np.inf
+    descent_angle: float = np.inf
+    low_zones: tuple[LowZone, ...] = ()
 
     def required_height(self, points: Points) -> Vector:
         """The height above ground that is required at points (n, 2 or 3), (n,) [m]."""
@@ -47,38 +47,20 @@ class Limits:
         return required
 
 
-def limits_of(scenario: Scenario) -> Limits:
-    """The limits that a scenario sets."""
-    planning = scenario.planning
-    distance = scenario.vehicle.radius + scenario.safety_distance
-    height = planning.min_height_above_ground
-    angles = (planning.max_climb_angle_deg, planning.max_descent_angle_deg)
-    climb, descent = (np.inf if angle is None else float(np.radians(angle)) for angle in angles)
-    least = distance if height is None else height
-    return Limits(
-        distance,
-        least,
-        planning.max_height_above_ground or np.inf,
-        climb,
-        descent,
-        _low_zones(scenario, least, min(climb, descent)),
-    )
-
-
-def places(scenario: Scenario) -> Points:
+def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
     """Start, via points and goal, in this order, (k, 3); a via point where the way already is counts once."""
-    stops = [scenario.start_point]
-    for via in scenario.via_points:
-        if np.linalg.norm(via - stops[-1]) > SAME:
-            stops.append(via)
-    if len(stops) > 1 and np.linalg.norm(scenario.goal_point - stops[-1]) <= SAME:
+    stops = [start]
+    for place in via:
+        if np.linalg.norm(place - stops[-1]) > SAME:
+            stops.append(place)
+    if len(stops) > 1 and np.linalg.norm(goal - stops[-1]) <= SAME:
         stops.pop()
-    return np.vstack([*stops, scenario.goal_point])
+    return np.vstack([*stops, goal])
 
 
-def _low_zones(scenario: Scenario, least: float, angle: float) -> tuple[LowZone, ...]:
-    spots = places(scenario)
-    heights = spots[:, 2] - scenario.airspace.ground(spots)
+def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:
+    """The circles round places (k, 3) that lie lower than `least` above the ground [m]; `angle` limits the climb."""
+    heights = spots[:, 2] - airspace.ground(spots)
     slope = min(CLIMB_OUT, float(np.tan(min(angle, 1.5))))
     return tuple(
         LowZone(float(spot[0]), float(spot[1]), float(least - height + SLACK) / slope, float(height) - SLACK)
