@@ -68,7 +68,7 @@ def list_name(kind: int) -> str:
 
 
 @dataclass
-class Overheard:
+class VehicleTexts:
     """The vehicle's words during a conversation; texts less severe than `faintest` are let pass."""
 
     faintest: int = INFO
@@ -90,7 +90,7 @@ class Overheard:
         return "; ".join(self.words)
 
 
-def overhearing(dialogue: Dialogue[T], overheard: Overheard) -> Dialogue[T]:
+def noting_texts(dialogue: Dialogue[T], texts: VehicleTexts) -> Dialogue[T]:
     """The same dialogue; what it hears is noted besides."""
     move = partial(dialogue.send, None)
     while True:
@@ -104,7 +104,7 @@ def overhearing(dialogue: Dialogue[T], overheard: Overheard) -> Dialogue[T]:
         except MissionError as error:
             move = partial(dialogue.throw, error)
         else:
-            overheard.note(heard)
+            texts.note(heard)
             move = partial(dialogue.send, heard)
 
 
@@ -128,7 +128,7 @@ def offer(
     in_order = opening is Ask
     run = ItemsSent(kind, len(items), items=items, packed=packed, progress=progress)
     last = len(items) - 1
-    overheard = Overheard()
+    texts = VehicleTexts()
     step: Step = opening(Count(len(items), kind))
     while True:
         try:
@@ -137,7 +137,7 @@ def offer(
             if run.at == last and items:  # a client that sends no final Ack (MAVProxy)
                 return run.doubt
             if run.doubt is not None:
-                raise MissionRefused(run.doubt, kind, max(run.at, 0), str(overheard)) from None
+                raise MissionRefused(run.doubt, kind, max(run.at, 0), str(texts)) from None
             raise NoAnswer(f"{silence} after {max(run.at, 0)} of {len(items)} items of the {list_name(kind)}") from None
         step = None
         match heard:
@@ -157,28 +157,30 @@ def offer(
                 run.doubt = Result.ERROR
                 step = Pause(GRACE_S)
             case Ack(result, k) if k == kind:
-                yield from _listen_for_words(overheard)
-                raise MissionRefused(result, kind, max(run.at, 0), str(overheard))
+                yield from _listen_for_words(texts)
+                raise MissionRefused(result, kind, max(run.at, 0), str(texts))
             case None if run.at == last and items:
                 return run.doubt
             case None:  # the grace is over, and no request came
-                raise MissionRefused(run.doubt or Result.ERROR, kind, max(run.at, 0), str(overheard))
+                raise MissionRefused(run.doubt or Result.ERROR, kind, max(run.at, 0), str(texts))
             case _:
-                overheard.note(heard)
+                texts.note(heard)
 
 
 @dataclass(frozen=True)
-class Manners:
+class RequestStyle:
     """How one fetches: by the old MISSION_REQUEST, and whether a stray item is rebuked with INVALID_SEQUENCE."""
 
     legacy: bool = False
     rebukes: bool = False
 
 
-POLITE = Manners()
+BY_REQUEST_INT = RequestStyle()
 
 
-def fetch(count: int, kind: int, take: Take, manners: Manners = POLITE, run: ItemsRead | None = None) -> Dialogue[int]:
+def fetch(
+    count: int, kind: int, take: Take, style: RequestStyle = BY_REQUEST_INT, run: ItemsRead | None = None
+) -> Dialogue[int]:
     """Fetch the items from `run.at` (else 0) to `count` - 1 in order and hand each to `take`.
 
     Returns ACCEPTED, or the first other result of `take`, which ends it. With a `run` items may be read without a look
@@ -193,7 +195,7 @@ def fetch(count: int, kind: int, take: Take, manners: Manners = POLITE, run: Ite
     doubt: int | None = None
     here = run or ItemsRead(kind, count, at=0)
     while here.at < count:
-        step: Step = Ask(Request(here.at, kind, manners.legacy), item=True, run=run)
+        step: Step = Ask(Request(here.at, kind, style.legacy), item=True, run=run)
         while True:
             try:
                 heard = yield step
@@ -208,7 +210,7 @@ def fetch(count: int, kind: int, take: Take, manners: Manners = POLITE, run: Ite
                     if result != Result.ACCEPTED:
                         return result
                     break
-                case ItemAt(_, _, k) if k == kind and manners.rebukes:
+                case ItemAt(_, _, k) if k == kind and style.rebukes:
                     yield Remark(Ack(Result.INVALID_SEQUENCE, kind))
                 case Ack(result, k) if k == kind and result in DOUBTFUL:
                     doubt = result
@@ -271,7 +273,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
 def _open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
     """Ask how long the list is; `silence` is what there was to say if nobody answers."""
     step: Step = Ask(RequestList(kind))
-    overheard = Overheard()
+    texts = VehicleTexts()
     while True:
         try:
             heard = yield step
@@ -282,10 +284,10 @@ def _open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
             case Count(count, k) if k == kind:
                 return count
             case Ack(result, k) if k == kind and result not in (Result.ACCEPTED, *DOUBTFUL):
-                yield from _listen_for_words(overheard)
-                raise MissionRefused(result, kind, words=str(overheard))
+                yield from _listen_for_words(texts)
+                raise MissionRefused(result, kind, words=str(texts))
             case _:
-                overheard.note(heard)
+                texts.note(heard)
 
 
 def clear(kind: int) -> Dialogue[None]:
@@ -295,7 +297,7 @@ def clear(kind: int) -> Dialogue[None]:
         MissionRefused, NoAnswer.
     """
     step: Step = Ask(ClearAll(kind))
-    overheard = Overheard()
+    texts = VehicleTexts()
     while True:
         heard = yield step
         step = None
@@ -303,14 +305,14 @@ def clear(kind: int) -> Dialogue[None]:
             case Ack(Result.ACCEPTED, k) if k == kind:
                 return
             case Ack(result, k) if k == kind and result not in DOUBTFUL:
-                yield from _listen_for_words(overheard)
-                raise MissionRefused(result, kind, words=str(overheard))
+                yield from _listen_for_words(texts)
+                raise MissionRefused(result, kind, words=str(texts))
             case _:
-                overheard.note(heard)
+                texts.note(heard)
 
 
-def _listen_for_words(overheard: Overheard) -> Dialogue[None]:
+def _listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
     heard: Message | None = yield Pause(WORDS_S)
     while heard is not None:
-        overheard.note(heard)
+        texts.note(heard)
         heard = yield None

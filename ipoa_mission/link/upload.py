@@ -13,11 +13,11 @@ from ipoa_mission.link.conversations import (
     DOUBTFUL,
     WARNING,
     MissionRefused,
-    Overheard,
     Progress,
+    VehicleTexts,
     list_name,
+    noting_texts,
     offer,
-    overhearing,
     read_list,
     silent,
 )
@@ -96,7 +96,7 @@ class Upload:
 
 
 @dataclass
-class Ears(Overheard):
+class MissionReports(VehicleTexts):
     """The vehicle's words, and what it says of the mission that it holds."""
 
     faintest: int = WARNING
@@ -129,7 +129,7 @@ class Course:
     furthest: int = -1  # the last item that was asked for in this attempt
     before: int = -1  # and in the one before
     may_be_whole: bool = False  # whether the vehicle may have the whole list already
-    overheard: Ears = field(default_factory=Ears)
+    reports: MissionReports = field(default_factory=MissionReports)
 
 
 def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
@@ -144,7 +144,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
     course = Course()
     try:
         try:
-            yield from overhearing(_store(job, course, progress), course.overheard)
+            yield from noting_texts(_store(job, course, progress), course.reports)
         except Cancelled:
             yield from _give_in(job, course, progress)
     except TimeUp as late:
@@ -153,16 +153,16 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
         raise TimeUp(f"{late}: attempt {course.attempt} had come to {where}", hint=_leftover(job)) from None
     if job.is_judged:
         try:
-            state = yield from _verdict(course.overheard)
+            state = yield from _verdict(course.reports)
         except (Cancelled, TimeUp) as broken_off:
             raise type(broken_off)(
                 f"{broken_off}: the vehicle holds the whole new {list_name(job.kind)}, verified",
                 hint="whether it finds it flyable was not waited for",
             ) from None
-        if course.overheard.doubts(job):
+        if course.reports.doubts(job):
             yield from _expect_unchanged(job)
         if state == NO_MISSION:
-            why = str(course.overheard) or "no reason was heard"
+            why = str(course.reports) or "no reason was heard"
             raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")
 
 
@@ -269,7 +269,7 @@ def _withdraw(kind: int) -> Dialogue[None]:
                 step = None
 
 
-def _verdict(ears: Ears) -> Dialogue[int]:
+def _verdict(reports: MissionReports) -> Dialogue[int]:
     """Listen whether the vehicle finds the mission flyable: the last state that it tells counts (0: none was told).
 
     Its reasons may have come at any time since the Ack.
@@ -278,11 +278,11 @@ def _verdict(ears: Ears) -> Dialogue[int]:
     heard = yield Pause(VERDICT_S)
     while heard is not None:
         step: Step = None
-        ears.note(heard)
+        reports.note(heard)
         match heard:
-            case Current(mission_state=told) if told:
-                if state != told:
-                    step = Pause(VERDICT_S if told == NO_MISSION else SECOND_THOUGHTS_S)
-                state = told
+            case Current(mission_state=latest) if latest:
+                if state != latest:
+                    step = Pause(VERDICT_S if latest == NO_MISSION else SECOND_THOUGHTS_S)
+                state = latest
         heard = yield step
     return state
