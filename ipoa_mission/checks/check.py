@@ -4,22 +4,23 @@ Autopilots accept positions at (0, 0), altitudes that are no number and missions
 one checks first.
 """
 
-from ipoa_mission.checks.airspace import check_airspace
-from ipoa_mission.checks.fence import check_fence
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.firmware import check_firmware
-from ipoa_mission.checks.ground import check_ground
-from ipoa_mission.checks.passed_over import check_passed_over
 from ipoa_mission.checks.positions import check_positions
 from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import flown_legs
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.itinerary.legs import Leg, flown_legs
 from ipoa_mission.world.frame import LocalFrame
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 __all__ = ["Finding", "Severity", "check_mission"]
 
 
-def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[Finding, ...]:
+def check_mission(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Finding, ...]:
     """What is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
 
     The vehicle has the mission's parameters, and those of the scenario that the mission does not name. Legs are looked
@@ -33,10 +34,21 @@ def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[F
     if not any(finding.severity is Severity.ERROR for finding in positions):
         if scenario is None:
             frame = LocalFrame(mission.home)
-            findings += check_fence(mission, frame, flown_legs(mission, frame))
-        else:
+            findings += _check_fence(mission, frame, flown_legs(mission, frame))
+        else:  # what looks at a world is imported where there is one
+            from ipoa_mission.checks.airspace import check_airspace
+            from ipoa_mission.checks.ground import check_ground
+            from ipoa_mission.checks.passed_over import check_passed_over
+
             mission, frame = mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame
             legs = flown_legs(mission, frame, scenario.airspace.ground)
-            findings += [*check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
+            findings += [*_check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
             findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
     return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))
+
+
+def _check_fence(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+    if mission.fence:
+        from ipoa_mission.checks.fence import check_fence
+
+        yield from check_fence(mission, frame, legs)

@@ -1,17 +1,19 @@
 """A flight that does not begin where its mission was made for: from another place, or with a later item."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.checks.airspace import check_airspace
 from ipoa_mission.checks.finding import Severity
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Item, Mission, takeoff
 from ipoa_mission.itinerary.legs import flown_legs
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic, apart
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 #: So far from the mission's home a vehicle is at it: less than positioning by satellite is worth [m].
 AT_HOME = 1.5
@@ -47,7 +49,7 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     return replace(mission, home=home, items=begins + mission.items[first:])
 
 
-def check_start(mission: Mission, first: int, there: Geodetic, scenario: Scenario | None) -> tuple[str, ...]:
+def check_start(mission: Mission, first: int, there: Geodetic, scenario: "Scenario | None") -> tuple[str, ...]:
     """Whether a vehicle that stands `there` may begin with item `first` (index into the items); remarks for the user.
 
     Raises:
@@ -64,6 +66,8 @@ def check_start(mission: Mission, first: int, there: Geodetic, scenario: Scenari
                 hint="bring it there, or name the scenario, or plan from where it stands",
             )
         return (f"{where}: no scenario tells what is on the way from there",)
+    from ipoa_mission.checks.airspace import check_airspace
+
     frame = scenario.frame
     place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
     ground = float(scenario.airspace.ground(place[None, :])[0])

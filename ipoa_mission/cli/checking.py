@@ -37,18 +37,20 @@ def check(
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.checks.check import Severity, check_mission
-    from ipoa_mission.cli.reading import read_with_parameters
-    from ipoa_mission.flight.summary import passed_over_as_json
-    from ipoa_mission.scenario import read_scenario
+    from ipoa_mission.cli.reading import read_with_parameters, read_world
 
     mission, remarks = read_with_parameters(file, autopilot)
-    world = None if scenario is None else read_scenario(scenario)
+    world = read_world(scenario)
     remarks += () if world is None else world.remarks
     findings = check_mission(mission, world)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
-        about = {} if world is None else {"passed_over": passed_over_as_json(world)}
+        about: dict[str, object] = {}
+        if world is not None:
+            from ipoa_mission.flight.summary import passed_over_as_json
+
+            about["passed_over"] = passed_over_as_json(world)
         tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))

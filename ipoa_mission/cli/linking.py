@@ -159,8 +159,8 @@ def scan(
 
     Example: `ipoa-mission scan --link udpin:127.0.0.1:14550`
     """
+    from ipoa_mission.link.presence import scan as listen
     from ipoa_mission.link.vehicle import open_line
-    from ipoa_mission.link.vehicle import scan as listen
 
     with open_line(link) as line:
         rows = [

@@ -66,6 +66,7 @@ def mock(
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.errors import BadInput
     from ipoa_mission.link.address import parse_address
+    from ipoa_mission.simulator.autopilot import Autopilot as Mock
     from ipoa_mission.simulator.faults import Faults
     from ipoa_mission.simulator.server import serve
     from ipoa_mission.world.frame import Geodetic
@@ -93,11 +94,9 @@ def mock(
     try:
         serve(
             link,
-            autopilot,
-            Geodetic(*home),
+            Mock(autopilot, Geodetic(*home), parameters, cold=True, nak_at=nak_at),
             speedup,
             faults,
-            parameters,
             system or 1,
             seed,
             signer,

@@ -2,11 +2,15 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.parameter_file import beside
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 SHOWN = 6  # parameters in a note
 
@@ -26,3 +30,16 @@ def read_with_parameters(
         more = len(mission.parameters) - SHOWN
         remarks += (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
     return mission.with_parameters(parameters or {}), remarks
+
+
+def read_world(file: Path | None) -> "Scenario | None":
+    """The scenario that a user named, if there is one: who has none need not wait for what reads it.
+
+    Raises:
+        BadInput: the file cannot be read.
+    """
+    if file is None:
+        return None
+    from ipoa_mission.scenario import read_scenario
+
+    return read_scenario(file)

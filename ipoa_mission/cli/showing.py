@@ -26,14 +26,13 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.cli.reading import read_with_parameters, read_world
     from ipoa_mission.errors import MissionError
     from ipoa_mission.exports.table import mission_table
-    from ipoa_mission.scenario import read_scenario
     from ipoa_mission.timing.estimate import estimate
 
     mission, remarks = read_with_parameters(file, autopilot)
-    world = None if scenario is None else read_scenario(scenario)
+    world = read_world(scenario)
     rows, errors = mission_table(mission, world), refusals(mission)
     done: dict[int, float] = {}
     try:

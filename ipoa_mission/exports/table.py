@@ -3,6 +3,7 @@
 import math
 from collections import defaultdict
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,8 +13,10 @@ from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.itinerary.legs import Leg, flown_legs
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 LEVEL = 0.5  # [m] below which a leg has no heading
 
@@ -41,7 +44,7 @@ class Row:
     detail: str = ""
 
 
-def mission_table(mission: Mission, scenario: Scenario | None = None) -> tuple[Row, ...]:
+def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Row, ...]:
     """Home and every item; with a scenario, heights above its ground too.
 
     Where a position or height makes no sense no item has a leg: `refusals` says why.
@@ -59,7 +62,7 @@ def mission_table(mission: Mission, scenario: Scenario | None = None) -> tuple[R
     return (home, *items)
 
 
-def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: Scenario | None) -> Row:
+def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Scenario | None") -> Row:
     placed = item.command in FIRMWARE[mission.autopilot].placed and item.frame != Frame.MISSION
     on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     height = mission.altitude_above_home(item) if placed else math.nan
@@ -85,7 +88,7 @@ def _known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _above_ground(item: Item, mission: Mission, height: float, scenario: Scenario | None) -> float | None:
+def _above_ground(item: Item, mission: Mission, height: float, scenario: "Scenario | None") -> float | None:
     if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
         return item.altitude
     if scenario is None or not math.isfinite(height):

@@ -120,6 +120,8 @@ class UdpChannel(_RealTime):
         except (OSError, ValueError):
             self._socket.close()
             raise
+        self._sender = self._socket.dup()  # reading waits, by a timeout; writing never does
+        self._sender.setblocking(False)
 
     @property
     def port(self) -> int:
@@ -128,10 +130,10 @@ class UdpChannel(_RealTime):
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         """See `Channel`: one datagram at a time, for the answer to it may be urgent."""
-        select.select([self._socket], [], [], max(0.0, until - self.now()))
         try:
+            self._socket.settimeout(max(0.0, until - time.monotonic()))
             return [self._socket.recvfrom(LONGEST_READ)]
-        except (BlockingIOError, ConnectionError):  # nothing; or an earlier datagram met a closed port
+        except (TimeoutError, BlockingIOError, ConnectionError):  # nothing; or an earlier datagram met a closed port
             return []
         except OSError as error:
             raise LinkDown(f"the link broke: {_reason(error)}") from error
@@ -142,7 +144,7 @@ class UdpChannel(_RealTime):
         if to is None:
             return
         try:
-            self._socket.sendto(data, to)
+            self._sender.sendto(data, to)
         except (BlockingIOError, ConnectionError):
             return
         except OSError as error:
@@ -151,6 +153,7 @@ class UdpChannel(_RealTime):
 
     def close(self) -> None:
         """See `Channel`."""
+        self._sender.close()
         self._socket.close()
 
 

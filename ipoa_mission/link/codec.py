@@ -8,23 +8,28 @@ import re
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+from fastcrc.crc16 import mcrf4xx
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import wire
+from ipoa_mission.link.layout import Fields
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.signing import Signer
 
 MAGIC_1, MAGIC_2 = 0xFE, 0xFD
 SIGNED = 0x01  # incompat_flags bit
+HEADER_BYTES = 10  # of MAVLink 2
 SIGNATURE_BYTES = 13
 #: Where a frame may begin: MAVLink 2 has flags behind its length, of which only the signature's is known.
 _BEGINNING = re.compile(rb"\xfe|\xfd(?=.[\x00\x01]|.?\Z)", re.DOTALL)
 RADIO_STATUS = "RADIO_STATUS"
+_HEADER = struct.Struct("<BBBBBBHB")  # behind the magic byte
+_MAGIC_2 = bytes((MAGIC_2,))
 
 
 class Target(NamedTuple):
@@ -63,7 +68,12 @@ class Definition:
     lengths: tuple[int, ...]  # values of each field in the layout
     crc_extra: int
 
-    def pack(self, fields: wire.Fields) -> bytes:
+    @cached_property
+    def seed(self) -> bytes:
+        """CRC_EXTRA as a byte: the last that the checksum sees."""
+        return bytes((self.crc_extra,))
+
+    def pack(self, fields: Fields) -> bytes:
         """The payload without the zeros at its end; a field that is not given is zero.
 
         Raises:
@@ -146,9 +156,14 @@ def message_name(number: int) -> str | None:
     return _DEFINITIONS[number].name if number in _DEFINITIONS else None
 
 
+def definition_of(name: str) -> Definition:
+    """The message of this name."""
+    return _DEFINITIONS[_NUMBERS[name]]
+
+
 def checksum(frame: bytes, crc_extra: int) -> int:
     """CRC-16/MCRF4XX over everything behind the magic byte, and the seed of this message."""
-    return int(dialect.x25crc(frame[1:] + bytes((crc_extra,))).crc)
+    return mcrf4xx(frame[1:] + bytes((crc_extra,)))
 
 
 class Codec:
@@ -159,39 +174,26 @@ class Codec:
         self.component = component
         self.signer = signer
         self._sequence = 0
-        self._prepared: tuple[Message | None, Target, tuple[Definition, bytes]] = (None, EVERYONE, (_EVENT, b"\0"))
 
     def encode(self, message: Message, target: Target, unix_s: float) -> bytes:
         """The MAVLink 2 frame of a message; `unix_s` is the time that a signature carries."""
-        definition, payload = self.prepare(message, target)
-        flags = SIGNED if self.signer else 0
-        header = struct.pack(
-            "<BBBBBBBHB",
-            MAGIC_2,
-            len(payload),
-            flags,
-            0,
-            self._sequence,
-            self.system,
-            self.component,
-            definition.number & 0xFFFF,
-            definition.number >> 16,
-        )
-        self._sequence = (self._sequence + 1) % 256
-        body = header + payload
-        frame = body + struct.pack("<H", checksum(body, definition.crc_extra))
-        return frame if self.signer is None else frame + self.signer.signature(frame, unix_s)
+        name, fields = wire.write(message)
+        definition = definition_of(name)
+        addressed = {"target_system": target.system, "target_component": target.component, **fields}
+        return self.frame(definition, definition.pack(addressed), unix_s)
 
-    def prepare(self, message: Message, target: Target) -> tuple[Definition, bytes]:
-        """The payload of a message. The last one is kept: what one is about to say can be made while one waits."""
-        last, where, made = self._prepared
-        if last is not message or where != target:
-            name, fields = wire.write(message)
-            definition = _DEFINITIONS[_NUMBERS[name]]
-            addressed = {"target_system": target.system, "target_component": target.component, **fields}
-            made = definition, definition.pack(addressed)
-            self._prepared = message, target, made
-        return made
+    def frame(self, definition: Definition, payload: bytes, unix_s: float) -> bytes:
+        """The next MAVLink 2 frame, with this payload (without the zeros at its end)."""
+        signer = self.signer
+        flags = SIGNED if signer else 0
+        number = definition.number
+        body = _HEADER.pack(
+            len(payload), flags, 0, self._sequence, self.system, self.component, number & 0xFFFF, number >> 16
+        )
+        body += payload
+        self._sequence = (self._sequence + 1) % 256
+        frame = _MAGIC_2 + body + mcrf4xx(body + definition.seed).to_bytes(2, "little")
+        return frame if signer is None else frame + signer.signature(frame, unix_s)
 
     def decode(self, frame: bytes) -> Heard | None:
         """What a whole frame says; None where the signature does not convince."""
@@ -210,6 +212,11 @@ class Framer:
 
     def __init__(self) -> None:
         self._buffer = b""
+
+    @property
+    def is_torn(self) -> bool:
+        """Whether a frame has begun that is not complete."""
+        return bool(self._buffer)
 
     def feed(self, data: bytes) -> Iterator[bytes]:
         """The frames that `data` completes, checksums checked; never keeps more than one frame's worth."""

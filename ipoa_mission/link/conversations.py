@@ -13,6 +13,8 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell, TimeUp
 from ipoa_mission.link.events import words_of
+from ipoa_mission.link.item_payloads import Payloads, unpack_items
+from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import (
     Ack,
     ClearAll,
@@ -66,7 +68,7 @@ def list_name(kind: int) -> str:
 
 
 @dataclass
-class Overheard:
+class VehicleTexts:
     """The vehicle's words during a conversation; texts less severe than `faintest` are let pass."""
 
     faintest: int = INFO
@@ -88,7 +90,7 @@ class Overheard:
         return "; ".join(self.words)
 
 
-def overhearing(dialogue: Dialogue[T], overheard: Overheard) -> Dialogue[T]:
+def noting_texts(dialogue: Dialogue[T], texts: VehicleTexts) -> Dialogue[T]:
     """The same dialogue; what it hears is noted besides."""
     move = partial(dialogue.send, None)
     while True:
@@ -102,82 +104,87 @@ def overhearing(dialogue: Dialogue[T], overheard: Overheard) -> Dialogue[T]:
         except MissionError as error:
             move = partial(dialogue.throw, error)
         else:
-            overheard.note(heard)
+            texts.note(heard)
             move = partial(dialogue.send, heard)
 
 
 def offer(
-    items: Sequence[Item], kind: int, opening: type[Ask] | type[Tell] = Ask, progress: Progress = silent
+    items: Sequence[Item],
+    kind: int,
+    opening: type[Ask] | type[Tell] = Ask,
+    progress: Progress = silent,
+    packed: Payloads | None = None,
 ) -> Dialogue[int | None]:
     """Offer a list. Returns ACCEPTED, or what else followed the last item: None for silence, a doubtful refusal.
 
     With `opening` Ask we are the client: the vehicle pulls one item at a time, in order, so a request for an earlier
     item is a late duplicate and stays unanswered. With Tell we are the vehicle, and the client may ask for any item.
+    `packed` are the items' payloads, where they have been made already.
 
     Raises:
         MissionRefused: a refusal that ended the transfer.
         NoAnswer: silence before the last item was asked for.
     """
     in_order = opening is Ask
-    said = [ItemAt(seq, item, kind) for seq, item in enumerate(items)]
-    asked = -1
-    doubt: int | None = None
-    overheard = Overheard()
+    run = ItemsSent(kind, len(items), items=items, packed=packed, progress=progress)
+    last = len(items) - 1
+    texts = VehicleTexts()
     step: Step = opening(Count(len(items), kind))
     while True:
         try:
             heard = yield step
         except NoAnswer as silence:
-            if asked == len(items) - 1 and items:  # a client that sends no final Ack (MAVProxy)
-                return doubt
-            if doubt is not None:
-                raise MissionRefused(doubt, kind, max(asked, 0), str(overheard)) from None
-            raise NoAnswer(f"{silence} after {max(asked, 0)} of {len(items)} items of the {list_name(kind)}") from None
+            if run.at == last and items:  # a client that sends no final Ack (MAVProxy)
+                return run.doubt
+            if run.doubt is not None:
+                raise MissionRefused(run.doubt, kind, max(run.at, 0), str(texts)) from None
+            raise NoAnswer(f"{silence} after {max(run.at, 0)} of {len(items)} items of the {list_name(kind)}") from None
         step = None
         match heard:
-            case Request(seq, k) if k == kind and seq < len(items) and (not in_order or asked <= seq <= asked + 1):
-                asked = seq
-                doubt = None
-                progress(seq, len(items))
-                step = Tell(said[seq], next(iter(said[seq + 1 : seq + 2]), None))
-                if in_order and seq == len(items) - 1:
-                    yield Remark(said[seq])
+            case Request(seq, k) if k == kind and seq <= last and (not in_order or run.at <= seq <= run.at + 1):
+                run.asked_for(seq)
+                step = Tell(ItemAt(seq, items[seq], kind), run if in_order else None)
+                if in_order and seq == last:
+                    yield Remark(step.message)
                     step = Pause(ENDING_S)
             case Ack(Result.ACCEPTED, k) if k == kind:
-                if asked == len(items) - 1 or not in_order:
+                if run.at == last or not in_order:
                     progress(len(items), len(items))
                     return Result.ACCEPTED
             case Ack(Result.INVALID_SEQUENCE, k) if k == kind:
-                doubt = Result.INVALID_SEQUENCE
+                run.doubt = Result.INVALID_SEQUENCE
             case Ack(Result.ERROR, k) if k == kind:
-                doubt = Result.ERROR
+                run.doubt = Result.ERROR
                 step = Pause(GRACE_S)
             case Ack(result, k) if k == kind:
-                yield from _listen_for_words(overheard)
-                raise MissionRefused(result, kind, max(asked, 0), str(overheard))
-            case None if asked == len(items) - 1 and items:
-                return doubt
+                yield from _listen_for_words(texts)
+                raise MissionRefused(result, kind, max(run.at, 0), str(texts))
+            case None if run.at == last and items:
+                return run.doubt
             case None:  # the grace is over, and no request came
-                raise MissionRefused(doubt or Result.ERROR, kind, max(asked, 0), str(overheard))
+                raise MissionRefused(run.doubt or Result.ERROR, kind, max(run.at, 0), str(texts))
             case _:
-                overheard.note(heard)
+                texts.note(heard)
 
 
 @dataclass(frozen=True)
-class Manners:
+class RequestStyle:
     """How one fetches: by the old MISSION_REQUEST, and whether a stray item is rebuked with INVALID_SEQUENCE."""
 
     legacy: bool = False
     rebukes: bool = False
 
 
-POLITE = Manners()
+BY_REQUEST_INT = RequestStyle()
 
 
-def fetch(count: int, kind: int, take: Take, manners: Manners = POLITE, first: int = 0) -> Dialogue[int]:
-    """Fetch items `first` to `count` - 1 in order and hand each to `take`.
+def fetch(
+    count: int, kind: int, take: Take, style: RequestStyle = BY_REQUEST_INT, run: ItemsRead | None = None
+) -> Dialogue[int]:
+    """Fetch the items from `run.at` (else 0) to `count` - 1 in order and hand each to `take`.
 
-    Returns ACCEPTED, or the first other result of `take`, which ends it.
+    Returns ACCEPTED, or the first other result of `take`, which ends it. With a `run` items may be read without a look
+    at the dialogue: they are handed to `run.keep`.
 
     Saying the closing Ack is left to the caller, who may want to judge the whole list first.
 
@@ -186,33 +193,45 @@ def fetch(count: int, kind: int, take: Take, manners: Manners = POLITE, first: i
         NoAnswer: silence.
     """
     doubt: int | None = None
-    for seq in range(first, count):
-        step: Step = Ask(Request(seq, kind, manners.legacy), item=True)
+    here = run or ItemsRead(kind, count, at=0)
+    while here.at < count:
+        step: Step = Ask(Request(here.at, kind, style.legacy), item=True, run=run)
         while True:
             try:
                 heard = yield step
             except NoAnswer as silence:
                 if doubt is not None:
-                    raise MissionRefused(doubt, kind, seq) from None
-                raise NoAnswer(f"{silence} after {seq} of {count} items of the {list_name(kind)}") from None
+                    raise MissionRefused(doubt, kind, here.at) from None
+                raise NoAnswer(f"{silence} after {here.at} of {count} items of the {list_name(kind)}") from None
             step = None
             match heard:
-                case ItemAt(s, _, k) as item if k == kind and s == seq:
-                    result = take(seq, item)
+                case ItemAt(s, _, k) as item if k == kind and s == here.at:
+                    result = take(s, item)
                     if result != Result.ACCEPTED:
                         return result
                     break
-                case ItemAt(_, _, k) if k == kind and manners.rebukes:
+                case ItemAt(_, _, k) if k == kind and style.rebukes:
                     yield Remark(Ack(Result.INVALID_SEQUENCE, kind))
                 case Ack(result, k) if k == kind and result in DOUBTFUL:
                     doubt = result
                 case Ack(result, k) if k == kind and result != Result.ACCEPTED:
-                    raise MissionRefused(result, kind, seq)
+                    raise MissionRefused(result, kind, here.at)
+        here.at += 1
     return Result.ACCEPTED
 
 
 def download(kind: int, progress: Progress = silent) -> Dialogue[tuple[Item, ...]]:
     """Read the list that the vehicle holds, as it stands on the wire.
+
+    Raises:
+        MissionRefused, NoAnswer.
+    """
+    stored = yield from read_list(kind, progress)
+    return tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in stored)
+
+
+def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
+    """Read the list that the vehicle holds: each item, or the payload it came in.
 
     A vehicle closes a list that nothing is heard about for some seconds (PX4: five): it is then opened again, and the
     reading goes on where it stopped.
@@ -220,38 +239,41 @@ def download(kind: int, progress: Progress = silent) -> Dialogue[tuple[Item, ...
     Raises:
         MissionRefused, NoAnswer.
     """
-    items: list[Item] = []
+    stored: list[Item | bytes] = []
     count = yield from _open_list(kind)
     idle = 0
 
+    def keep(one: Item | bytes) -> None:
+        stored.append(one)
+        progress(len(stored), count)
+
     def take(seq: int, heard: ItemAt) -> int:
-        items.append(heard.item)
-        progress(len(items), count)
+        keep(heard.item)
         return Result.ACCEPTED
 
     while True:
-        before = len(items)
+        before = len(stored)
         try:
-            yield from fetch(count, kind, take, first=before)
+            yield from fetch(count, kind, take, run=ItemsRead(kind, count, at=before, keep=keep))
         except TimeUp as late:
-            raise TimeUp(f"{late}: {len(items)} of {count} items of the {list_name(kind)} had come") from None
+            raise TimeUp(f"{late}: {len(stored)} of {count} items of the {list_name(kind)} had come") from None
         except NoAnswer as silence:
-            idle = idle + 1 if len(items) == before else 0
+            idle = idle + 1 if len(stored) == before else 0
             if idle > 2:
                 raise
             again = yield from _open_list(kind, silence)
             if again != count:  # another list has come in between
-                items.clear()
+                stored.clear()
             count = again
         else:
             yield Remark(Ack(Result.ACCEPTED, kind))
-            return tuple(items)
+            return stored
 
 
 def _open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
     """Ask how long the list is; `silence` is what there was to say if nobody answers."""
     step: Step = Ask(RequestList(kind))
-    overheard = Overheard()
+    texts = VehicleTexts()
     while True:
         try:
             heard = yield step
@@ -262,10 +284,10 @@ def _open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
             case Count(count, k) if k == kind:
                 return count
             case Ack(result, k) if k == kind and result not in (Result.ACCEPTED, *DOUBTFUL):
-                yield from _listen_for_words(overheard)
-                raise MissionRefused(result, kind, words=str(overheard))
+                yield from _listen_for_words(texts)
+                raise MissionRefused(result, kind, words=str(texts))
             case _:
-                overheard.note(heard)
+                texts.note(heard)
 
 
 def clear(kind: int) -> Dialogue[None]:
@@ -275,7 +297,7 @@ def clear(kind: int) -> Dialogue[None]:
         MissionRefused, NoAnswer.
     """
     step: Step = Ask(ClearAll(kind))
-    overheard = Overheard()
+    texts = VehicleTexts()
     while True:
         heard = yield step
         step = None
@@ -283,14 +305,14 @@ def clear(kind: int) -> Dialogue[None]:
             case Ack(Result.ACCEPTED, k) if k == kind:
                 return
             case Ack(result, k) if k == kind and result not in DOUBTFUL:
-                yield from _listen_for_words(overheard)
-                raise MissionRefused(result, kind, words=str(overheard))
+                yield from _listen_for_words(texts)
+                raise MissionRefused(result, kind, words=str(texts))
             case _:
-                overheard.note(heard)
+                texts.note(heard)
 
 
-def _listen_for_words(overheard: Overheard) -> Dialogue[None]:
+def _listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
     heard: Message | None = yield Pause(WORDS_S)
     while heard is not None:
-        overheard.note(heard)
+        texts.note(heard)
         heard = yield None

@@ -14,7 +14,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.link.dataflash import read_records
 from ipoa_mission.link.logged import Begun, Fixes, Held, Log, item_begun, presence
-from ipoa_mission.link.messages import Current, HomePosition, Message, ParamValue, Text
+from ipoa_mission.link.messages import Current, Message, ParamValue, Text
+from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1

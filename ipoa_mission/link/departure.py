@@ -11,13 +11,7 @@ from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE, mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
-from ipoa_mission.link.messages import (
-    CUSTOM_MODE_FLAG,
-    CommandResult,
-    Current,
-    Position,
-    SystemStatus,
-)
+from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandResult, Current
 from ipoa_mission.link.orders import (
     COMPONENT_ARM_DISARM,
     DO_SET_MODE,
@@ -28,6 +22,7 @@ from ipoa_mission.link.orders import (
     stream,
 )
 from ipoa_mission.link.state import VehicleState
+from ipoa_mission.link.telemetry import Position, SystemStatus
 
 NAV_TAKEOFF, RUN_PREARM_CHECKS = 22, 401
 #: What a flight is watched by, and how often it is wanted [s]; ArduPilot sends none of it unasked.

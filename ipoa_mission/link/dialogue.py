@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Message
 
 T = TypeVar("T")
@@ -37,18 +38,22 @@ class TimeUp(MissionError):
 
 @dataclass(frozen=True)
 class Ask:
-    """Say this, again and again, until an answer comes; `item`: one of many, for which the shorter timer holds."""
+    """Say this, again and again, until an answer comes; `item`: one of many, for which the shorter timer holds.
+
+    `run`: the items that may be read before the dialogue looks again.
+    """
 
     message: Message
     item: bool = False
+    run: ItemsRead | None = None
 
 
 @dataclass(frozen=True)
 class Tell:
-    """Say this once and wait for what the other side makes of it; `next` is what will probably be said then."""
+    """Say this once and wait for what the other side makes of it; `run`: what may be said before the dialogue looks."""
 
     message: Message
-    next: Message | None = None
+    run: ItemsSent | None = None
 
 
 @dataclass(frozen=True)
@@ -195,6 +200,7 @@ class Exchange(Generic[T]):
         self._awaited: Ask | Tell | Pause = Pause(math.inf)
         self._since = self._said = self._heard = now
         self._repeats = 0
+        self._ran_from = -1
         self._acted_on: tuple[Message | None, float] = (None, -math.inf)
         self._result: T | None = None
         self._follow(self._resume(None), now)
@@ -221,10 +227,31 @@ class Exchange(Generic[T]):
         """How long what was said has been waiting for its answer."""
         return 0.0 if self.finished or isinstance(self._awaited, Pause) else now - self._since
 
-    @property
-    def foreseen(self) -> Message | None:
-        """What will probably be said next, so that it can be made ready while one waits."""
-        return self._awaited.next if isinstance(self._awaited, Tell) else None
+    def run(self) -> ItemRun | None:
+        """The items that may go on by themselves from here; whoever lets them tells so (`ran`)."""
+        if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
+            return None
+        run = self._awaited.run
+        if run.is_ending:
+            return None
+        run.said_s = self._said
+        run.wait_s = self._wait_s if isinstance(self._awaited, Ask) else self._patience.silence_s
+        self._ran_from = run.at
+        return run
+
+    def ran(self, run: ItemRun, now: float) -> None:
+        """Items have gone on to `run.at`: what was said and heard last was said and heard here."""
+        if run.at == self._ran_from:
+            return
+        self._heard = now
+        self._since = self._said = run.said_s
+        if isinstance(run, ItemsRead):
+            self._awaited = Ask(run.question, item=True, run=run)
+            self._acted_on = (None, now)
+            if run.round_trip_s is not None:
+                self._tempo.sample(run.round_trip_s)
+        elif isinstance(run, ItemsSent):
+            self._acted_on = (run.acted_on, run.said_s)
 
     def outgoing(self) -> list[Message]:
         """What is to be said now; each message once."""
@@ -301,6 +328,8 @@ class Exchange(Generic[T]):
         self._awaited = step
         self._since = now
         self._repeats = 0
+        if isinstance(step, Ask):
+            self._acted_on = (None, now)  # what answers a new question is no echo, even in the same words
         if not isinstance(step, Pause):
             self._say(step.message, now)
 

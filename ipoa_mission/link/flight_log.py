@@ -16,7 +16,8 @@ from ipoa_mission.items import Item, Mission
 from ipoa_mission.link.copter_log import read_copter_log
 from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.logged import Begun, Held, Log, told
-from ipoa_mission.link.messages import Current, Heartbeat, HomePosition, Message, ParamValue, Position, SystemTime
+from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
+from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.link.telemetry_log import read_telemetry_log
 from ipoa_mission.link.ulog import read_ulog
 from ipoa_mission.mission.firmware import from_wire, home_item

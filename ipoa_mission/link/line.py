@@ -5,7 +5,7 @@
 
 import logging
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol, TypeVar
@@ -15,6 +15,8 @@ from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, Patience, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
+from ipoa_mission.link.item_frames import ItemFrames
+from ipoa_mission.link.item_run import ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Firmware, Heartbeat, Message
 from ipoa_mission.link.routes import CLAIM_S, Routes
 from ipoa_mission.link.tlog import TlogWriter
@@ -38,8 +40,8 @@ class Carrier(Protocol):
     def receive(self, until: float) -> list[Heard]:
         """What was said to us up to this moment, at the latest; returns at once when something came."""
 
-    def prepare(self, message: Message, target: Target) -> None:
-        """What will probably be said next, so that it can be made ready while one waits."""
+    def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
+        """`receive`; the steps of a run of items may be taken meanwhile, until something else is heard."""
 
     def understands(self, target: Target) -> None:
         """This target has answered what we said."""
@@ -88,44 +90,82 @@ class Line:
         self._is_old: dict[Target, bool] = {}
         self._understands: set[Target] = set()
         self._next_heartbeat = channel.now()
+        self._frames: ItemFrames | None = None
 
     def now(self) -> float:
         """See `Carrier`."""
         return self.channel.now()
 
-    def prepare(self, message: Message, target: Target) -> None:
-        """See `Carrier`."""
-        self.codec.prepare(message, target)
-
     def send(self, message: Message, target: Target = EVERYONE) -> None:
         """Say something to one vehicle, or to all."""
         frame = self.codec.encode(message, target, self.channel.unix_s())
-        if self._log:
-            self._log.write(frame, self.channel.unix_s())
         if 0 not in target:
             self._routes.speak_to(target)
-        peers = self._routes.to(target)
-        for peer in peers or {None}:
+        self._send(frame, self._routes.to(target))
+
+    def _send(self, frame: bytes, peers: Iterable[Peer]) -> None:
+        if self._log:
+            self._log.write(frame, self.channel.unix_s())
+        for peer in peers or (None,):
             self.channel.send(frame, peer)
 
     def receive(self, until: float) -> list[Heard]:
         """What was said to us (or to everyone) up to this moment, at the latest; keeps our own heartbeat going."""
+        self._keep_present()
+        heard: list[Heard] = []
+        for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
+            heard += self._hear(data, peer)
+        return heard
+
+    def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
+        """See `Carrier`: ends when something else came than the run's next step, or nothing in time."""
+        channel, holder = self.channel, self._routes.holder(target)
+        if holder is None or self._routes.framer(holder).is_torn:
+            return self.receive(min(until, run.said_s + run.wait_s))
+        if self._frames is None or self._frames.run is not run:
+            self._frames = ItemFrames(run, self.codec, target)
+        frames, peers, begun_at = self._frames, self._routes.to(target), run.at
+        heard: list[Heard] | None = None
+        while heard is None:
+            self._keep_present()
+            limit = min(until, run.said_s + run.wait_s)
+            got = channel.receive(min(limit, self._next_heartbeat))
+            now = channel.now()
+            for data, peer in got:
+                if heard is None and peer == holder and frames.take(data):
+                    if self._log:
+                        self._log.write(data, channel.unix_s())
+                    self._send(frames.reply(channel.unix_s()), peers)
+                    run.round_trip_s, run.said_s = now - run.said_s, now
+                else:
+                    heard = (heard or []) + self._hear(data, peer)
+            if heard is None and (run.is_ending or is_over() or now >= (limit if not got else until)):
+                heard = []
+        if run.at != begun_at:
+            self._routes.claim(target, holder, run.said_s)
+            self._routes.learn(target, holder, run.said_s)
+            self._is_old[target] = False
+        return heard
+
+    def _keep_present(self) -> None:
         now = self.channel.now()
         if now >= self._next_heartbeat:
             self._next_heartbeat = now + HEARTBEAT_S
             self.send(Heartbeat(MAV_TYPE_GCS, Firmware.INVALID))
+
+    def _hear(self, data: bytes, peer: Peer) -> list[Heard]:
+        """What bytes of a peer say to us."""
         heard: list[Heard] = []
-        for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
-            now = self.channel.now()
-            framer = self._routes.framer(peer)
-            for frame in framer.datagram(data) if self.channel.datagrams else framer.feed(data):
-                one = self.codec.decode(frame)
-                if one is None or not self._is_known(one, peer, now):
-                    continue
-                if self._log:
-                    self._log.write(frame, self.channel.unix_s())
-                if one.message is not None and one.is_for(self.codec.system, self.codec.component):
-                    heard.append(one)
+        now = self.channel.now()
+        framer = self._routes.framer(peer)
+        for frame in framer.datagram(data) if self.channel.datagrams else framer.feed(data):
+            one = self.codec.decode(frame)
+            if one is None or not self._is_known(one, peer, now):
+                continue
+            if self._log:
+                self._log.write(frame, self.channel.unix_s())
+            if one.message is not None and one.is_for(self.codec.system, self.codec.component):
+                heard.append(one)
         return heard
 
     def contested(self, system: int) -> bool:
@@ -209,9 +249,13 @@ def converse(
             while not exchange.finished:
                 for message in exchange.outgoing():
                     line.send(message, target)
-                if exchange.foreseen:
-                    line.prepare(exchange.foreseen, target)
-                for heard in line.receive(min(exchange.deadline, until, now() + NOTICE_S)):
+                moment = min(exchange.deadline, until, now() + NOTICE_S)
+                if (run := exchange.run()) is None:
+                    everything = line.receive(moment)
+                else:
+                    everything = line.carry_on(run, target, min(until, now() + NOTICE_S), lambda: interrupt.is_pending)
+                    exchange.ran(run, now())
+                for heard in everything:
                     if (heard.system, heard.component) == target and heard.message is not None:
                         if overhear:
                             overhear(heard.message)

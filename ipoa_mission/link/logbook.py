@@ -10,20 +10,9 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
-from ipoa_mission.link.messages import (
-    Attitude,
-    CommandAck,
-    CommandResult,
-    Current,
-    Heartbeat,
-    LocalPosition,
-    Message,
-    Position,
-    Reached,
-    SystemTime,
-    Text,
-)
+from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.orders import COMPONENT_ARM_DISARM
+from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.world.frame import Geodetic, apart
 
 #: A vehicle that says nothing for so long is lost.

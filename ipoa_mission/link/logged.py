@@ -9,16 +9,8 @@ import numpy as np
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
-from ipoa_mission.link.messages import (
-    ARMED_FLAG,
-    CUSTOM_MODE_FLAG,
-    Current,
-    Firmware,
-    Heartbeat,
-    Message,
-    Position,
-    SystemTime,
-)
+from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Firmware, Heartbeat, Message
+from ipoa_mission.link.telemetry import Position, SystemTime
 
 MAV_TYPE_QUADROTOR = 2
 #: What ArduPilot says when an item begins: "Mission: 4 WP".

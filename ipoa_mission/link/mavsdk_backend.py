@@ -24,6 +24,7 @@ from ipoa_mission.link.codec import EVERYONE, Heard, Target
 from ipoa_mission.link.conversations import MissionRefused, Progress, list_name, silent
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
+from ipoa_mission.link.item_run import ItemRun
 from ipoa_mission.link.messages import (
     STATION_COMPONENT,
     STATION_SYSTEM,
@@ -33,8 +34,9 @@ from ipoa_mission.link.messages import (
     MissionType,
     Result,
 )
+from ipoa_mission.link.presence import Found
 from ipoa_mission.link.upload import NO_MISSION, ReadBackDiffers, Unflyable
-from ipoa_mission.link.vehicle import Found, Vehicle
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate, degrees
 from ipoa_mission.mission.firmware import compare
 
@@ -104,8 +106,9 @@ class MavsdkLine:
         """See `Carrier`."""
         return time.monotonic()
 
-    def prepare(self, message: Message, target: Target) -> None:
-        """See `Carrier`: MAVSDK packs what it sends."""
+    def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
+        """See `Carrier`: MAVSDK carries lists by itself, and here it only listens."""
+        return self.receive(min(until, run.said_s + run.wait_s))
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
         """See `Carrier`."""

@@ -11,16 +11,15 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Step, TimeUp
+from ipoa_mission.link.item_payloads import PAYLOAD_BYTES, pack_items, unpack_items
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
-from ipoa_mission.link.wire import coordinate, degrees
-from ipoa_mission.mission.firmware import compare
 
 MISSION_FILE = "@MISSION/mission.dat"
 MAGIC = 0x763D
 HEADER = struct.Struct("<HHHHH")
-RECORD = struct.Struct("<4f2if2H6B")
+TARGET = (1, 1)  # what each item in it is addressed to
 
 
 class FileRefused(MissionError):
@@ -31,26 +30,11 @@ def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> byte
     """The file of a list as it stands on the wire (home first).
 
     Raises:
-        BadInput: a coordinate does not fit MAVLink's 32 bits.
+        BadInput: an item does not fit MAVLink.
     """
-    rows = [
-        RECORD.pack(
-            *item.params,
-            coordinate(item.latitude_deg, item.frame),
-            coordinate(item.longitude_deg, item.frame),
-            item.altitude,
-            seq,
-            item.command,
-            1,
-            1,
-            item.frame,
-            0,
-            int(item.autocontinue),
-            kind,
-        )
-        for seq, item in enumerate(items)
-    ]
-    return HEADER.pack(MAGIC, kind, 0, 0, len(items)) + b"".join(rows)
+    packed = pack_items(items, kind)
+    packed["target"] = TARGET
+    return HEADER.pack(MAGIC, kind, 0, 0, len(items)) + packed.tobytes()
 
 
 def unpack_mission(data: bytes) -> tuple[Item, ...]:
@@ -62,22 +46,9 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
     if len(data) < HEADER.size or HEADER.unpack_from(data)[0] != MAGIC:
         raise MissionError("mission file: expected ArduPilot's mission.dat, but it does not begin like one")
     count = HEADER.unpack_from(data)[4]
-    if len(data) != HEADER.size + count * RECORD.size:
+    if len(data) != HEADER.size + count * PAYLOAD_BYTES:
         raise MissionError(f"mission file: expected {count} items, but it has {len(data)} bytes")
-    return tuple(_item(row) for row in RECORD.iter_unpack(data[HEADER.size :]))
-
-
-def _item(row: tuple[float, ...]) -> Item:
-    p1, p2, p3, p4, x, y, z, _, command, _, _, frame, _, autocontinue, _ = row
-    return Item(
-        int(command),
-        int(frame),
-        (p1, p2, p3, p4),
-        degrees(int(x), int(frame)),
-        degrees(int(y), int(frame)),
-        z,
-        bool(autocontinue),
-    )
+    return unpack_items(data[HEADER.size :])
 
 
 def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[None]:
@@ -125,7 +96,7 @@ def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
 def _settle(job: Upload, closing: FileMessage) -> Dialogue[None]:
     yield from _question(closing, f"take {MISSION_FILE}")
     stored = unpack_mission((yield from read_file(MISSION_FILE)))
-    difference = compare(job.items, stored, job.autopilot)
+    difference = job.difference(stored)
     if difference is not None:
         raise ReadBackDiffers(job.kind, difference)
 

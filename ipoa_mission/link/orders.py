@@ -7,20 +7,19 @@ from dataclasses import replace
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import message_number
-from ipoa_mission.link.conversations import Overheard
+from ipoa_mission.link.conversations import VehicleTexts
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell
 from ipoa_mission.link.messages import (
-    AutopilotVersion,
     CommandAck,
     CommandLong,
     CommandResult,
     Current,
-    HomePosition,
     ParamRequestRead,
     ParamSet,
     ParamValue,
     SetCurrent,
 )
+from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
 from ipoa_mission.world.frame import Geodetic
 
 DO_SET_MODE = 176
@@ -50,7 +49,7 @@ class CommandRefused(MissionError):
 def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
     """Give a COMMAND_LONG; its result and the words that came with it."""
     seven = (*params, *(0.0,) * (7 - len(params)))
-    overheard = Overheard()
+    texts = VehicleTexts()
     step: Step = Ask(CommandLong(number, seven))  # type: ignore[arg-type]
     while True:
         heard = yield step
@@ -62,13 +61,13 @@ def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
                 if result != CommandResult.ACCEPTED:
                     heard = yield Pause(0.3)
                     while heard is not None:
-                        overheard.note(heard)
+                        texts.note(heard)
                         heard = yield None
-                return result, str(overheard)
+                return result, str(texts)
             case None:
                 raise NoAnswer(f"command {number} was begun, but never ended")
             case _:
-                overheard.note(heard)
+                texts.note(heard)
 
 
 def set_current(seq: int, restart: bool = False) -> Dialogue[None]:

@@ -4,16 +4,8 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.autopilots.modes import does_next, mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.link.messages import (
-    STANDBY,
-    Current,
-    ExtendedState,
-    Heartbeat,
-    Message,
-    Position,
-    SystemStatus,
-    Text,
-)
+from ipoa_mission.link.messages import STANDBY, Current, Heartbeat, Message, Text
+from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 
 ON_GROUND = 1  # MAV_LANDED_STATE
 #: MAV_SYS_STATUS_PREARM_CHECK: the vehicle could be armed in its present mode.

@@ -18,7 +18,6 @@ from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STATION_COMPONENT,
     STATION_SYSTEM,
-    AutopilotVersion,
     CommandAck,
     CommandInt,
     CommandLong,
@@ -27,14 +26,13 @@ from ipoa_mission.link.messages import (
     Event,
     Firmware,
     Heartbeat,
-    HomePosition,
     Message,
     ParamValue,
-    Position,
     Reached,
     Text,
 )
 from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, parameter_value
+from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.link.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times

@@ -17,7 +17,8 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.logged import Fixes, Log, presence, version_name
-from ipoa_mission.link.messages import Current, HomePosition, Message, ParamValue, Reached, Text
+from ipoa_mission.link.messages import Current, Message, ParamValue, Reached, Text
+from ipoa_mission.link.telemetry import HomePosition
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state, as HEARTBEAT.custom_mode has it: main and sub mode.

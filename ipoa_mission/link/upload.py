@@ -13,18 +13,18 @@ from ipoa_mission.link.conversations import (
     DOUBTFUL,
     WARNING,
     MissionRefused,
-    Overheard,
     Progress,
-    download,
+    VehicleTexts,
     list_name,
+    noting_texts,
     offer,
-    overhearing,
+    read_list,
     silent,
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
+from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType, Request, Result
-from ipoa_mission.link.wire import expect_items
-from ipoa_mission.mission.firmware import Difference, compare
+from ipoa_mission.mission.firmware import Difference
 
 #: A transfer that broke off is begun anew, from COUNT, this often; one that got nowhere, only once more.
 ATTEMPTS = 12
@@ -72,8 +72,10 @@ class Upload:
     autopilot: Autopilot
     kind: int = MissionType.MISSION
 
+    packed: Payloads = field(init=False, repr=False, compare=False)
+
     def __post_init__(self) -> None:
-        expect_items(self.items)
+        object.__setattr__(self, "packed", pack_items(self.items, self.kind))
 
     @property
     def truncates(self) -> bool:
@@ -85,9 +87,16 @@ class Upload:
         """Whether the vehicle tells after the Ack that it cannot fly this."""
         return self.autopilot is Autopilot.PX4 and self.kind == MissionType.MISSION and len(self.items) > 0
 
+    def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
+        """What is not as it was sent. An empty list is empty, although ArduPilot may answer with its home alone."""
+        home = 1 if self.autopilot is Autopilot.ARDUPILOT and self.kind == MissionType.MISSION else 0
+        if not self.items and len(stored) <= home:
+            return None
+        return first_difference(self.items, self.packed, stored, self.autopilot)
+
 
 @dataclass
-class Ears(Overheard):
+class MissionReports(VehicleTexts):
     """The vehicle's words, and what it says of the mission that it holds."""
 
     faintest: int = WARNING
@@ -120,7 +129,7 @@ class Course:
     furthest: int = -1  # the last item that was asked for in this attempt
     before: int = -1  # and in the one before
     may_be_whole: bool = False  # whether the vehicle may have the whole list already
-    overheard: Ears = field(default_factory=Ears)
+    reports: MissionReports = field(default_factory=MissionReports)
 
 
 def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
@@ -135,7 +144,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
     course = Course()
     try:
         try:
-            yield from overhearing(_store(job, course, progress), course.overheard)
+            yield from noting_texts(_store(job, course, progress), course.reports)
         except Cancelled:
             yield from _give_in(job, course, progress)
     except TimeUp as late:
@@ -144,27 +153,27 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
         raise TimeUp(f"{late}: attempt {course.attempt} had come to {where}", hint=_leftover(job)) from None
     if job.is_judged:
         try:
-            state = yield from _verdict(course.overheard)
+            state = yield from _verdict(course.reports)
         except (Cancelled, TimeUp) as broken_off:
             raise type(broken_off)(
                 f"{broken_off}: the vehicle holds the whole new {list_name(job.kind)}, verified",
                 hint="whether it finds it flyable was not waited for",
             ) from None
-        if course.overheard.doubts(job):
+        if course.reports.doubts(job):
             yield from _expect_unchanged(job)
         if state == NO_MISSION:
-            why = str(course.overheard) or "no reason was heard"
+            why = str(course.reports) or "no reason was heard"
             raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")
 
 
 def _expect_unchanged(job: Upload) -> Dialogue[None]:
     """Read the list again: the vehicle has spoken of another one since it was verified."""
     try:
-        stored = yield from download(job.kind)
+        stored = yield from read_list(job.kind)
     except (Cancelled, TimeUp, NoAnswer) as broken_off:
         words = f"{broken_off}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
         raise type(broken_off)(words, hint="it spoke of another one after it was verified") from None
-    if (difference := _difference(job, stored)) is not None:
+    if (difference := job.difference(stored)) is not None:
         raise Replaced(job.kind, difference)
 
 
@@ -189,13 +198,13 @@ def _give_in(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
 def _holds(job: Upload) -> Dialogue[bool]:
     """Whether the vehicle has the new list."""
     try:
-        stored = yield from download(job.kind)
+        stored = yield from read_list(job.kind)
     except (MissionRefused, NoAnswer):
         raise Cancelled(
             f"cancelled: the vehicle holds a whole {list_name(job.kind)}, the old or the new one, "
             "but does not answer when asked which"
         ) from None
-    return _difference(job, stored) is None
+    return job.difference(stored) is None
 
 
 def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
@@ -210,8 +219,8 @@ def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
         course.attempt += 1
         course.before, course.furthest = course.furthest, -1
         try:
-            ending = yield from offer(job.items, job.kind, progress=note)
-            stored = yield from download(job.kind)
+            ending = yield from offer(job.items, job.kind, progress=note, packed=job.packed)
+            stored = yield from read_list(job.kind)
         except NoAnswer as silence:
             if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:
                 silence.hint = _leftover(job)
@@ -225,21 +234,13 @@ def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
             refused_before = refusal
             yield from wait(1.0)
         else:
-            difference = _difference(job, stored)
+            difference = job.difference(stored)
             if difference is None:
                 return
             if course.attempt >= 2 and ending in DOUBTFUL:
                 raise MissionRefused(ending, job.kind, len(job.items) - 1)
             if course.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
-
-
-def _difference(job: Upload, stored: Sequence[Item]) -> Difference | None:
-    """What is not as it was sent. An empty list is empty, although ArduPilot may answer with its home alone."""
-    home = 1 if job.autopilot is Autopilot.ARDUPILOT and job.kind == MissionType.MISSION else 0
-    if not job.items and len(stored) <= home:
-        return None
-    return compare(job.items, stored, job.autopilot)
 
 
 def _same(one: MissionRefused, other: MissionRefused | None) -> bool:
@@ -268,7 +269,7 @@ def _withdraw(kind: int) -> Dialogue[None]:
                 step = None
 
 
-def _verdict(ears: Ears) -> Dialogue[int]:
+def _verdict(reports: MissionReports) -> Dialogue[int]:
     """Listen whether the vehicle finds the mission flyable: the last state that it tells counts (0: none was told).
 
     Its reasons may have come at any time since the Ack.
@@ -277,11 +278,11 @@ def _verdict(ears: Ears) -> Dialogue[int]:
     heard = yield Pause(VERDICT_S)
     while heard is not None:
         step: Step = None
-        ears.note(heard)
+        reports.note(heard)
         match heard:
-            case Current(mission_state=told) if told:
-                if state != told:
-                    step = Pause(VERDICT_S if told == NO_MISSION else SECOND_THOUGHTS_S)
-                state = told
+            case Current(mission_state=latest) if latest:
+                if state != latest:
+                    step = Pause(VERDICT_S if latest == NO_MISSION else SECOND_THOUGHTS_S)
+                state = latest
         heard = yield step
     return state

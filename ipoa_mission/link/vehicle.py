@@ -6,7 +6,7 @@ Each verb is one dialogue, held by `converse`; nothing here knows about bytes or
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -20,7 +20,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import open_channel
-from ipoa_mission.link.codec import Codec, Heard, Target
+from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.departure import (
     READY_S,
@@ -36,16 +36,14 @@ from ipoa_mission.link.line import Carrier, Line, converse
 from ipoa_mission.link.logbook import LAST_NAV, FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
-    STANDBY,
     STATION_COMPONENT,
     STATION_SYSTEM,
-    Firmware,
-    Heartbeat,
     Message,
     MissionType,
     Ping,
 )
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
+from ipoa_mission.link.presence import Found, autopilots_in, round_trips_in
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
@@ -59,30 +57,6 @@ PRESENCE_S = 10.0
 OTHERS_S = 1.2
 STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
-
-
-@dataclass(frozen=True)
-class Found:
-    """An autopilot that was heard on a link."""
-
-    system: int
-    firmware: int
-    armed: bool
-    is_ready: bool
-
-    @property
-    def autopilot(self) -> Autopilot:
-        """Its family; any other firmware is spoken to as PX4 is, which keeps closest to the specification."""
-        return Autopilot.ARDUPILOT if self.firmware == Firmware.ARDUPILOT else Autopilot.PX4
-
-
-def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
-    """The autopilots that are heard within so many seconds, by system id."""
-    found: dict[int, Found] = {}
-    until = line.now() + seconds
-    while line.now() < until:
-        found |= _autopilots(line.receive(until))
-    return tuple(found[system] for system in sorted(found))
 
 
 def connect(
@@ -138,8 +112,8 @@ def meet(
     is_met = False
     while line.now() < until:
         heard = line.receive(until)
-        found |= _autopilots(heard)
-        trips |= _round_trips(heard, line.now())
+        found |= autopilots_in(heard)
+        trips |= round_trips_in(heard, line.now())
         if not is_met and (system in found if system is not None else found):
             is_met = True
             until = line.now() + OTHERS_S
@@ -157,25 +131,6 @@ def meet(
     if not anyway:
         line.expect_alone(one.system)
     return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
-
-
-def _autopilots(heard: Iterable[Heard]) -> dict[int, Found]:
-    return {
-        one.system: Found(one.system, beat.autopilot, beat.armed, beat.system_status >= STANDBY)
-        for one in heard
-        if isinstance(beat := one.message, Heartbeat)
-        and one.component == AUTOPILOT_COMPONENT
-        and beat.autopilot != Firmware.INVALID
-    }
-
-
-def _round_trips(heard: Iterable[Heard], now: float) -> dict[int, float]:
-    """How long ago those who answer our ping were asked [s]."""
-    return {
-        one.system: max(now - one.message.time_usec / 1e6, 0.0)
-        for one in heard
-        if isinstance(one.message, Ping) and one.target.system != 0 and one.component == AUTOPILOT_COMPONENT
-    }
 
 
 class Vehicle:
@@ -428,5 +383,5 @@ class Vehicle:
         while not self.state.booted and self.autopilot is Autopilot.ARDUPILOT:
             if self.line.now() >= until:
                 raise NoAnswer(f"the vehicle has not finished its start-up within {STARTUP_S:g} s")
-            for found in _autopilots(self.line.receive(until)).values():
+            for found in autopilots_in(self.line.receive(until)).values():
                 self.state.booted |= found.system == self.system and found.is_ready

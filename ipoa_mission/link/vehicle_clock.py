@@ -11,7 +11,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.link.messages import Attitude, LocalPosition, Message, Position, SystemTime, TimeSync
+from ipoa_mission.link.messages import Message, TimeSync
+from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 
 #: A clock that falls back by more has begun anew; by less, frames have overtaken each other [s].
 RESTARTED_S = 10.0

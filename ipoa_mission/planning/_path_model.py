@@ -202,18 +202,18 @@ def _bends(steps, rules, soft, signs, angles, terms):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def path_model(nodes, first, window, count, chart, rules, soft, even, signs):
+def path_model(nodes, spans, count, chart, rules, soft, even, signs):
     """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
 
     `nodes` (n, 3) depend on `count` control points: node i - 1, i and i + 1 on those from `first[i]` with the
-    coefficients `window[i]` (3, 5). `even` is the length of a leg [m] when all are alike. `signs` (n, 2), between -1
+    coefficients `window[i]` (3, 5); `spans` is (first, window). `even` is the length of a leg [m] when all are alike. `signs` (n, 2), between -1
     and 1, is what is thought of the sign of the turn and of the change of climb at each node; the surer, the less an
     angle resists to being changed (the dual variables of Chan, Golub and Mulet 1999).
 
     Returns the value, its gradient (3 count,), the lower band of the Hessian (15, 3 count), `band[i - j, j]` being its
     element i, j, and the angles (n, 2) [rad]. The model is Gauss-Newton's: what bends downwards is left out.
     """
-    n = len(nodes)
+    n, (first, window) = len(nodes), spans
     gradient, band, angles = np.zeros(3 * count), np.zeros((15, 3 * count)), np.zeros((n, 2))
     steps, danger = Steps(np.zeros((n, 3)), np.zeros(n), np.zeros(n)), np.zeros(n)
     terms = Terms(gradient, band, first, window, np.zeros((3, 3)), np.zeros(15))

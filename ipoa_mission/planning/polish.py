@@ -159,8 +159,8 @@ def _descend(
     count, airspace = bench.some.stop - bench.some.start, (problem.chart, problem.rules)
 
     def model(control: Points) -> tuple[float, Vector, Matrix, Matrix]:
-        nodes, first, window, even = bench.look @ control, bench.first, bench.window, bench.even
-        value, gradient, band, angles = path_model(nodes, first, window, count, *airspace, soft, even, signs)
+        nodes, spans, even = bench.look @ control, (bench.first, bench.window), bench.even
+        value, gradient, band, angles = path_model(nodes, spans, count, *airspace, soft, even, signs)
         return value, *bench.reduced(gradient, band), angles
 
     value, gradient, band, angles = model(control)

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Target
+from ipoa_mission.link.item_payloads import PAYLOAD_BYTES
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
-from ipoa_mission.link.mission_file import HEADER, MISSION_FILE, RECORD, pack_mission, unpack_mission
+from ipoa_mission.link.mission_file import HEADER, MISSION_FILE, pack_mission, unpack_mission
 
 MOST_CLIENTS = 16
 LONGEST_BURST = 100  # messages
@@ -34,7 +35,7 @@ class FileService:
         replace: Callable[[tuple[Item, ...]], bool],
     ) -> None:
         self._offered = offered
-        self._longest = HEADER.size + most_items * RECORD.size
+        self._longest = HEADER.size + most_items * PAYLOAD_BYTES
         self._listed = listed
         self._replace = replace
         self._sessions: dict[Target, Session] = {}

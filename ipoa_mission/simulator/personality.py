@@ -11,7 +11,7 @@ from types import MappingProxyType
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.modes import px4_mode
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.link.conversations import Manners
+from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import CommandResult, Firmware, MissionType, Result
 from ipoa_mission.simulator.flight import FlightMode
@@ -50,7 +50,7 @@ class Personality:
 
     autopilot: Autopilot
     mav_autopilot: int
-    manners: Manners  # how it fetches
+    manners: RequestStyle  # how it fetches
     patience: Patience  # when it asks again, and when it gives up
     timeout_result: int | None  # the Ack that ends a transfer which timed out
     timeout_text: str
@@ -126,7 +126,7 @@ def _asks_every(seconds: float, give_up_s: float) -> Patience:
 ARDUCOPTER = Personality(
     autopilot=Autopilot.ARDUPILOT,
     mav_autopilot=Firmware.ARDUPILOT,
-    manners=Manners(legacy=True, rebukes=True),
+    manners=RequestStyle(legacy=True, rebukes=True),
     patience=_asks_every(1.0, 8.0),
     timeout_result=Result.OPERATION_CANCELLED,
     timeout_text="Mission upload timeout",
@@ -184,7 +184,7 @@ ARDUCOPTER = Personality(
 PX4 = Personality(
     autopilot=Autopilot.PX4,
     mav_autopilot=Firmware.PX4,
-    manners=Manners(),
+    manners=RequestStyle(),
     patience=_asks_every(0.25, 5.0),
     timeout_result=None,
     timeout_text="Operation timeout",

@@ -3,15 +3,12 @@
 import math
 from collections.abc import Callable
 
-from ipoa_mission.autopilots.vehicle import Autopilot as Family
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import Channel, Peer, open_channel
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 
 PERFECT = Faults()
 LONGEST_WAIT_S = 0.1
@@ -20,20 +17,15 @@ MOST_PIPES = 32
 
 def serve(
     url: str,
-    family: Family,
-    home: Geodetic,
+    autopilot: Autopilot,
     speedup: float = 1.0,
     faults: Faults = PERFECT,
-    parameters: Parameters | None = None,
     system: int = 1,
     seed: int = 0,
     signer: Signer | None = None,
-    cold: bool = True,
     until: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Run an autopilot at `url` until `until` says so (asked ten times a second), or Ctrl-C.
-
-    `cold`: it is powered up now, and like a real one it has no position for a while.
+    """Run `autopilot` at `url` until `until` says so (asked ten times a second), or Ctrl-C.
 
     Raises:
         BadInput, LinkDown: the link cannot be opened.
@@ -42,7 +34,6 @@ def serve(
         raise BadInput(f"speedup: expected 0.01 to 1000, not {speedup}")
     channel = open_channel(url)
     try:
-        autopilot = Autopilot(family, home, parameters, cold, faults.nak_at)
         station = Station(autopilot, system, signer, channel.datagrams)
         Server(channel, station, speedup, faults, seed).run(until)
     finally:

@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping, Set
 from types import MappingProxyType
 
 from ipoa_mission.link.codec import Target, message_name
-from ipoa_mission.link.messages import (
+from ipoa_mission.link.messages import Message
+from ipoa_mission.link.telemetry import (
     Attitude,
     ExtendedState,
     GlobalOrigin,
@@ -13,12 +14,11 @@ from ipoa_mission.link.messages import (
     HomePosition,
     Hud,
     LocalPosition,
-    Message,
     Position,
     SystemStatus,
     SystemTime,
 )
-from ipoa_mission.link.wire import saturated
+from ipoa_mission.link.telemetry_wire import saturated
 from ipoa_mission.simulator.flight import Flight
 
 FASTEST_S, SLOWEST_S = 0.01, 2000.0

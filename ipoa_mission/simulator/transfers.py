@@ -15,6 +15,7 @@ from ipoa_mission.items import Item
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Dialogue, Exchange, NoAnswer, Tell
+from ipoa_mission.link.item_run import ItemsRead
 from ipoa_mission.link.messages import (
     Ack,
     ClearAll,
@@ -187,7 +188,7 @@ class Transfers:
             self._open(kind, client, first, last + 1, now)
 
     def _open(self, kind: int, client: Target, first: int, count: int, now: float) -> None:
-        dialogue = fetch(count, kind, self._taker(kind, count), self._habits.manners, first)
+        dialogue = fetch(count, kind, self._taker(kind, count), self._habits.manners, ItemsRead(kind, count, at=first))
         incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, self._habits.patience))
         self._incoming[self._slot(kind)] = incoming
         self._flush(incoming)

@@ -11,10 +11,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.timing.cubic import derivatives
 
 SPACING = 0.25  # of the places at which the speed is found [m]
 
@@ -91,8 +91,7 @@ def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
     if len(points) == 2:
         unit = (points[1] - points[0]) / chords[-1]
         return at, np.tile(unit, (len(at), 1)), np.zeros(len(at))
-    curve = CubicSpline(chords, points)
-    first, second = curve(at, 1), curve(at, 2)
+    first, second = derivatives(chords, points, at)
     rate = np.linalg.norm(first, axis=1)
     curvature = np.linalg.norm(np.cross(first, second), axis=1) / rate**3
     lengths = np.concatenate([[0.0], np.cumsum(np.diff(at) * (rate[:-1] + rate[1:]) / 2)])

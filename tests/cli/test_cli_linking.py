@@ -8,10 +8,8 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.link.codec import Heard
 from ipoa_mission.link.dialogue import Cancelled
-from ipoa_mission.link.line import Line
-from ipoa_mission.link.messages import Request
+from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.world.frame import Geodetic
@@ -134,18 +132,17 @@ def test_a_key_in_a_file_goes_before_the_passphrase(
 def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(
     run: Run, autopilot: Serve, mission: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    receive = Line.receive
+    asked_for = ItemsSent.asked_for
     pressed: list[bool] = []
 
-    def impatient(line: Line, until: float) -> list[Heard]:
-        heard = receive(line, until)
-        if not pressed and any(isinstance(one.message, Request) and one.message.seq == 2 for one in heard):
+    def impatient(run: ItemsSent, seq: int) -> None:
+        asked_for(run, seq)
+        if not pressed and seq == 2:
             pressed.append(True)
             signal.raise_signal(signal.SIGINT)
-        return heard
 
     with autopilot() as link:
-        monkeypatch.setattr(Line, "receive", impatient)
+        monkeypatch.setattr(ItemsSent, "asked_for", impatient)
         monkeypatch.setattr(signal, "getsignal", lambda number: signal.default_int_handler)
         ended = run(f"upload {mission} --link {link} --log up.tlog")
     assert ended.code == 130

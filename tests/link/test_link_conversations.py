@@ -9,9 +9,9 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import (
     GRACE_S,
-    Manners,
     MissionRefused,
-    Overheard,
+    RequestStyle,
+    VehicleTexts,
     clear,
     download,
     fetch,
@@ -229,7 +229,7 @@ def test_a_duplicate_of_an_item_is_ignored() -> None:
 
 
 def test_a_fetcher_with_a_temper_rebukes_it() -> None:
-    talk = Talk(fetch(3, 0, accept, Manners(legacy=True, rebukes=True))).hear(item(0))
+    talk = Talk(fetch(3, 0, accept, RequestStyle(legacy=True, rebukes=True))).hear(item(0))
     assert talk.said == [Request(0, legacy=True), Request(1, legacy=True)]
     assert talk.hear(item(0)).said == [Ack(Result.INVALID_SEQUENCE)]
 
@@ -336,12 +336,12 @@ def test_lists_are_called_what_humans_call_them() -> None:
 
 
 def test_only_the_last_words_are_kept() -> None:
-    overheard = Overheard()
+    texts = VehicleTexts()
     for n in range(20):
-        overheard.note(Text(4, f"word {n}"))
-        overheard.note(Text(7, "chatter"))
-    overheard.note(None)
-    assert overheard.words == [f"word {n}" for n in range(12, 20)]
+        texts.note(Text(4, f"word {n}"))
+        texts.note(Text(7, "chatter"))
+    texts.note(None)
+    assert texts.words == [f"word {n}" for n in range(12, 20)]
 
 
 def test_every_error_is_one_that_the_command_line_can_tell() -> None:

@@ -16,13 +16,12 @@ from ipoa_mission.link.messages import (
     Current,
     Heartbeat,
     Message,
-    Position,
     SetCurrent,
-    SystemStatus,
     Text,
 )
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.state import PREARM_CHECK, VehicleState
+from ipoa_mission.link.telemetry import Position, SystemStatus
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, STREAM = 22, 176, 224, 300, 400, 511

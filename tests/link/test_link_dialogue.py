@@ -170,17 +170,6 @@ def test_a_question_asked_again_before_its_answer_can_have_arrived_is_not_answer
     assert exchange.outgoing() == [Ack(0)] * 3
 
 
-def test_what_will_be_said_next_is_foreseen() -> None:
-    def telling() -> Dialogue[None]:
-        yield Tell(Ack(0), Ack(1))
-        yield Tell(Ack(1))
-
-    exchange = Exchange(telling(), 0.0, SPECIFIED)
-    assert exchange.foreseen == Ack(1)
-    exchange.receive(BEAT, 0.1)
-    assert exchange.foreseen is None
-
-
 def test_a_dialogue_may_catch_silence_and_try_another_way() -> None:
     def stubborn() -> Dialogue[str]:
         try:
@@ -257,3 +246,20 @@ def test_an_answer_to_a_repeated_question_is_no_measure() -> None:
     exchange.tick(1.5)
     exchange.receive(Request(0), 1.6)
     assert tempo.wait_s(item=True) == pytest.approx(0.25 * 1.5)
+
+
+def test_the_same_words_in_answer_to_a_new_question_are_no_echo() -> None:
+    """Ten streams are asked for, and each request is granted in the same words."""
+
+    def asking_twice() -> Dialogue[int]:
+        for n in range(2):
+            heard = yield Ask(Request(n))
+            while heard != Ack(0):
+                heard = yield None
+        return 2
+
+    exchange = Exchange(asking_twice(), 0.0, SPECIFIED)
+    exchange.receive(Ack(0), 0.01)
+    exchange.receive(Ack(0), 0.02)
+    assert exchange.finished
+    assert exchange.outgoing() == [Request(0), Request(1)]

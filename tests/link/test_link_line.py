@@ -18,6 +18,7 @@ from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Heartbeat, MissionType, Text
+from ipoa_mission.link.presence import scan
 from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
 from ipoa_mission.link.signing import (
     EPOCH_2015_S,
@@ -30,7 +31,7 @@ from ipoa_mission.link.signing import (
 )
 from ipoa_mission.link.timestamps import Timestamps
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
-from ipoa_mission.link.vehicle import connect, meet, open_line, scan
+from ipoa_mission.link.vehicle import connect, meet, open_line
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station

@@ -11,12 +11,10 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer
 from ipoa_mission.link.messages import (
-    AutopilotVersion,
     CommandAck,
     CommandLong,
     Current,
     Heartbeat,
-    HomePosition,
     Message,
     ParamRequestRead,
     ParamSet,
@@ -24,6 +22,7 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
+from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

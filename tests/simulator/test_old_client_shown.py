@@ -22,7 +22,6 @@ from ipoa_mission.link.messages import (
     ParamRequestRead,
     ParamSet,
     ParamValue,
-    Position,
     Reached,
     Request,
     RequestList,
@@ -30,6 +29,7 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
+from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.firmware import home_item
 from ipoa_mission.simulator.autopilot import Autopilot as BuiltIn
 from ipoa_mission.world.frame import Geodetic

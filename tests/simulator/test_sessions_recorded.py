@@ -27,10 +27,10 @@ from ipoa_mission.link.messages import (
     ItemAt,
     Message,
     ParamValue,
-    Position,
     Reached,
     Text,
 )
+from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import meet
 from ipoa_mission.mission.plan_file import read_plan

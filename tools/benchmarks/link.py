@@ -3,7 +3,7 @@
     python -m tools.benchmarks.link                        what the rows of docs/link/uploads.csv still lack
     python -m tools.benchmarks.link --table                the tables of docs/link.md, from those rows
     python -m tools.benchmarks.link --fast-path            ArduPilot's mission file against items, on a virtual clock
-    python -m tools.benchmarks.link --clean                ours and MAVSDK by turns, 200 items over a perfect link
+    python -m tools.benchmarks.link --clean --runs 20      client beside client over a perfect link, to a server in C
     python -m tools.benchmarks.link --runs 5 --loss 0 30 --rows new.csv
 
 Each upload has an autopilot, a UDP socket and a radio of its own, in real time. Several run at once, for they mostly
@@ -23,8 +23,9 @@ from pathlib import Path
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from tools import REPOSITORY
-from tools.benchmarks.link_benchmark.measure import clean, complete, fast_path
+from tools.benchmarks.link_benchmark.measure import complete, fast_path
 from tools.benchmarks.link_benchmark.rows import CLIENTS, Cell, read_rows
+from tools.benchmarks.link_benchmark.speed import HEADING, speed
 from tools.benchmarks.link_benchmark.tell import table
 
 ROWS = REPOSITORY / "docs" / "link" / "uploads.csv"
@@ -46,9 +47,9 @@ def main() -> None:
     parser.add_argument("--clean", action="store_true")
     arguments = parser.parse_args()
     if arguments.clean:
-        print("| autopilot | ours | by-file | mavsdk |\n|---|---|---|---|")
+        print(HEADING)
         for autopilot in arguments.autopilots:
-            print(clean(autopilot, arguments.runs), flush=True)
+            print(speed(autopilot, arguments.runs), flush=True)
         return
     if arguments.fast_path:
         print("| delay, ms | loss, % | item by item, s | as one file, s | times as quick |\n|---|---|---|---|---|")

@@ -28,6 +28,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
+from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
 from ipoa_mission.link.conversations import clear, download
 from ipoa_mission.link.departure import Departure, depart, prepare
@@ -163,7 +164,7 @@ def random_message(chance: random.Random) -> m.Message:
             m.FileTransfer(chance.randbytes(251)),
             FileMessage(chance.randrange(12), Opcode.ACK, 0, chance.randrange(12), 0, b"\x3d" * 200).pack(),
             m.Heartbeat(2, 12),
-            m.AutopilotVersion(chance.getrandbits(60)),
+            telemetry.AutopilotVersion(chance.getrandbits(60)),
         ]
     )  # fmt: skip
 

@@ -1,9 +1,9 @@
-"""Uploads, one and many: over bad radios, over a perfect link, and as one file."""
+"""Uploads, one and many: over bad radios, and as one file."""
 
 import statistics
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import ExitStack, closing
+from contextlib import closing
 from pathlib import Path
 
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -18,9 +18,9 @@ from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from tools.benchmarks.link_benchmark.clients import NotConnected, mavproxy
-from tools.benchmarks.link_benchmark.rows import CLIENTS, Cell, Run, add_row, read_rows
+from tools.benchmarks.link_benchmark.rows import Cell, Run, add_row, read_rows
 from tools.benchmarks.link_benchmark.vehicle import HOME, mission, vehicle
-from tools.benchmarks.link_benchmark.workers import Worker, Workers
+from tools.benchmarks.link_benchmark.workers import Workers
 
 ITEMS = 20
 
@@ -74,22 +74,6 @@ def complete(cell: Cell, runs: int, at_once: int, path: Path) -> None:
         for done in as_completed([pool.submit(run, cell, seed, workers) for seed in missing]):
             add_row(path, done.result())
     print(f"{cell}: {len(missing)} runs more, {len(there)} were there", flush=True)
-
-
-def clean(autopilot: Autopilot, runs: int, items: int = 200) -> str:
-    """A row of the table of clean links: items a second to the Ack, the best and the median of so many by turns."""
-    clients = [one for one in CLIENTS[:3] if one != "by-file" or autopilot is Autopilot.ARDUPILOT]
-    took: dict[str, list[float]] = {client: [] for client in clients}
-    with ExitStack() as stack:
-        workers = {client: stack.enter_context(closing(Worker(client))) for client in clients}
-        for seed in range(runs):
-            for client, worker in workers.items():
-                with vehicle(autopilot, Faults(), seed) as (_, channel):
-                    said, seconds, _ = worker.upload(channel.port, mission(autopilot, items))
-                assert said
-                took[client].append(seconds)
-    rates = [f"{items / min(took[one]):.0f} ({items / statistics.median(took[one]):.0f})" for one in clients]
-    return f"| {autopilot} | {' | '.join(rates if len(rates) == 3 else (rates[0], '', rates[1]))} |"
 
 
 def fast_path(delay_ms: float, loss: float, runs: int) -> str:

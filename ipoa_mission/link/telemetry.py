@@ -1,0 +1,124 @@
+"""What a vehicle tells of itself while it flies, as data: frozen classes like those of `messages`, in SI units."""
+
+from dataclasses import dataclass
+
+from ipoa_mission.link.messages import Message
+
+
+@dataclass(frozen=True)
+class AutopilotVersion(Message):
+    """AUTOPILOT_VERSION: `capabilities` is a bit field of MAV_PROTOCOL_CAPABILITY."""
+
+    capabilities: int
+    flight_sw_version: int = 0
+    uid: int = 0
+
+
+@dataclass(frozen=True)
+class HomePosition(Message):
+    """HOME_POSITION: altitude AMSL [m]."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+
+
+@dataclass(frozen=True)
+class GlobalOrigin(Message):
+    """GPS_GLOBAL_ORIGIN: where the local frame begins."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+
+
+@dataclass(frozen=True)
+class Position(Message):
+    """GLOBAL_POSITION_INT: altitude AMSL, height above home [m]; velocity north, east, down [m/s]; yaw [rad]."""
+
+    time_s: float
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+    height: float
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True)
+class LocalPosition(Message):
+    """LOCAL_POSITION_NED: north, east, down of the origin [m], and the velocity [m/s]."""
+
+    time_s: float
+    position: tuple[float, float, float]
+    velocity: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Gps(Message):
+    """GPS_RAW_INT: a fix of type 3 is three-dimensional."""
+
+    time_s: float
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+    speed: float
+    fix_type: int = 3
+    satellites_visible: int = 12
+
+
+@dataclass(frozen=True)
+class Attitude(Message):
+    """ATTITUDE [rad]."""
+
+    time_s: float
+    roll: float
+    pitch: float
+    yaw: float
+
+
+@dataclass(frozen=True)
+class Hud(Message):
+    """VFR_HUD: speeds [m/s], altitude AMSL [m], heading [deg]."""
+
+    airspeed: float
+    groundspeed: float
+    heading: int
+    throttle: int
+    alt: float
+    climb: float
+
+
+@dataclass(frozen=True)
+class SystemStatus(Message):
+    """SYS_STATUS: sensor bits present, enabled and healthy; volts and remaining battery [%]."""
+
+    present: int
+    enabled: int
+    health: int
+    voltage: float = 12.6
+    battery_remaining: int = 100
+
+
+@dataclass(frozen=True)
+class ExtendedState(Message):
+    """EXTENDED_SYS_STATE: `landed_state` 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
+
+    landed_state: int
+    vtol_state: int = 0
+
+
+@dataclass(frozen=True)
+class SystemTime(Message):
+    """SYSTEM_TIME: seconds since 1970 and since boot."""
+
+    unix_s: float
+    boot_s: float
+
+
+@dataclass(frozen=True)
+class RadioStatus(Message):
+    """RADIO_STATUS: from the radio itself, so it is never signed."""
+
+    rssi: int
+    remrssi: int

@@ -1,0 +1,265 @@
+"""What the built-in autopilot does when it is told: arming, modes, the start of its mission, its current item."""
+
+import math
+from collections.abc import Sequence
+
+from ipoa_mission.autopilots.modes import knows_mode, mode_name
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.link.codec import EVERYONE
+from ipoa_mission.link.logbook import LAST_NAV
+from ipoa_mission.link.messages import CommandResult
+from ipoa_mission.simulator.flight import FlightMode, MissionState
+from ipoa_mission.simulator.reporting import CRITICAL, INFO, WARNING, Reporting
+
+GUIDED = 4  # ArduCopter's mode in which it climbs by command
+ARMED_IN_AUTO = 1  # a bit of AUTO_OPTIONS: arming in AUTO is allowed
+MAIN_MODE_BIT, SUB_MODE_BIT = 16, 24  # where PX4's custom mode has its two bytes
+ACCEPTED, DENIED, UNSUPPORTED = CommandResult.ACCEPTED, CommandResult.DENIED, CommandResult.UNSUPPORTED
+FAILED = CommandResult.FAILED
+
+
+class Commander(Reporting):
+    """A vehicle that obeys: what each order makes of its state, and the answer to it."""
+
+    def arm(self, wish: float) -> CommandResult:
+        """Command 400: let the motors run, or stop them."""
+        if wish not in (0.0, 1.0):
+            return UNSUPPORTED
+        if wish == 0.0:
+            return self._disarm()
+        if self.flight.armed:
+            return ACCEPTED
+        refused = CommandResult(self.habits.refused_arming)
+        if hinders := self._hinders():
+            self._text(CRITICAL, f"Arm: {hinders}" if self.habits.tells_prearm else f"Arming denied: {hinders}\t")
+            return refused
+        if self.mode not in self.habits.armable_modes and not self._arms_in_auto():
+            self._text(CRITICAL, f"Arm: {mode_name(self.habits.autopilot, self.mode)} mode not armable")
+            return refused
+        self._arm(self.habits.arm_words[0])
+        return ACCEPTED
+
+    def _arms_in_auto(self) -> bool:
+        return self.mode == self._mission_mode and bool(int(self._parameters.get("AUTO_OPTIONS", 0.0)) & ARMED_IN_AUTO)
+
+    def _arm(self, words: str) -> None:
+        self.flight.arm()
+        self._armed_s = self._now
+        self._text(INFO, words)
+        if not self.habits.home_is_item_0 and self.mode == self._mission_mode:
+            self._start()
+
+    def _disarm(self) -> CommandResult:
+        if not self.flight.landed:
+            if not self.habits.tells_prearm:
+                self._text(CRITICAL, "Disarming denied: not landed\t")
+            return CommandResult(self.habits.refused_arming)
+        if self.flight.armed:
+            self._stop_motors(self.habits.arm_words[1])
+        return ACCEPTED
+
+    def _notice_disarming(self) -> None:
+        """The pilot has landed and stopped the motors; or they have run for nothing for too long."""
+        if self._armed_s is None:
+            return
+        if not self.flight.armed:
+            if not self.habits.home_is_item_0 and self.flight.mission_state is MissionState.COMPLETE:
+                self._text(INFO, "Mission finished, landed\t")
+            self._stop_motors(self.habits.arm_words[2])
+        elif self._is_standing():
+            delay = self._parameters[self.habits.disarm_delay]
+            if 0.0 < delay <= self._now - self._armed_s:
+                self._stop_motors(self.habits.arm_words[3])
+
+    def _stop_motors(self, words: str) -> None:
+        mode = self._told_mode
+        self.flight.disarm()
+        self._armed_s = None
+        self._text(INFO, words)
+        returned = mode in (self.habits.modes[FlightMode.RETURN], self.habits.modes[FlightMode.LAND])
+        self._idle_mode = self._mode_before if returned and not self.habits.home_is_item_0 else mode
+        self.flight.hold()
+        if self.habits.home_is_item_0:
+            self._tell_changes()
+            self.flight.rewind()
+            self._has_begun = self._runs = False
+            if self.mode == self._mission_mode:
+                self._run()
+
+    def _run(self) -> None:
+        """ArduPilot's mission goes on with its current item, whether it flies or not."""
+        if self._flown:
+            self._has_begun = self._runs = True
+            self._say_begun()
+
+    def _start(self) -> None:
+        """The mission is flown from where it stands."""
+        takes_off = self.flight.landed
+        self.flight.start()
+        if self.habits.home_is_item_0:
+            self._run()
+            return
+        self._text(INFO, "Executing Mission\t")
+        ahead = (item.altitude for item in self._flown[self.flight.current :] if item.has_position)
+        if takes_off and (height := next(ahead, None)) is not None:
+            item = self._flown[self.flight.current]
+            above = height - self.flight.home.altitude if item.frame in (Frame.GLOBAL, Frame.GLOBAL_INT) else height
+            self._text(INFO, f"Climb to {above:.1f} meters above home\t")
+
+    def start_mission(self, params: Sequence[float]) -> CommandResult:
+        """Command 300: fly the mission; PX4 from the item that is named, arming by itself."""
+        if self.habits.mission_arms:
+            if not self._flown:
+                self._text(CRITICAL, "Mission start denied! No valid mission\t")
+                return DENIED
+            if not self.flight.armed:
+                self._idle_mode = self._mission_mode
+                if self._hinders():
+                    return DENIED
+            self._go_to(whole(params[0]))
+            self._idle_mode = self._mission_mode
+            if self.flight.armed:
+                self._start()
+            else:
+                self._arm("Armed by mission start\t")
+            return ACCEPTED
+        if params[0] or params[1]:
+            return DENIED
+        if self.flight.armed and (refused := self._refuses_mode(self._mission_mode)) is not None:
+            return refused
+        result = self._set_mode(self._mission_mode)
+        if result == ACCEPTED and self.flight.armed and self.flight.mode is not FlightMode.MISSION:
+            self._start()
+        return result
+
+    def _has_takeoff_first(self) -> bool:
+        """Whether the first command to come that moves the vehicle is a take-off; DO items may stand before it."""
+        first = 0 if self.flight.mission_state is MissionState.COMPLETE else self.flight.current
+        flown = (item.command for item in self._flown[first:] if item.command < LAST_NAV)
+        return next(flown, None) == Command.NAV_TAKEOFF
+
+    def set_mode(self, params: Sequence[float]) -> CommandResult:
+        """Command 176: main and sub mode for PX4, ArduPilot's one number."""
+        main, sub = whole(params[1]), whole(params[2])
+        return self._set_mode(main if self.habits.home_is_item_0 else _px4_mode(main, sub))
+
+    def _set_mode(self, custom_mode: int) -> CommandResult:
+        if not knows_mode(self.habits.autopilot, custom_mode):
+            if self.habits.home_is_item_0:
+                self._text(WARNING, f"No such mode {custom_mode}")
+            return FAILED
+        if custom_mode == self.mode:
+            return ACCEPTED
+        if self.flight.armed and (refused := self._refuses_mode(custom_mode)) is not None:
+            return refused
+        modes = {number: mode for mode, number in self.habits.modes.items()}
+        mode = modes.get(custom_mode, FlightMode.HOLD)
+        if mode is FlightMode.RETURN or mode is FlightMode.LAND:
+            self._mode_before = self.mode
+        self._runs = False
+        if not self.flight.armed or self.flight.landed or mode is FlightMode.HOLD:
+            self._idle_mode = custom_mode
+            self.flight.hold()
+            if mode is FlightMode.MISSION and self.habits.home_is_item_0:
+                self._run()  # on the ground it takes MISSION_START to leave it
+            elif mode is FlightMode.MISSION and self.flight.armed:
+                self._start()
+        elif mode is FlightMode.MISSION:
+            self._start()
+        elif mode is FlightMode.RETURN:
+            self.flight.return_home()
+        else:
+            self.flight.land()
+        return ACCEPTED
+
+    def _refuses_mode(self, custom_mode: int) -> CommandResult | None:
+        """What an armed vehicle says to a mode that it cannot fly; None where it can."""
+        name = mode_name(self.habits.autopilot, custom_mode)
+        is_mission = custom_mode == self._mission_mode
+        if not self.habits.home_is_item_0:
+            if not is_mission or self._flown:
+                return None
+            self._text(CRITICAL, "Switching to Mission is currently not available\t")
+            return CommandResult.TEMPORARILY_REJECTED
+        if custom_mode in self.habits.placed_modes and self._age < self.habits.start_up.position_s:
+            self._text(WARNING, f"Mode change to {name} failed: requires position")
+            return FAILED
+        if not is_mission:
+            return None
+        lacks = self.habits.missing_takeoff_text
+        if not self._flown or (lacks and self.flight.landed and not self._has_takeoff_first()):
+            if self._flown:
+                self._text(CRITICAL, lacks or "")
+            self._text(WARNING, f"Mode change to {name} failed: init failed")
+            return FAILED
+        return None
+
+    def _go_to(self, seq: int, restart: bool = False) -> bool:
+        index = max(seq - self._first, 0)
+        if not (0 <= seq < len(self._flown) + self._first and self._flown):
+            return False
+        if restart:
+            self.flight.rewind()
+        self.flight.set_current(index)
+        if self.habits.home_is_item_0:
+            self._has_begun = True
+            self._runs = self._runs or restart
+        self._say(self._current(), EVERYONE)
+        self._told_current = index
+        if self.habits.home_is_item_0 and self._runs:
+            self._say_begun()
+        return True
+
+    def jump_to(self, params: Sequence[float]) -> CommandResult:
+        """Command 224."""
+        if not self.habits.knows_command_224:
+            return UNSUPPORTED
+        return ACCEPTED if self._go_to(whole(params[0]), params[1] == 1.0) else DENIED
+
+    def obey(self, mode: FlightMode) -> CommandResult:
+        """Return, land or hold, as a command of its own."""
+        return self._set_mode(self.habits.modes[mode])
+
+    def pause(self, goes_on: float) -> CommandResult:
+        """Command 193: ArduPilot's alone."""
+        if not self.habits.home_is_item_0:
+            return UNSUPPORTED
+        return self._set_mode(self._mission_mode) if goes_on >= 0.5 else self.obey(FlightMode.HOLD)
+
+    def climb(self, height: float) -> CommandResult:
+        """Command 22: ArduPilot takes off in GUIDED; PX4's take-off mode is not simulated."""
+        if not self.habits.home_is_item_0:
+            return UNSUPPORTED
+        if self.mode != GUIDED or not self._is_standing() or not 0.0 < height < math.inf:
+            return FAILED
+        self.flight.climb(height)
+        return ACCEPTED
+
+    def check(self) -> CommandResult:
+        """Command 401: say what hinders arming; PX4 says it by events."""
+        if self.habits.tells_prearm and (hinders := self._hinders()):
+            self._text(CRITICAL, f"PreArm: {hinders}")
+        return ACCEPTED
+
+    def reboot(self, how: float) -> CommandResult:
+        """Command 246: ArduPilot starts up anew, unless it is armed; PX4 in simulation does not."""
+        if not self.habits.home_is_item_0:
+            return DENIED if how else ACCEPTED
+        if how != 1.0:
+            return UNSUPPORTED
+        if self.flight.armed:
+            return FAILED
+        self._powered_s = self._now
+        self._idle_mode = self.habits.first_mode
+        self._has_begun = self._runs = False
+        self.flight.rewind()
+        return ACCEPTED
+
+
+def whole(value: float) -> int:
+    """A parameter of a command as the integer that it means; -1 for what is none."""
+    return int(value) if math.isfinite(value) and abs(value) < 2**31 else -1
+
+
+def _px4_mode(main: int, sub: int) -> int:
+    return (main & 0xFF) << MAIN_MODE_BIT | (sub & 0xFF) << SUB_MODE_BIT

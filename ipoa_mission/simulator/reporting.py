@@ -1,0 +1,187 @@
+"""What the built-in autopilot is and tells by itself: its state, its streams, and what it says at once."""
+
+from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.items import Item
+from ipoa_mission.link import messages as m
+from ipoa_mission.link import telemetry
+from ipoa_mission.link.codec import EVERYONE, Target
+from ipoa_mission.link.logbook import LAST_NAV
+from ipoa_mission.link.messages import Message, MissionType
+from ipoa_mission.simulator import streams
+from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
+from ipoa_mission.simulator.judgement import Infeasible
+from ipoa_mission.simulator.personality import Personality
+from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.simulator.words import SAID_WHEN_REACHED, begun
+
+QUADROTOR = 2  # MAV_TYPE
+CRITICAL, WARNING, INFO = 2, 4, 6  # MAV_SEVERITY
+STATE_UNINIT, STATE_BOOT, STATE_STANDBY, STATE_ACTIVE = 0, 1, 3, 4  # MAV_STATE
+MISSION_ACTIVE, MISSION_SUSPENDED = 1, 2  # MISSION_CURRENT.mission_mode
+TEXT_BYTES = 50  # of one STATUSTEXT
+
+
+class Reporting:
+    """The state of one simulated vehicle, and what it says of it unasked."""
+
+    def __init__(
+        self, habits: Personality, flight: Flight, transfers: Transfers, parameters: Parameters, powered_s: float
+    ) -> None:
+        """`powered_s`: when it was switched on [s]."""
+        self.habits = habits
+        self.flight = flight
+        self.transfers = transfers
+        self._parameters = parameters
+        self._outbox: list[tuple[Message, Target]] = []
+        self._now = 0.0
+        self._powered_s = powered_s
+        self._told_reached = 0
+        self._last_reached = m.Reached(0), 0  # and how often it is still to be said
+        self._told_mode = habits.first_mode
+        self._told_current = -1
+        self._unflyable: Infeasible | None = None
+        self._flown: tuple[Item, ...] = ()  # what the flight was given: without home, and only when it is complete
+        self._idle_mode = habits.first_mode  # what it shows while it does nothing by itself
+        self._mode_before = habits.first_mode  # PX4's, before it was sent home or to the ground
+        self._armed_s: float | None = None
+        self._has_begun = self._runs = False  # ArduPilot: whether it has a current item at all, and goes on with it
+
+    @property
+    def _age(self) -> float:
+        return self._now - self._powered_s
+
+    @property
+    def mode(self) -> int:
+        """HEARTBEAT.custom_mode."""
+        return self._idle_mode if self.flight.mode is FlightMode.HOLD else self.habits.modes[self.flight.mode]
+
+    @property
+    def _mission_mode(self) -> int:
+        return self.habits.modes[FlightMode.MISSION]
+
+    @property
+    def _first(self) -> int:
+        return 1 if self.habits.home_is_item_0 else 0
+
+    def _hinders(self) -> str:
+        """Why it cannot be armed in its present mode; nothing where it can."""
+        start_up = self.habits.start_up
+        if self._age < start_up.steady_s:
+            return start_up.unsteady
+        if self._age < start_up.position_s and self.mode in self.habits.placed_modes:
+            return start_up.unplaced
+        if self.mode == self._mission_mode and not self._flown:
+            return start_up.no_mission
+        if not self.habits.tells_prearm and self.mode not in self.habits.armable_modes:
+            return start_up.unsteady
+        return ""
+
+    def _is_standing(self) -> bool:
+        return self.flight.armed and self.flight.landed and self.flight.mode is FlightMode.HOLD
+
+    # --- what is said unasked ---------------------------------------------------------------------------------------
+
+    def _say(self, message: Message, to: Target) -> None:
+        self._outbox.append((message, to))
+
+    def _text(self, severity: int, text: str) -> None:
+        """Words; what does not fit one message goes on in a second."""
+        for chunk, start in enumerate(range(0, len(text), TEXT_BYTES)):
+            self._say(m.Text(severity, text[start : start + TEXT_BYTES], int(len(text) > TEXT_BYTES), chunk), EVERYONE)
+
+    def _stream(self, name: str) -> Message | None:
+        match name:
+            case "HEARTBEAT":
+                return self._heartbeat()
+            case "SYS_STATUS":
+                return streams.status(not self._hinders(), self.habits.tells_prearm)
+            case "MISSION_CURRENT":
+                self._repeat_reached()
+                return self._current()
+            case "TIMESYNC":
+                return m.TimeSync(0, round(self._now * 1e9))
+            case "GLOBAL_POSITION_INT" if self._age < self.habits.start_up.origin_s:
+                return telemetry.Position(self._now, 0.0, 0.0, 0.0, 0.0) if self.habits.tells_prearm else None
+            case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if self._age < self.habits.start_up.origin_s:
+                return None
+            case _:
+                return streams.FROM_FLIGHT[name](self.flight, self._now)
+
+    def _repeat_reached(self) -> None:
+        reached, times = self._last_reached
+        if times > 0:
+            self._last_reached = reached, times - 1
+            self._say(reached, EVERYONE)
+
+    def _heartbeat(self) -> m.Heartbeat:
+        armed = m.ARMED_FLAG if self.flight.armed else 0
+        state = STATE_STANDBY
+        if not self.transfers.booted:
+            state = STATE_BOOT if self.habits.tells_prearm else STATE_UNINIT
+        elif self.flight.armed and not (self.habits.tells_prearm and self.flight.landed):
+            state = STATE_ACTIVE
+        elif not self.habits.tells_prearm and not self.flight.armed and self._hinders():
+            state = STATE_UNINIT
+        return m.Heartbeat(QUADROTOR, self.habits.mav_autopilot, self.habits.base_mode | armed, self.mode, state)
+
+    def _current(self) -> m.Current:
+        total = len(self.transfers.stores[MissionType.MISSION].items) - self._first
+        if total <= 0:
+            mode = MISSION_SUSPENDED if self._first == 0 else 0
+            return m.Current(0, self.habits.no_total, int(MissionState.NO_MISSION), mode)
+        number = self.transfers.list_id(MissionType.MISSION)
+        if self.habits.home_is_item_0:
+            seq, state = (self.flight.current + 1 if self._has_begun else 0), MissionState.NOT_STARTED
+            if self._runs or self.flight.mode is FlightMode.MISSION:
+                state = MissionState.ACTIVE
+            if self.flight.armed and self.flight.mission_state is MissionState.COMPLETE:
+                state = MissionState.COMPLETE
+            return m.Current(seq, total, int(state), int(self.mode == self._mission_mode), number)
+        active = self.mode in self.habits.placed_modes - {self.habits.modes[FlightMode.HOLD]}
+        state = MissionState.ACTIVE if active else MissionState.NOT_STARTED
+        if self._unflyable:
+            state = MissionState.NO_MISSION
+        elif self.flight.mission_state is MissionState.COMPLETE:
+            state = MissionState.COMPLETE
+        elif not active and self.flight.reached:
+            state = MissionState.PAUSED
+        mode = MISSION_ACTIVE if active else MISSION_SUSPENDED
+        return m.Current(self.flight.current, total, int(state), mode, number)
+
+    def _tell_changes(self) -> None:
+        """Say at once what this firmware does not leave to its streams: an item reached, another current or mode."""
+        reached = self.flight.reached
+        if len(reached) < self._told_reached:
+            self._told_reached = 0
+        fresh = reached[self._told_reached :]
+        if fresh and self._now < fresh[-1].time_s + self.habits.reached_slot_s:
+            return  # another may come and hide it
+        self._told_reached += len(fresh)
+        for n, one in enumerate(fresh):
+            soon = one.time_s + self.habits.reached_slot_s
+            if one.announced and not any(later.time_s < soon for later in fresh[n + 1 :]):
+                self._last_reached = m.Reached(one.index + self._first), self.habits.reached_repeats
+                self._say(self._last_reached[0], EVERYONE)
+            if self.habits.home_is_item_0:
+                self._say_item(one.index)
+        if fresh and self.flight.mode is FlightMode.MISSION and self.habits.home_is_item_0:
+            self._say_begun()
+        elif not self.habits.home_is_item_0 and self.flight.current != self._told_current and self._flown:
+            self._say(self._current(), EVERYONE)
+        self._told_current = self.flight.current
+        if self.mode != self._told_mode:
+            self._told_mode = self.mode
+            if self.habits.heartbeat_on_change:
+                self._say(self._heartbeat(), EVERYONE)
+
+    def _say_item(self, index: int) -> None:
+        """ArduPilot's words for an item that is done."""
+        command = self._flown[index].command
+        if command in SAID_WHEN_REACHED:
+            self._text(INFO, f"Reached command #{index + 1}")
+        elif command > LAST_NAV:
+            self._text(INFO, begun(index + 1, command))
+
+    def _say_begun(self) -> None:
+        if self.flight.current < len(self._flown):
+            self._text(INFO, begun(self.flight.current + 1, self._flown[self.flight.current].command))

@@ -1,0 +1,179 @@
+"""Items that go in a row: byte for byte what the dialogue would have said, and nothing else is taken for the next."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item
+from ipoa_mission.link.channel import Peer
+from ipoa_mission.link.codec import Codec, Framer, Target
+from ipoa_mission.link.item_frames import ItemFrames
+from ipoa_mission.link.item_payloads import PAYLOAD_BYTES, first_difference, pack_items, unpack_items
+from ipoa_mission.link.item_run import ItemsRead, ItemsSent
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
+from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.vehicle import meet
+from ipoa_mission.mission.firmware import compare
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.station import Station
+from tests.link_pair import HOME, items_of
+
+US, VEHICLE = Target(245, 190), Target(1, 1)
+ITEMS = items_of(Autopilot.PX4, 6)
+NOW = 1.8e9
+KEY = bytes(range(32))
+
+
+def sent(at: int = 0) -> ItemsSent:
+    return ItemsSent(MissionType.MISSION, len(ITEMS), at=at, items=ITEMS)
+
+
+def said_by(codec: Codec, message: Message, to: Target = US) -> bytes:
+    return codec.encode(message, to, NOW)
+
+
+def test_what_is_said_in_a_row_is_what_the_codec_says() -> None:
+    row, plain, vehicle = Codec(*US), Codec(*US), Codec(*VEHICLE)
+    frames = ItemFrames(sent(), row, VEHICLE)
+    for seq in range(1, 5):
+        assert frames.take(said_by(vehicle, Request(seq)))
+        assert frames.reply(NOW) == plain.encode(ItemAt(seq, ITEMS[seq]), VEHICLE, NOW)
+
+
+def test_what_is_asked_in_a_row_is_what_the_codec_asks() -> None:
+    row, plain, vehicle = Codec(*US), Codec(*US), Codec(*VEHICLE)
+    kept: list[bytes] = []
+    frames = ItemFrames(ItemsRead(MissionType.MISSION, len(ITEMS), at=0, keep=kept.append), row, VEHICLE)
+    for seq in range(4):
+        assert frames.take(said_by(vehicle, ItemAt(seq, ITEMS[seq])))
+        assert frames.reply(NOW) == plain.encode(Request(seq + 1), VEHICLE, NOW)
+    assert [len(one) for one in kept] == [PAYLOAD_BYTES] * 4
+    assert first_difference(ITEMS[:4], pack_items(ITEMS[:4], 0), kept, Autopilot.PX4) is None
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        said_by(Codec(*VEHICLE), Request(1)),  # late
+        said_by(Codec(*VEHICLE), Request(3)),  # too early
+        said_by(Codec(*VEHICLE), Request(2, MissionType.FENCE)),
+        said_by(Codec(*VEHICLE), Request(2), Target(255, 190)),
+        said_by(Codec(*VEHICLE), Request(2), Target(0, 0)),
+        said_by(Codec(2, 1), Request(2)),
+        said_by(Codec(1, 2), Request(2)),
+        said_by(Codec(*VEHICLE, Signer(KEY)), Request(2)),
+        said_by(Codec(*VEHICLE), Request(2))[:-1] + b"\x00",
+        said_by(Codec(*VEHICLE), Request(2))[:-1],
+        said_by(Codec(*VEHICLE), Request(2)) * 2,
+        b"",
+    ],
+)
+def test_anything_else_is_left_to_the_dialogue(frame: bytes) -> None:
+    frames = ItemFrames(run := sent(at=1), Codec(*US), VEHICLE)
+    assert not frames.take(frame)
+    assert run.at == 1
+    assert frames.take(said_by(Codec(*VEHICLE), Request(2)))
+
+
+def test_with_a_key_only_signed_frames_count_and_each_once() -> None:
+    frames = ItemFrames(run := sent(at=1), Codec(*US, Signer(KEY)), VEHICLE)
+    vehicle = Codec(*VEHICLE, Signer(KEY))
+    second = said_by(vehicle, Request(2))
+    assert not frames.take(said_by(Codec(*VEHICLE), Request(2)))
+    assert not frames.take(said_by(Codec(*VEHICLE, Signer(bytes(32))), Request(2)))
+    assert frames.take(second)
+    run.at = 1
+    assert not frames.take(second)
+    (reply,) = Framer().feed(frames.reply(NOW))
+    heard = Codec(*VEHICLE, Signer(KEY)).decode(reply)
+    assert heard is not None
+    assert isinstance(heard.message, ItemAt)
+    assert heard.message.seq == 1
+
+
+class Counting(Loopback):
+    """Counts the frames of each end."""
+
+    said = heard = 0
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        self.said += 1
+        super().send(data, peer)
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        got = super().receive(until)
+        self.heard += len(got)
+        return got
+
+
+@pytest.mark.parametrize("autopilot", list(Autopilot))
+@pytest.mark.parametrize("key", [None, KEY])
+def test_a_whole_list_takes_one_frame_each_way_an_item_and_few_of_them_reach_the_dialogue(
+    autopilot: Autopilot, key: bytes | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reached: list[Message] = []
+    mock = Mock(autopilot, HOME)
+    channel = Counting(Station(mock, signer=Signer(key) if key else None))
+    vehicle = meet(Line(channel, Codec(*US, Signer(key) if key else None)), fast=False)
+    items = items_of(autopilot, 300)
+    monkeypatch.setattr(vehicle, "_overhear", reached.append)
+    said, heard = channel.said, channel.heard
+    done: list[int] = []
+    vehicle.upload_items(items, MissionType.MISSION, lambda n, total: done.append(n))
+    assert compare(items, mock.transfers.listed(MissionType.MISSION), autopilot) is None
+    assert done == list(range(301))
+    assert channel.said - said < 620
+    assert channel.heard - heard < 700
+    assert sum(isinstance(one, Request | ItemAt) for one in reached) < 30
+
+
+numbers = st.floats(width=32, allow_nan=True, allow_infinity=True)
+items = st.builds(
+    Item,
+    command=st.sampled_from([16, 19, 20, 21, 22, 82, 93, 115, 177, 178, 201, 5001, 5003, 5100, 31000]),
+    frame=st.sampled_from([0, 2, 3, 5, 6, 10, 11, 1]),
+    params=st.tuples(numbers, numbers, numbers, numbers),
+    latitude_deg=st.integers(-900_000_000, 900_000_000).map(lambda n: n / 1e7),
+    longitude_deg=st.integers(-1_800_000_000, 1_800_000_000).map(lambda n: n / 1e7) | st.just(math.nan),
+    altitude=numbers,
+    autocontinue=st.booleans(),
+)
+
+
+@given(st.lists(st.tuples(items, items | st.none()), max_size=6), st.sampled_from(list(Autopilot)))
+def test_a_list_is_compared_in_bulk_as_it_is_item_by_item(
+    pairs: list[tuple[Item, Item | None]], autopilot: Autopilot
+) -> None:
+    wanted = [one for one, _ in pairs]
+    got = [one if other is None else other for one, other in pairs]
+    data = pack_items(got, MissionType.MISSION).tobytes()
+    stored: list[Item | bytes] = [data[n : n + PAYLOAD_BYTES] for n in range(0, len(data), PAYLOAD_BYTES)]
+    in_bulk = first_difference(wanted, pack_items(wanted, MissionType.MISSION), stored, autopilot)
+    one_by_one = compare(wanted, unpack_items(data), autopilot)
+    if one_by_one is None:
+        assert in_bulk is None
+    elif in_bulk != one_by_one:  # what came back bit by bit is no difference, whatever a rounding rule says of it
+        assert one_by_one.seq is not None
+        assert pack_items([wanted[one_by_one.seq]], 0) == pack_items([got[one_by_one.seq]], 0)
+
+
+@given(st.lists(items, max_size=4))
+def test_payloads_are_read_as_they_were_packed(some: list[Item]) -> None:
+    data = pack_items(some, MissionType.MISSION).tobytes()
+    assert pack_items(unpack_items(data), MissionType.MISSION).tobytes() == data
+
+
+def test_one_item_that_came_back_otherwise_is_found_among_many() -> None:
+    packed = pack_items(ITEMS, MissionType.MISSION)
+    other = [*ITEMS[:4], replace(ITEMS[4], latitude_deg=ITEMS[4].latitude_deg + 1e-7), *ITEMS[5:]]
+    data = pack_items(other, MissionType.MISSION).tobytes()
+    stored: list[Item | bytes] = [data[n : n + PAYLOAD_BYTES] for n in range(0, len(data), PAYLOAD_BYTES)]
+    difference = first_difference(ITEMS, packed, stored, Autopilot.PX4)
+    assert difference is not None
+    assert (difference.seq, difference.field) == (4, "latitude")
