@@ -206,9 +206,10 @@ def path_model(nodes, spans, count, chart, rules, soft, even, signs):
     """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
 
     `nodes` (n, 3) depend on `count` control points: node i - 1, i and i + 1 on those from `first[i]` with the
-    coefficients `window[i]` (3, 5); `spans` is (first, window). `even` is the length of a leg [m] when all are alike. `signs` (n, 2), between -1
-    and 1, is what is thought of the sign of the turn and of the change of climb at each node; the surer, the less an
-    angle resists to being changed (the dual variables of Chan, Golub and Mulet 1999).
+    coefficients `window[i]` (3, 5); `spans` is (first, window). `even` is the length of a leg [m] when all are
+    alike. `signs` (n, 2), between -1 and 1, is what is thought of the sign of the turn and of the change of climb
+    at each node; the surer, the less an angle resists to being changed (the dual variables of Chan, Golub and Mulet
+    1999).
 
     Returns the value, its gradient (3 count,), the lower band of the Hessian (15, 3 count), `band[i - j, j]` being its
     element i, j, and the angles (n, 2) [rad]. The model is Gauss-Newton's: what bends downwards is left out.
