@@ -94,3 +94,20 @@ def test_a_vertical_leg_beside_an_obstacle_is_as_near_as_its_points() -> None:
     airspace = Airspace(Bounds((-50, -50, -10), (50, 50, 100)), Flat(0.0), (tower,))
     found = airspace.obstacle_clearance(np.array([[8.0, 0.0, 1.0], [8.0, 0.0, 60.0]]))
     assert (found.distance, found.what) == (pytest.approx(3.0), "tower")
+
+
+def test_an_empty_airspace_is_near_to_nothing() -> None:
+    space = Airspace(WIDE, Flat(), ())
+    line = np.array([(0.0, 0.0, 10.0), (50.0, 0.0, 10.0)])
+    assert list(space.near(line, 100.0)) == []
+    assert space.obstacle_distance(line).tolist() == [np.inf, np.inf]
+    assert space.obstacle_clearance(line).distance == np.inf
+    assert space.clearance(line).tolist() == [10.0, 10.0]
+
+
+def test_near_tells_which_points_and_how_far() -> None:
+    space = Airspace(WIDE, Flat(), (Cylinder("tower", 0.0, 0.0, 5.0, 0.0, 30.0),))
+    points = np.array([(15.0, 0.0, 10.0), (100.0, 0.0, 10.0), (0.0, 8.0, 10.0)])
+    ((body, which, distances),) = space.near(points, 12.0)
+    assert (body.name, which.tolist()) == ("tower", [0, 2])
+    assert distances == pytest.approx([10.0, 3.0])

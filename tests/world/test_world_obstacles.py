@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, box
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone, box
 
 Rng = np.random.Generator
 
@@ -192,3 +192,39 @@ def test_legs_next_to_nothing_off_an_axis_are_as_those_along_it(kind: str) -> No
             a, b = (x * np.eye(3)[axis] for x in rng.uniform(-40, 40, 2))
             least, _ = body.leg_clearance(a + rng.choice([-1, 1], 3) * 1e-319, b + rng.choice([-1, 1], 3) * 2e-319)
             assert least == pytest.approx(body.leg_clearance(a, b)[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_compiled_code_is_told_is_where_the_body_is(kind: str) -> None:
+    body = KINDS[kind](np.random.default_rng(3))
+    (part,) = body.parts
+    middle = part.bounds.mean(axis=0)
+    outer = np.vstack(part.outline())
+    assert np.linalg.norm(outer - middle[:2], axis=1).max() <= part.plan_radius + 1e-9
+    row, shape = part.chart_row(), part.page_shape()
+    if kind == "sphere":
+        assert row.numbers[:3] == pytest.approx(middle)
+        assert row.numbers[3] == shape["radius"] == part.plan_radius
+        assert shape["center"].tolist() == pytest.approx(middle)
+    else:
+        assert row.numbers[3:] == (shape["base"], shape["top"]) == pytest.approx(part.bounds[:, 2])
+        assert len(row.edges) == (0 if kind == "cylinder" else len(outer))
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_drawing_lies_on_the_surface(kind: str, seed: int) -> None:
+    body = KINDS[kind](np.random.default_rng(seed))
+    assert body.solid
+    drawn = np.vstack([*body.tiles(3.0), *body.edges()])
+    width = float((body.bounds[1] - body.bounds[0]).max())
+    assert np.abs(body.distance(drawn)).max() < 0.01 * width
+    for axis in (0, 1):
+        shadow = body.silhouette(axis)
+        np.testing.assert_allclose([shadow.min(axis=0), shadow.max(axis=0)], body.bounds[:, [axis, 2]])
+
+
+def test_nothing_stands_in_a_zone() -> None:
+    zone = Zone("zone", ((0, 0), (9, 0), (9, 9)), (), 0.0, 5.0)
+    assert not zone.solid
+    assert zone != Prism("zone", zone.outer, (), 0.0, 5.0)
