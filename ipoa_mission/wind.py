@@ -16,6 +16,11 @@ class Wind:
     speed: float = 0.0
     from_deg: float = 0.0
 
+    @classmethod
+    def towards(cls, east: float, north: float) -> "Wind":
+        """The wind that blows with these components [m/s]."""
+        return cls(math.hypot(east, north), math.degrees(math.atan2(-east, -north)))
+
     @property
     def east(self) -> float:
         """The part that blows towards the east [m/s]."""

@@ -18,8 +18,9 @@ from recorded_flights import Recorded, read_flights  # noqa: E402
 
 from ipoa_mission.autopilots.px4 import px4_limits  # noqa: E402
 from ipoa_mission.autopilots.vehicle import Autopilot  # noqa: E402
+from ipoa_mission.dynamics.compiled import compiled  # noqa: E402
 from ipoa_mission.itinerary.itinerary import itinerary  # noqa: E402
-from ipoa_mission.timing._compiled import compiled  # noqa: E402
+from ipoa_mission.timing import _px4_steps  # noqa: E402
 from ipoa_mission.timing.body import PX4_SIMULATOR  # noqa: E402
 from ipoa_mission.timing.px4 import _Flight, _Plan  # noqa: E402
 from ipoa_mission.wind import CALM  # noqa: E402
@@ -31,7 +32,7 @@ def model_runs(flight: Recorded, runs: int) -> list[dict[int, float]]:
     plan = _Plan(itinerary(flight.mission), px4_limits(parameters), CALM, PX4_SIMULATOR)
     done = []
     for seed in range(1001, 1001 + runs):
-        one = _Flight(plan, compiled("_px4_steps"), seed)
+        one = _Flight(plan, compiled(_px4_steps), seed)
         one.run()
         done.append({visit.seq: at for visit, at in zip(plan.route.visits, one.done, strict=True)})
     return done

@@ -5,7 +5,7 @@ import math
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.items import Item
-from ipoa_mission.simulator.scurve import Triple
+from ipoa_mission.simulator.body import Triple
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: Commands at which a vehicle spends time; all others are done in passing.
