@@ -118,6 +118,7 @@ class CopterLimits:
     d_velocity: float
     velocity_filter: float
     p_height: float
+    yaw_rate: float
 
 
 def copter_limits(parameters: Parameters) -> CopterLimits:
@@ -173,4 +174,5 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
         d_velocity=p["PSC_VELXY_D"],
         velocity_filter=p["PSC_VELXY_FLTE"],
         p_height=p["PSC_POSZ_P"],
+        yaw_rate=math.radians(p["ATC_SLEW_YAW"] / 100) if p["WP_YAW_BEHAVIOR"] > 0 else 0.0,
     )

@@ -14,6 +14,7 @@ from ipoa_mission.autopilots.ardupilot import (
 )
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
+from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.dynamics.copter.copter import Copter, Stop
 from ipoa_mission.dynamics.copter.motion import DESCENT
 from ipoa_mission.items import Item
@@ -21,10 +22,6 @@ from ipoa_mission.itinerary.copter_spline import FLOWN_ON_INTO, Place, is_passed
 from ipoa_mission.simulator.body import Body
 from ipoa_mission.simulator.program import NAVIGATED
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
-from ipoa_mission.wind import Wind
-
-LOOKED_AT = 2.0  # the nose turns to a place that is farther away [m]
-TURNING = math.radians(270.0)  # the nose's angular acceleration [rad/s^2]
 
 
 class ArduPilotPilot:
@@ -34,13 +31,13 @@ class ArduPilotPilot:
         """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
         self._body, self._now = body, situation
         limits = copter_limits(usable(parameters))
-        self._copter = Copter(limits, Wind.towards(*body.wind), here=body.place)
+        airframe = ARDUPILOT_SIMULATOR.at_altitude(situation.program.home.altitude)
+        self._copter = Copter(limits, body.air, airframe, here=body.place)
         self._legs: Iterator[None] = iter(())
         self._then: Callable[[], None] | None = None
         self._flying = False
         self._touched_s: float | None = None
-        self._heading = body.yaw
-        self._turns, self._slew = parameters["WP_YAW_BEHAVIOR"] > 0, math.radians(parameters["ATC_SLEW_YAW"] / 100)
+        self._copter.state.yaw = body.yaw
         self._lift_s = ARMING_DELAY_S + 2.0 * limits.spool_up + LIFT_S
         self._spool_up = limits.spool_up
 
@@ -76,7 +73,7 @@ class ArduPilotPilot:
             self._stand(self._now.time_s - self._touched_s)
         elif self._flying and lifting and self._copter.step():
             self._go_on()
-        self._move(dt)
+        self._tell()
 
     # --- the mission ------------------------------------------------------------------------------------------------
 
@@ -120,7 +117,6 @@ class ArduPilotPilot:
             case _:
                 after = self._onward(index)
                 self._copter.fly_to(self._stop(index), None if after is None else self._stop(after))
-                self._look_at(self._place(index))
                 self._then = self._arrived
 
     def _place(self, index: int) -> Place:
@@ -161,7 +157,6 @@ class ArduPilotPilot:
     def _take_off(self, height: float, then: Callable[[], None]) -> None:
         self._copter.take_off(height)
         self._legs, self._then = iter(()), then
-        self._heading = self._body.yaw
         self._now.landed, self._flying = False, True
 
     def _come_down(self, legs: Iterator[None]) -> None:
@@ -170,9 +165,6 @@ class ArduPilotPilot:
             return
         self._legs, self._then = legs, self._touch
         next(legs)
-        self._look_at(
-            self._copter.following.target if self._now.mode is FlightMode.RETURN else self._copter.this.target
-        )
 
     def _touch(self) -> None:
         if self._copter.this.kind == DESCENT:
@@ -201,17 +193,10 @@ class ArduPilotPilot:
         else:
             self._copter.hold(math.inf)
 
-    # --- the nose, and what is told of the vehicle ------------------------------------------------------------------
-
-    def _look_at(self, place: Place) -> None:
-        east, north = place[0] - self._body.x, place[1] - self._body.y
-        if self._turns and math.hypot(east, north) > LOOKED_AT:
-            self._heading = math.atan2(east, north)
-
-    def _move(self, dt: float) -> None:
+    def _tell(self) -> None:
+        """Write down where the copter is."""
         body, state = self._body, self._copter.state
-        if self._flying:
-            body.turn(self._heading, self._slew, TURNING, dt)
+        body.yaw = state.yaw % (2.0 * math.pi)
         body.x, body.y, body.z = state.x, state.y, state.z
         body.vx, body.vy, body.vz = state.vx, state.vy, state.vz
         body.lean_x, body.lean_y = state.lean_x, state.lean_y

@@ -21,6 +21,7 @@ from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import PERSONALITIES, Personality
 from ipoa_mission.simulator.transfers import Transfers
 from ipoa_mission.simulator.words import SAID_WHEN_REACHED, begun
+from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
 
 QUADROTOR = 2  # MAV_TYPE
@@ -50,7 +51,7 @@ class Autopilot:
         cold: bool = False,
         nak_at: int | None = None,
         seed: int = 0,
-        wind: tuple[float, float] = (0.0, 0.0),
+        wind: Wind = CALM,
     ) -> None:
         """`cold`: it is powered up now, and has no position for a while; else it has stood there for long.
 

@@ -7,6 +7,8 @@ import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from ipoa_mission.wind import CALM, Wind
+
 GRAVITY = 9.80665
 Triple: TypeAlias = tuple[float, float, float]  # east, north, up
 
@@ -31,10 +33,11 @@ class Body:
     PX4's pilot lets it `step`; ArduCopter's writes down where its own model has it.
     """
 
-    def __init__(self, wind: tuple[float, float] = (0.0, 0.0), airframe: Airframe = PX4_AIRFRAME) -> None:
+    def __init__(self, air: Wind = CALM, airframe: Airframe = PX4_AIRFRAME) -> None:
         self.airframe = airframe
         self.attitude_s = 0.15  # lag of the attitude that is asked for behind what the position controller wants
-        self.wind = wind  # towards, east and north [m/s]
+        self.air = air
+        self.wind = air.east, air.north  # towards [m/s]
         self.x = self.y = self.z = 0.0
         self.vx = self.vy = self.vz = 0.0
         self.ax = self.ay = self.az = 0.0

@@ -21,6 +21,7 @@ from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.program import Program
 from ipoa_mission.simulator.px4_pilot import PX4Pilot
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Reached, Situation
+from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["Flight", "FlightMode", "MissionState", "Reached"]
@@ -55,10 +56,10 @@ class Flight:
         autopilot: Autopilot,
         home: Geodetic,
         parameters: Parameters,
-        wind: tuple[float, float] = (0.0, 0.0),
+        wind: Wind = CALM,
         seed: int = 0,
     ) -> None:
-        """`wind` blows towards east and north [m/s]; `parameters` are read again whenever the vehicle is armed.
+        """`parameters` are read again whenever the vehicle is armed.
 
         `seed` picks the errors of the sensors.
         """

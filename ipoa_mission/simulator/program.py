@@ -26,6 +26,11 @@ class Program:
     def __len__(self) -> int:
         return len(self.items)
 
+    @property
+    def home(self) -> Geodetic:
+        """Where heights and places are counted from."""
+        return self._frame.home
+
     def height(self, item: Item, now: float) -> float:
         """Height above home; an item over terrain, without a number, or of PAYLOAD_PLACE keeps the present one."""
         if item.command == Command.NAV_PAYLOAD_PLACE:

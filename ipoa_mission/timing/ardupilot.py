@@ -21,7 +21,7 @@ from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.dynamics.copter.copter import Copter, Stop
 from ipoa_mission.dynamics.copter.legs import limits_along
 from ipoa_mission.dynamics.copter.motion import STRAIGHT
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.itinerary.copter_spline import FLOWN_ON_INTO, Place, flies_on_to
 from ipoa_mission.itinerary.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
@@ -51,7 +51,12 @@ def fly_arducopter(
     """
     flight = _Flight(route, parameters, wind, airframe, fast)
     for n in range(len(route.visits)):
-        flight.reasons.append(flight.visit(n))
+        try:
+            flight.reasons.append(flight.visit(n))
+        except BadInput:
+            raise
+        except MissionError as lost:
+            raise MissionError(f"items[{route.visits[n].seq - 1}]: {lost}", lost.hint) from None
         flight.done.append(flight.copter.state.time)
     samples = np.concatenate(flight.samples)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]

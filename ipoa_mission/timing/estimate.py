@@ -6,6 +6,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.ardupilot import fly_arducopter
@@ -121,7 +122,8 @@ def predict(
     """
     route = itinerary(mission)
     if mission.autopilot is Autopilot.ARDUPILOT:
-        return route, fly_arducopter(route, mission.parameters, wind, fast)
+        airframe = ARDUPILOT_SIMULATOR.at_altitude(mission.home.altitude)
+        return route, fly_arducopter(route, mission.parameters, wind, fast, airframe)
     body = replace(PX4_SIMULATOR, senses=None) if sure else PX4_SIMULATOR
     return route, fly_px4(route, mission.parameters, wind, fast, body)
 

@@ -6,6 +6,7 @@ one after the other: their methods yield whenever one more is to be flown.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ipoa_mission.autopilots.ardupilot import CENTIMETRE, CopterLimits
@@ -59,6 +60,9 @@ RETURN_ROUNDING = 0.7 * CENTIMETRE
 TAKEOFF_REST = 0.00003
 LEAST_CONE = 0.5  # RTL_CONE_SLOPE counts from here on
 STANDING = 0.1  # [m/s]
+SLOWEST = 0.5  # a copter that the wind leaves less headway does not get on [m/s]
+BLOWN_OFF = -2  # what the stepping code says of a copter that it has lost
+TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, at its risk)"
 SETTLED = 10.0  # a hold that lasts longer changes nothing more [s]
 
 
@@ -82,7 +86,8 @@ class Copter:
         here: Place = (0.0, 0.0, 0.0),
     ) -> None:
         """`fast` is as in `estimate`."""
-        self.limits, self._tuning = limits, tuning(limits, airframe, wind)
+        self.limits, self._tuning, self._wind = limits, tuning(limits, airframe, wind), wind
+        self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = Bounds(limits.speed, limits.climb, limits.descent)
         self._steps = stepping(plain_steps, fast, 0.0)
         self._compiled = self._steps is not plain_steps
@@ -130,7 +135,7 @@ class Copter:
         if self.this.kind == HOLD and self.this.lasts > SETTLED:
             skipped = self.this.lasts - SETTLED
             self.this = self.this._replace(lasts=SETTLED)
-        room = int((60 + 4 * self._least_time()) / (STEP * SAMPLE_STEPS))
+        room = int((60 + 4 * self._least_time() + self.this.length / self._slowest) / (STEP * SAMPLE_STEPS))
         samples = room_for(room, self._compiled)
         legs: Any = (self._before, self.this, self.following)
         if self._compiled:
@@ -140,14 +145,20 @@ class Copter:
         used = self._steps.fly_leg(state, legs, self._packed_tuning, samples)
         self.state = unpacked(state) if self._compiled else self.state
         if used < 0:
-            east, north, _ = self.this.target
-            raise MissionError(
-                f"the copter does not reach {round(east)} m east and {round(north)} m north of home",
-                hint="the wind may be stronger than it can fly against",
-            )
+            raise MissionError(self._lost(used), hint=TOO_WINDY)
         self.state.time += skipped
         self.passed = True
         return rows(samples[:used])
+
+    def _lost(self, why: int) -> str:
+        """In words, where the copter does not get on."""
+        x, y, z = map(round, self.place)
+        east, north, up = map(round, self.this.target)
+        at, to = f"{x} m east, {y} m north, {z} m up of home", f"{east}, {north}, {up} m"
+        wind = f"the wind of {self._wind.at(z):.3g} m/s from {self._wind.from_deg:g} deg"
+        if why == BLOWN_OFF:
+            return f"{wind} blows the copter off its path to {to}, at {at}"
+        return f"the copter does not get on to {to}: after {self.state.time:.0f} s it is at {at}, in {wind}"
 
     def _least_time(self) -> float:
         """About as long as the leg lasts, or less [s]."""
@@ -159,7 +170,7 @@ class Copter:
     def stand(self, seconds: float) -> None:
         """Let time pass on the ground, without any motion."""
         x, y, z = self.place
-        self.state = _at_rest((x, y, max(z, 0.0)), self.state.time + seconds)
+        self.state = replace(_at_rest((x, y, max(z, 0.0)), self.state.time + seconds), yaw=self.state.yaw)
 
     # --- what to fly ------------------------------------------------------------------------------------------------
 

@@ -21,6 +21,8 @@ from ipoa_mission.geometry import Vector as Numbers
 from ipoa_mission.wind import Wind
 
 STEP = 0.02  # [s]
+ASTRAY, ASTRAY_S = 30.0, 3.0  # so far from its target, and so many seconds of flight, no copter falls behind in calm
+STANDING_SHARE = 0.05  # of the speed: a target that is slower does not turn the nose
 
 #: Kinds of legs; CLIMB and DESCENT are those of take-off and landing, which no S-curve shapes.
 NOTHING, STRAIGHT, SPLINE, CLIMB, DESCENT, HOLD = -1.0, 0.0, 1.0, 2.0, 3.0, 4.0
@@ -88,10 +90,15 @@ class Tuning(NamedTuple):
     leaning: float  # share: of the lean that is asked for
     turning: float  # share: of the lean itself
     slowing: float  # share: of the path's clock
-    linear_drag: float
-    quadratic_drag: float
+    rotor_drag: float
+    body_drag: float
     wind_east: float
     wind_north: float
+    wind_exponent: float
+    gradient_height: float
+    slew: float  # of the nose, in one step [rad]; 0: it keeps its heading
+    most_astray: float  # a copter that is farther from its target is blown off its path [m]
+    turning_from: float  # the nose follows a target that moves at more than this [m/s]
 
 
 def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
@@ -118,10 +125,15 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
         leaning=share(limits.lean_lag),
         turning=share(airframe.lag),
         slowing=share(max(limits.accel / limits.jerk, STEP)),
-        linear_drag=airframe.linear_drag,
-        quadratic_drag=airframe.quadratic_drag,
+        rotor_drag=airframe.rotor_drag,
+        body_drag=airframe.body_drag,
         wind_east=wind.east,
         wind_north=wind.north,
+        wind_exponent=wind.exponent,
+        gradient_height=wind.gradient_height,
+        slew=limits.yaw_rate * STEP,
+        most_astray=ASTRAY + ASTRAY_S * limits.speed if wind.speed > 0 else math.inf,
+        turning_from=STANDING_SHARE * limits.speed,
     )
 
 
@@ -145,6 +157,8 @@ class State:
     shaped_y: float = 0.0
     lean_x: float = 0.0
     lean_y: float = 0.0
+    load: float = 1.0  # what the rotors carry of the weight; the air the rest
+    yaw: float = 0.0  # clockwise from north
     error_x: float = 0.0  # filtered error of velocity, and its integral
     error_y: float = 0.0
     integral_x: float = 0.0
@@ -229,7 +243,7 @@ def unpacked(state: Any) -> State:
 
 def room_for(count: int, compiled: bool) -> Any:
     """Room for so many samples."""
-    return np.zeros(count, dtype=_SAMPLE) if compiled else [Sample() for _ in range(count)]
+    return np.empty(count, dtype=_SAMPLE) if compiled else [Sample() for _ in range(count)]
 
 
 def rows(samples: Any) -> Points:

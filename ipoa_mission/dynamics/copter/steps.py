@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-from ipoa_mission.dynamics.copter.airframe import GRAVITY
+from ipoa_mission.dynamics.copter.airframe import GRAVITY, THINNING
 from ipoa_mission.dynamics.copter.motion import (
     CLIMB,
     DESCENT,
@@ -277,21 +277,49 @@ def move(state: State, tuning: Tuning) -> None:
     state.shaped_y += (state.asked_y - state.shaped_y) * tuning.leaning
     state.lean_x += (state.shaped_x - state.lean_x) * tuning.turning
     state.lean_y += (state.shaped_y - state.lean_y) * tuning.turning
+    turn_nose(state, tuning)
     climbed = state.aim_z * state.rate
     state.vz = climbed + tuning.p_height * (state.target_z - state.z - climbed * STEP)
-    lean = math.sqrt(state.lean_x**2 + state.lean_y**2)
-    nx, ny = 1.0, 0.0
-    if lean > 1e-9:
-        nx, ny = state.lean_x / lean, state.lean_y / lean
-    cosine = GRAVITY / math.sqrt(GRAVITY * GRAVITY + lean * lean)
-    x, y = state.vx - tuning.wind_east, state.vy - tuning.wind_north
-    onward, aside = (x * nx + y * ny) * cosine - state.vz * cosine * lean / GRAVITY, y * nx - x * ny
-    drag = tuning.linear_drag + tuning.quadratic_drag * math.sqrt(onward * onward + aside * aside)
-    onward, aside = lean - drag * onward / cosine, -drag * aside
-    state.ax, state.ay = onward * nx - aside * ny, onward * ny + aside * nx
+    x, y, lift = drag(state, tuning)
+    state.load = 1.0 - lift / GRAVITY
+    state.ax, state.ay = state.lean_x * state.load + x, state.lean_y * state.load + y
     state.vx, state.vy = state.vx + state.ax * STEP, state.vy + state.ay * STEP
     state.x, state.y, state.z = state.x + state.vx * STEP, state.y + state.vy * STEP, state.z + state.vz * STEP
     state.time += STEP
+
+
+@jit
+def turn_nose(state: State, tuning: Tuning) -> None:
+    """Turn the nose to where the target moves, once it moves, as quickly as the autopilot does."""
+    if tuning.slew > 0.0 and state.aim_x**2 + state.aim_y**2 > tuning.turning_from**2:
+        error = (math.atan2(state.aim_x, state.aim_y) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
+        state.yaw += min(max(error, -tuning.slew), tuning.slew)
+
+
+@jit
+def drag(state: State, tuning: Tuning) -> Triple:
+    """Acceleration by the air: of the rotors against the way through it, of the body along each of its axes."""
+    gust = 1.0
+    if state.z < tuning.gradient_height:
+        gust = (max(state.z, 0.0) / tuning.gradient_height) ** tuning.wind_exponent
+    x, y, z = state.vx - gust * tuning.wind_east, state.vy - gust * tuning.wind_north, state.vz
+    size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
+    nx, ny, nz = state.lean_x / size, state.lean_y / size, GRAVITY / size  # up, forward and left along the body
+    fx, fy = math.sin(state.yaw), math.cos(state.yaw)
+    tilt = fx * nx + fy * ny
+    size = math.sqrt(1.0 - tilt * tilt)
+    fx, fy, fz = (fx - tilt * nx) / size, (fy - tilt * ny) / size, -tilt * nz / size
+    sx, sy, sz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
+    up, on, aside = x * nx + y * ny + z * nz, x * fx + y * fy + z * fz, x * sx + y * sy + z * sz
+    thinner = THINNING * state.z
+    k = tuning.body_drag * (1.0 - thinner)
+    up, on, aside = k * up * abs(up), k * on * abs(on), k * aside * abs(aside)
+    k = tuning.rotor_drag * (1.0 - thinner / 2.0) * math.sqrt(state.load / nz)
+    return (
+        -k * x - up * nx - on * fx - aside * sx,
+        -k * y - up * ny - on * fy - aside * sy,
+        -k * z - up * nz - on * fz - aside * sz,
+    )
 
 
 @jit
@@ -313,9 +341,10 @@ def step(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning) -
 
 @jit
 def fly_leg(states: Sequence[State], legs: Sequence[Leg], tunings: Sequence[Tuning], samples: Sequence[Sample]) -> int:
-    """Fly until the leg counts as passed; how many samples that took, -1 if there is not room for as many.
+    """Fly until the leg counts as passed; how many samples that took.
 
-    The legs are the one before, this and the following; states and tunings are one of each.
+    -1 if there is not room for as many, -2 if the copter is blown off its path. The legs are the one before, this and
+    the following; states and tunings are one of each.
     """
     state, tuning = states[0], tunings[0]
     before, this, following = legs[0], legs[1], legs[2]
@@ -328,6 +357,9 @@ def fly_leg(states: Sequence[State], legs: Sequence[Leg], tunings: Sequence[Tuni
                 return -1
             keep(state, samples[used])
             used += 1
+            x, y = state.target_x - state.x, state.target_y - state.y
+            if x * x + y * y > tuning.most_astray**2:
+                return -2
     return used
 
 
