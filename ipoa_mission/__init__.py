@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from ipoa_mission.mission.plan_file import write_plan as write_plan
     from ipoa_mission.mission.waypoints_file import write_waypoints as write_waypoints
     from ipoa_mission.planning.obstruction import NoPath as NoPath
+    from ipoa_mission.planning.path_problem import PathProblem as PathProblem
     from ipoa_mission.planning.plan import Plan as Plan
     from ipoa_mission.planning.planner import plan_path as plan_path
     from ipoa_mission.report.compare import Comparison as Comparison
@@ -63,12 +64,15 @@ if TYPE_CHECKING:
     from ipoa_mission.routing.route import NoRoute as NoRoute
     from ipoa_mission.scenario import Scenario as Scenario
     from ipoa_mission.scenario import read_scenario as read_scenario
+    from ipoa_mission.scenario.limits import Limits as Limits
     from ipoa_mission.simulator.faults import Faults as Faults
     from ipoa_mission.simulator.fly import fly as fly
     from ipoa_mission.timing.estimate import Estimate as Estimate
     from ipoa_mission.timing.estimate import ItemTime as ItemTime
     from ipoa_mission.timing.estimate import estimate as estimate
     from ipoa_mission.wind import Wind as Wind
+    from ipoa_mission.world.airspace import Airspace as Airspace
+    from ipoa_mission.world.airspace import Bounds as Bounds
     from ipoa_mission.world.frame import Geodetic as Geodetic
 
     __version__: str
@@ -131,6 +135,7 @@ _NAMES = {
     "exports.table": ("mission_table",),
     "mission.waypoints_file": ("write_waypoints",),
     "planning.obstruction": ("NoPath",),
+    "planning.path_problem": ("PathProblem",),
     "planning.plan": ("Plan",),
     "planning.planner": ("plan_path",),
     "report.compare": (
@@ -147,6 +152,7 @@ _NAMES = {
         "Scenario",
         "read_scenario",
     ),
+    "scenario.limits": ("Limits",),
     "simulator.faults": ("Faults",),
     "simulator.fly": ("fly",),
     "timing.estimate": (
@@ -155,6 +161,10 @@ _NAMES = {
         "estimate",
     ),
     "wind": ("Wind",),
+    "world.airspace": (
+        "Airspace",
+        "Bounds",
+    ),
     "world.frame": ("Geodetic",),
 }
 _WHERE = {name: f"ipoa_mission.{module}" for module, names in _NAMES.items() for name in names}

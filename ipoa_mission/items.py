@@ -10,7 +10,15 @@ from dataclasses import dataclass, field, replace
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.finding import Finding
 from ipoa_mission.world.frame import Geodetic
+
+QUADROTOR = 2  # MAV_TYPE
+#: MAV_TYPE of what hovers on rotors alone: quadrotor, coaxial, helicopter, hexa-, octo-, tri-, dodeca-, decarotor.
+MULTICOPTERS = frozenset({QUADROTOR, 3, 4, 13, 14, 15, 29, 35})
+
+OTHER_VEHICLES = {1: "a fixed wing", 10: "a rover", 11: "a boat", 12: "a submarine"}
+OTHER_VEHICLES |= dict.fromkeys(range(19, 26), "a VTOL")
 
 
 @dataclass(frozen=True)
@@ -62,6 +70,8 @@ class Mission:
 
     `cruise_speed` [m/s] is what ground stations show in a plan's header; the vehicle obeys DO_CHANGE_SPEED.
     `parameters` are those of the vehicle that differ from its autopilot's defaults, by the autopilot's own names.
+    `vehicle_type` is the MAV_TYPE that a `.plan` names. `findings` are what reading the file had to say, and `source`
+    its text: a mission that was not changed is written back as it was.
 
     >>> home = Geodetic(47.397742, 8.545594, 488.0)
     >>> there = Geodetic(47.398642, 8.545594, 488.0)
@@ -79,6 +89,16 @@ class Mission:
     fence: tuple[FencePolygon | FenceCircle, ...] = ()
     rally: tuple[Geodetic, ...] = ()
     parameters: Parameters = field(default_factory=dict, hash=False)
+    vehicle_type: int = QUADROTOR
+    findings: tuple[Finding, ...] = field(default=(), compare=False, repr=False)
+    source: str = field(default="", compare=False, repr=False)
+
+    @property
+    def other_vehicle(self) -> str | None:
+        """What it is for, in words, where that is no multicopter: "a fixed wing"; the time models do not know it."""
+        if self.vehicle_type in MULTICOPTERS:
+            return None
+        return OTHER_VEHICLES.get(self.vehicle_type, f"a vehicle of MAV_TYPE {self.vehicle_type}")
 
     def with_parameters(self, parameters: Parameters) -> "Mission":
         """The same on a vehicle that has these parameters too; they go before those that it carries."""

@@ -1,8 +1,7 @@
 """The recorded missions flown by the built-in autopilot, for the tests and for the table in the documentation."""
 
-from recorded_flights import Recorded
-
 from ipoa_mission.simulator.flight import Flight
+from tests.recorded_flights import Recorded
 
 
 def fly_here(flight: Recorded, seed: int) -> tuple[dict[int, float], float]:

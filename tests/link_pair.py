@@ -5,12 +5,14 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import cycle
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, takeoff, waypoint
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
+from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.simulator.personality import PERSONALITIES
 from ipoa_mission.simulator.transfers import Transfers
@@ -100,7 +102,7 @@ class Air:
         self._beat = 1.0
 
     def hold(
-        self, dialogue: Dialogue[T], patience: Patience = SPECIFIED, interrupts: dict[float, Exception] | None = None
+        self, dialogue: Dialogue[T], patience: Patience = SPECIFIED, interrupts: dict[float, MissionError] | None = None
     ) -> T:
         """The result of the client's dialogue with the vehicle."""
         exchange = Exchange(dialogue, self.now, patience)
@@ -136,3 +138,14 @@ class Air:
             for _ in range(fate.copies):
                 self._count += 1
                 heapq.heappush(self._flying, (self.now + fate.delay_s, self._count, to_vehicle, message))
+
+
+def line_of(vehicle: Any) -> Line:
+    """The link of a vehicle that has one of ours."""
+    assert isinstance(vehicle.line, Line)
+    return vehicle.line
+
+
+def far_end(line: Line) -> Any:
+    """Who is at the other end of a link in this process."""
+    return line.channel.far  # type: ignore[attr-defined]

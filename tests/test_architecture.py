@@ -1,6 +1,7 @@
 """The walls of the house: who may import whom, and what must stay out of the pure rooms."""
 
 import ast
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ import ipoa_mission
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
-GROUND = {"errors", "files", "geometry", "wind"}
+GROUND = {"errors", "files", "finding", "geometry", "wind"}
 
 #: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
 MAY_IMPORT = {
@@ -106,3 +107,92 @@ def test_sockets_serial_ports_and_pymavlink_live_in_one_module_each(path: Path) 
 @pytest.mark.parametrize("path", [p for p in FILES if room(p) in NO_CLOCK], ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_the_pure_rooms_have_no_clock_and_no_global_randomness(path: Path) -> None:
     assert not imports(path) & {"time", "datetime", "random", "asyncio", "threading", "subprocess"}, path
+
+
+#: What is larger than it should be, by name: the list may only shrink.
+LONG_FILES = {
+    "link/messages.py",
+    "link/vehicle.py",
+    "link/wire.py",
+    "planning/_kernels.py",
+    "simulator/autopilot.py",
+    "timing/px4.py",
+}
+LONG_FUNCTIONS = {
+    "planning/_kernels.py:path_model",
+    "timing/_px4_steps.py:fly_to",
+}
+MANY_PARAMETERS = {
+    "planning/_dijkstra.py:spread",
+    "planning/_kernels.py:_add",
+    "planning/_kernels.py:_look",
+    "planning/_kernels.py:path_model",
+    "simulator/server.py:serve",
+    "timing/_px4_steps.py:corner_speed",
+    "timing/_px4_steps.py:vertical_speed",
+}
+LINES_OF_A_FILE, LINES_OF_A_FUNCTION, PARAMETERS = 400, 80, 8
+
+
+def functions() -> Iterator[tuple[str, ast.FunctionDef]]:
+    """Every function but the verbs of the command line, whose parameters are its options."""
+    for path in FILES:
+        if room(path) != "cli":
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.FunctionDef):
+                    yield f"{path.relative_to(PACKAGE).as_posix()}:{node.name}", node
+
+
+def test_files_are_of_a_size_that_one_reads() -> None:
+    long = {path for path in FILES if len(path.read_text(encoding="utf-8").splitlines()) > LINES_OF_A_FILE}
+    assert {path.relative_to(PACKAGE).as_posix() for path in long} == LONG_FILES
+
+
+def test_functions_are_of_a_size_that_one_sees() -> None:
+    long = {name for name, node in functions() if (node.end_lineno or 0) - node.lineno >= LINES_OF_A_FUNCTION}
+    assert long == LONG_FUNCTIONS
+
+
+def test_functions_take_what_one_can_keep_in_mind() -> None:
+    found = set()
+    for name, node in functions():
+        given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+        if len([one for one in given if one.arg not in {"self", "cls"}]) > PARAMETERS:
+            found.add(name)
+    assert found == MANY_PARAMETERS
+
+
+REPOSITORY = PACKAGE.parent
+TOOLS = sorted((REPOSITORY / "tools").rglob("*.py"))
+#: Tools that look behind a room's door; the list may only shrink.
+BEHIND_DOORS = {
+    "benchmarks/flight_ranks.py: ipoa_mission.timing._px4_steps",
+    "benchmarks/flight_ranks.py: ipoa_mission.timing.px4._Flight",
+    "benchmarks/flight_ranks.py: ipoa_mission.timing.px4._Plan",
+    "benchmarks/planning_benchmark/ompl_peers.py: ipoa_mission.planning._kernels",
+}
+
+
+def test_tools_use_what_is_public() -> None:
+    found = set()
+    for path in TOOLS:
+        for name in imports(path):
+            parts = name.split(".")
+            if parts[0] == "ipoa_mission" and any(part.startswith("_") for part in parts):
+                found.add(f"{path.relative_to(REPOSITORY / 'tools').as_posix()}: {name}")
+    assert {
+        one for one in found if not any(other != one and one.startswith(f"{other}.") for other in found)
+    } == BEHIND_DOORS
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_no_room_imports_tools_or_tests(path: Path) -> None:
+    assert not {name.split(".")[0] for name in imports(path)} & {"tools", "tests"}
+
+
+def test_only_the_command_line_imports_the_experiments() -> None:
+    """What reproduces the paper is a program of its own, told of by one verb."""
+    users = {path for path in FILES if any(name.startswith("ipoa_mission.experiments") for name in imports(path))}
+    assert {path.relative_to(PACKAGE).as_posix() for path in users if room(path) != "experiments"} == {
+        "cli/reproducing.py"
+    }

@@ -1,7 +1,7 @@
 """Hold the estimate against the built-in autopilot over random missions and parameters: two models written apart.
 
-python tools/two_models.py px4 [FROM TO]          by default 0 to 200; prints every case that differs, and a summary
-python tools/two_models.py ardupilot [FROM TO]
+python -m tools.two_models px4 [FROM TO]          by default 0 to 200; prints every case that differs, and a summary
+python -m tools.two_models ardupilot [FROM TO]
 
 Both fly without noise. A case differs by more than 5 % and 0.5 s from take-off to the last waypoint, or by more than
 8 % and a second and a half in take-off or landing. Same number, same case.

@@ -26,7 +26,10 @@ def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[F
     at only where every position is sound. Errors come before warnings, items in their order.
     """
     positions = tuple(check_positions(mission))
-    findings = [*check_firmware(mission), *positions]
+    findings = [*mission.findings, *check_firmware(mission), *positions]
+    if mission.other_vehicle:
+        message = f"the mission is for {mission.other_vehicle}: its legs are judged as a multicopter flies them"
+        findings.append(Finding(Severity.WARNING, None, message))
     if not any(finding.severity is Severity.ERROR for finding in positions):
         if scenario is None:
             frame = LocalFrame(mission.home)

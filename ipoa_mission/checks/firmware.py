@@ -34,7 +34,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
 
 
 def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
-    if not mission.items:
+    if not (mission.items or mission.fence or mission.rally):
         yield Finding(Severity.ERROR, None, "the mission: expected at least one item, but there is none")
     counts = {
         "mission items": (len(to_wire(mission)), firmware.max_items),
@@ -113,8 +113,11 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     least = DEFAULT_PARAMETERS[Autopilot.PX4]["NAV_MC_ALT_RAD"] + 1.0 if mission.autopilot is Autopilot.PX4 else 0.0
     for seq, item in moving:
         height = mission.altitude_above_home(item)
-        if item.command in TAKEOFFS and height <= least:  # PX4 finds such a mission infeasible
-            yield error(seq, item, f"expected a take-off to more than {least:g} m above home, not to {height:g} m")
+        if item.command in TAKEOFFS and height <= least:
+            if mission.autopilot is Autopilot.ARDUPILOT:
+                yield warning(seq, item, f"a take-off to {height:g} m above home: ArduCopter climbs 1 m all the same")
+            else:  # PX4 finds such a mission infeasible
+                yield error(seq, item, f"expected a take-off to more than {least:g} m above home, not to {height:g} m")
 
 
 def _ending(mission: Mission) -> Iterator[Finding]:

@@ -11,7 +11,6 @@ import shapely
 from ipoa_mission.checks.finding import Finding, error
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg
-from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.scenario import Scenario
 
 REMEDY = (
@@ -26,7 +25,7 @@ def check_passed_over(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...
     if not things:
         return
     tree = shapely.STRtree([thing.shape for thing in things])
-    required = limits_of(scenario).obstacle_distance + scenario.route.tolerance
+    required = scenario.limits.obstacle_distance + scenario.route.tolerance
     for leg in legs:
         way = shapely.LineString(leg.points[:, :2])
         near = [things[i] for i in tree.query(way, "dwithin", required + leg.stray)]

@@ -11,6 +11,7 @@ from ipoa_mission.checks.finding import Finding, Severity, error, warning
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.itinerary.as_flown import is_as_high_as_now, is_here
 from ipoa_mission.world.frame import Geodetic
 
 FAR, TOO_FAR = 10_000.0, 100_000.0  # [m] from home
@@ -22,7 +23,7 @@ MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
 
 def check_positions(mission: Mission) -> Iterator[Finding]:
     """Findings about home, the positions and heights of items and rally points, and where the fence lies."""
-    yield from _home(mission.home)
+    yield from _home(mission)
     for seq, item in enumerate(mission.items, start=1):
         if item.command in FLOWN_TO | FIRMWARE[mission.autopilot].placed.keys() and item.frame != Frame.MISSION:
             found = list(_position(seq, item, mission))
@@ -65,16 +66,23 @@ def refuse_unsound(mission: Mission) -> None:
     Raises:
         BadInput: in the words of the first error of `check_positions`.
     """
-    for finding in check_positions(mission):
-        if finding.severity is Severity.ERROR:
-            raise BadInput(finding.message)
+    for message in refusals(mission):
+        raise BadInput(message)
 
 
-def _home(home: Geodetic) -> Iterator[Finding]:
+def refusals(mission: Mission) -> tuple[str, ...]:
+    """The errors of `check_positions`, in words."""
+    return tuple(finding.message for finding in check_positions(mission) if finding.severity is Severity.ERROR)
+
+
+def _home(mission: Mission) -> Iterator[Finding]:
+    home = mission.home
     if wrong := out_of_range(home.latitude_deg, home.longitude_deg):
         yield Finding(Severity.ERROR, 0, f"home: {wrong}")
     elif (home.latitude_deg, home.longitude_deg) == (0.0, 0.0):
-        yield Finding(Severity.ERROR, 0, "home: expected a position, not latitude 0, longitude 0")
+        needed = any(item.has_position for item in mission.items)
+        message = "home: expected a position, not latitude 0, longitude 0"
+        yield Finding(Severity.ERROR if needed else Severity.WARNING, 0, message)
     if not DEEPEST_LAND <= home.altitude <= HIGHEST_LAND:
         message = f"home: expected an altitude AMSL from {DEEPEST_LAND:g} to {HIGHEST_LAND:g} m, not {home.altitude:g}"
         yield Finding(Severity.ERROR, 0, message)
@@ -93,7 +101,10 @@ def _position(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
     if wrong := out_of_range(item.latitude_deg, item.longitude_deg):
         yield error(seq, item, wrong)
     elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
-        if item.command not in MAY_BE_HERE:
+        if is_here(item, mission.autopilot):
+            if item.command not in MAY_BE_HERE:
+                yield warning(seq, item, "latitude 0, longitude 0: ArduCopter does it where it is")
+        elif item.command not in MAY_BE_HERE:
             yield error(seq, item, "expected a position, not latitude 0, longitude 0")
         elif mission.autopilot is Autopilot.PX4:
             yield error(seq, item, "expected a position: PX4 would fly to latitude 0, longitude 0")
@@ -120,6 +131,10 @@ def _height(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
         return
     if not math.isfinite(item.altitude):
         yield error(seq, item, f"expected an altitude in metres, not {item.altitude}")
+        return
+    if is_as_high_as_now(item, mission.autopilot):
+        if item.command != Command.NAV_PAYLOAD_PLACE:
+            yield warning(seq, item, "altitude 0: ArduCopter stays as high as it is")
         return
     if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
         if not (item.altitude > 0 or item.command == Command.NAV_LAND) or abs(item.altitude) > HIGHEST:

@@ -20,9 +20,9 @@ def read_with_parameters(
         BadInput: the file, or the parameters beside it, cannot be read.
     """
     mission = read_mission(file, autopilot)
-    remarks: tuple[str, ...] = ()
+    remarks = tuple(finding.message for finding in mission.findings)
     if mission.parameters:
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
         more = len(mission.parameters) - SHOWN
-        remarks = (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
+        remarks += (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
     return mission.with_parameters(parameters or {}), remarks

@@ -25,16 +25,25 @@ def show(
     """
     from dataclasses import asdict
 
+    from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.errors import MissionError
     from ipoa_mission.exports.table import mission_table
     from ipoa_mission.scenario import read_scenario
     from ipoa_mission.timing.estimate import estimate
 
     mission, remarks = read_with_parameters(file, autopilot)
     world = None if scenario is None else read_scenario(scenario)
-    rows = mission_table(mission, world)
-    found = estimate(mission if world is None else mission.assuming(world.vehicle.autopilot_parameters()))
-    done = {item.seq: item.done_s for item in found.items}
+    rows, errors = mission_table(mission, world), refusals(mission)
+    done: dict[int, float] = {}
+    try:
+        if not errors:
+            timed = estimate(mission if world is None else mission.assuming(world.vehicle.autopilot_parameters()))
+            done = {item.seq: item.done_s for item in timed.items}
+        total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
+    except MissionError as error:
+        total = f"no time: {error}"
+    remarks += tuple(errors)
     if as_json:
         tell_json([asdict(row) | {"done_s": done.get(row.seq)} for row in rows])
         return
@@ -59,7 +68,7 @@ def show(
     climbs = [row.climb for row in rows if row.climb is not None]
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
     length = sum(row.length for row in rows if row.length is not None)
-    tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; estimated {found.total_s:.0f} s", *notes(remarks))
+    tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; {total}", *notes(remarks))
 
 
 def export(

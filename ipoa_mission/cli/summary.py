@@ -2,12 +2,11 @@
 
 from ipoa_mission.cli.checking import route_in_words
 from ipoa_mission.flight import Flight
-from ipoa_mission.planning.limits import limits_of
 
 
 def describe(flight: Flight) -> list[str]:
     """The plan in a few lines."""
-    least, required = flight.proof.clearance, limits_of(flight.scenario).obstacle_distance
+    least, required = flight.proof.clearance, flight.scenario.limits.obstacle_distance
     mission, estimate = flight.mission, flight.estimate
     lines = [
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {mission.autopilot}",

@@ -10,7 +10,6 @@ from ipoa_mission.experiments.published import ALGORITHMS
 from ipoa_mission.experiments.rows import Row
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.obstacles import Cylinder, Prism, Sphere
 
 
 def paths_on_maps(rows: Sequence[Row], scenarios: dict[str, Scenario]) -> str:
@@ -44,24 +43,6 @@ def _draw_world(above: Any, front: Any, scenario: Scenario) -> None:
     extent = (east[0], east[-1], north[0], north[-1])
     above.imshow(ground, extent=extent, origin="lower", cmap="Greens", alpha=0.7, interpolation="none")
     front.fill_between(east, ground.max(axis=0), ground.min(), color="0.85")
-    circle = np.linspace(0, 2 * np.pi, 60)
     for body in scenario.airspace.obstacles:
-        match body:
-            case Sphere(_, (x, y, z), r):
-                above.fill(x + r * np.cos(circle), y + r * np.sin(circle), color="0.5")
-                front.fill(x + r * np.cos(circle), z + r * np.sin(circle), color="0.5", alpha=0.6)
-            case Cylinder():
-                r = body.radius
-                above.fill(body.east + r * np.cos(circle), body.north + r * np.sin(circle), color="0.3")
-                front.fill_between([body.east - r, body.east + r], body.base, body.top, color="0.3", alpha=0.6)
-            case Prism():
-                ring = np.asarray(body.outer)
-                above.fill(ring[:, 0], ring[:, 1], color="0.3")
-                front.fill_between(
-                    [ring[:, 0].min(), ring[:, 0].max()],
-                    body.base,
-                    body.top,
-                    facecolor="0.3",
-                    edgecolor="0.4",
-                    alpha=0.2,
-                )
+        above.fill(*body.outline()[0].T, color="0.4")
+        front.fill(*body.silhouette(0).T, facecolor="0.3", edgecolor="0.4", alpha=0.35)

@@ -1,10 +1,10 @@
 """The random maps of the paper's Tables 5 to 7, seeded, for it does not publish its own; and paths planned on them.
 
-A map is a scenario like any other: `missions/paper/` has them as files, made by `paper_map`. Paths are sought as the
+A map is a scenario like any other: `missions/paper/` has them as files, made of `paper_map`. Paths are sought as the
 paper seeks them: control points in absolute coordinates, its cost summed over nodes, one search and no polish.
 """
 
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ipoa_mission.optimize.search import Optimum
 from ipoa_mission.planning.problem import encode, pose
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.scenario import Scenario
 
 #: Obstacles and number of each map: the five of Table 6, the two of Table 7.
 MAPS = {
@@ -35,77 +35,44 @@ INNER = 8
 CONVERGED = 0.01
 
 
-def paper_map(name: str) -> str:
-    """The scenario file of a map, TOML: 100 x 100 x 350 m, six peaks, obstacles drawn from the map's seed."""
+def paper_map(name: str) -> dict[str, Any]:
+    """The scenario of a map, as its file has it: 100 x 100 x 350 m, six peaks, obstacles drawn from the map's seed."""
     obstacles, number = MAPS[name]
     rng = np.random.default_rng([2024, obstacles, number])
-    lines = [
-        f"# Random map {number} with {obstacles} obstacles, made by tools/make_paper_maps.py: the size, landform",
-        "# and number of obstacles of the paper, which does not publish its own.",
-        f'name = "{name}"',
-        "safety_distance = 0.5",
-        "",
-        "[home]",
-        "latitude_deg = 38.8700",
-        "longitude_deg = 121.5300",
-        "altitude_amsl = 60.0",
-        "",
-        "[start]",
-        "east = 5.0",
-        "north = 5.0",
-        "height_above_ground = 15.0",
-        "",
-        "[goal]",
-        "east = 95.0",
-        "north = 95.0",
-        "height_above_ground = 15.0",
-        "",
-        "[bounds]",
-        "east = [0.0, 100.0]",
-        "north = [0.0, 100.0]",
-        "up = [-5.0, 350.0]",
-        "",
-        "[vehicle]",
-        'autopilot = "px4"',
-        "radius = 1.0",
-        "cruise_speed = 5.0",
-        "",
-        "[cost]",
-        'form = "nodes"',
-        "",
-        "[planning]",
-        'planner = "paper"',
-        f"control_points = {INNER}",
-        "",
-        "[terrain]",
-        'kind = "analytic"',
-        "a = 0.1",
-        "b = 0.3",
-        "c = -0.9",
-        "d = 0.5",
-        "e = 0.5",
-        "f = 0.5",
-        "g = 0.3",
-        "base = -5.0",
-        "peaks = [",
-    ]
-    for _ in range(6):
-        east, north = aside(rng, 25.0)
-        height, a, b = rng.uniform(30, 110), *rng.uniform(8, 15, 2)
-        lines.append(
-            f"  {{ height = {height:.1f}, east = {east:.1f}, north = {north:.1f}, a = {a:.1f}, b = {b:.1f} }},"
-        )
-    lines.append("]")
-    for k in range(obstacles):
-        east, north = aside(rng, 15.0) if k % 4 > 1 else in_the_way(rng)
-        place = [f"east = {east:.1f}", f"north = {north:.1f}"]
-        if k % 2:
-            shape = [f"radius = {rng.uniform(3, 6):.1f}", f"height = {rng.uniform(40, 120):.1f}"]
-            lines += ["", "[[obstacles]]", 'kind = "cylinder"', f'name = "mast {k + 1}"', *place, *shape]
-        else:
-            shape = [f"up = {rng.uniform(15, 50):.1f}", f"radius = {rng.uniform(4, 9):.1f}"]
-            lines += ["", "[[obstacles]]", 'kind = "sphere"', f'name = "balloon {k + 1}"', *place, *shape]
-    return "\n".join(lines) + "\n"
+    surface = {"a": 0.1, "b": 0.3, "c": -0.9, "d": 0.5, "e": 0.5, "f": 0.5, "g": 0.3, "base": -5.0}
+    return {
+        "name": name,
+        "safety_distance": 0.5,
+        "home": {"latitude_deg": 38.87, "longitude_deg": 121.53, "altitude_amsl": 60.0},
+        "start": {"east": 5.0, "north": 5.0, "height_above_ground": 15.0},
+        "goal": {"east": 95.0, "north": 95.0, "height_above_ground": 15.0},
+        "bounds": {"east": [0.0, 100.0], "north": [0.0, 100.0], "up": [-5.0, 350.0]},
+        "vehicle": {"autopilot": "px4", "radius": 1.0, "cruise_speed": 5.0},
+        "cost": {"form": "nodes"},
+        "planning": {"planner": "paper", "control_points": INNER},
+        "terrain": {"kind": "analytic", **surface, "peaks": [_peak(rng) for _ in range(6)]},
+        "obstacles": [_obstacle(rng, k) for k in range(obstacles)],
+    }
+
+
+def _peak(rng: np.random.Generator) -> dict[str, float]:
+    east, north = aside(rng, 25.0)
+    height, a, b = rng.uniform(30, 110), *rng.uniform(8, 15, 2)
+    return _to_a_tenth(height=height, east=east, north=north, a=a, b=b)
+
+
+def _obstacle(rng: np.random.Generator, k: int) -> dict[str, Any]:
+    """Masts and balloons by turns; half of them stand in the way."""
+    east, north = aside(rng, 15.0) if k % 4 > 1 else in_the_way(rng)
+    if k % 2:
+        shape = _to_a_tenth(east=east, north=north, radius=rng.uniform(3, 6), height=rng.uniform(40, 120))
+        return {"kind": "cylinder", "name": f"mast {k + 1}", **shape}
+    shape = _to_a_tenth(east=east, north=north, up=rng.uniform(15, 50), radius=rng.uniform(4, 9))
+    return {"kind": "sphere", "name": f"balloon {k + 1}", **shape}
+
+
+def _to_a_tenth(**lengths: float) -> dict[str, float]:
+    return {name: round(float(length), 1) for name, length in lengths.items()}
 
 
 def aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
@@ -143,7 +110,7 @@ def map_scenario(case: str) -> Scenario:
     weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
     if name not in MAPS or weights is None:
         raise BadInput(f"case: expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}")
-    scenario = parse_scenario(paper_map(name), Path(f"{name}.toml"))
+    scenario = Scenario.model_validate(paper_map(name))
     return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
 
 

@@ -5,6 +5,8 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from ipoa_mission.experiments.markdown import filled
+
 
 @dataclass(frozen=True)
 class Table:
@@ -21,7 +23,7 @@ class Table:
         lines += [_line(row) for row in self.rows]
         for note in self.notes:
             lines += ["", note]
-        return "\n".join(lines) + "\n"
+        return filled("\n".join(lines))
 
     def csv(self) -> str:
         """The cells as CSV."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
-from ipoa_mission.checks.positions import refuse_unsound
+from ipoa_mission.checks.positions import refusals
 from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.items import Item, Mission
@@ -44,16 +44,14 @@ class Row:
 def mission_table(mission: Mission, scenario: Scenario | None = None) -> tuple[Row, ...]:
     """Home and every item; with a scenario, heights above its ground too.
 
-    Raises:
-        BadInput: a position or height that no leg can lead to.
+    Where a position or height makes no sense no item has a leg: `refusals` says why.
     """
-    refuse_unsound(mission)
     frame, ground = LocalFrame(mission.home), None
     if scenario is not None:
         frame, ground = scenario.frame, scenario.airspace.ground
         mission = mission.assuming(scenario.vehicle.autopilot_parameters())
     legs: dict[int, list[Leg]] = defaultdict(list)
-    for leg in flown_legs(mission, frame, ground):
+    for leg in flown_legs(mission, frame, ground) if not refusals(mission) else ():
         if not leg.alternative:
             legs[leg.seq].append(leg)
     home = Row(0, "home", mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude, 0.0)

@@ -12,6 +12,7 @@ from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item, Mission
+from ipoa_mission.itinerary.as_flown import as_flown
 from ipoa_mission.world.frame import LocalFrame
 
 #: ArduPilot's own bound on what a mission may hold, taken here as a bound on what a loop may unroll to.
@@ -51,6 +52,7 @@ def itinerary(mission: Mission) -> Itinerary:
     Raises:
         BadInput: a jump leads nowhere or never ends.
     """
+    mission = as_flown(mission)
     order = _followed(mission)
     places = _places(mission)
     over_terrain = tuple(

@@ -21,6 +21,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item, Mission
+from ipoa_mission.itinerary.as_flown import as_flown
 from ipoa_mission.itinerary.copter_spline import Place, flies_on_to, spline_chords, spline_tangents
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -64,7 +65,7 @@ def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None
     The mission's parameters say how high it returns. Without `ground` the ground is as high as home. Items with wrong
     positions are the business of `check_positions`; here they are left out.
     """
-    return tuple(_Flight(mission, frame, ground).legs())
+    return tuple(_Flight(as_flown(mission), frame, ground).legs())
 
 
 def join(legs: Sequence[Leg]) -> tuple[Points, float]:

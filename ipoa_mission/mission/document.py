@@ -3,21 +3,25 @@
 import json
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text
+from ipoa_mission.finding import Finding, Severity
 
 
 @dataclass(frozen=True)
 class Node:
-    """One value of a document; `place` is like `mission.items[3].params`, empty for the whole."""
+    """One value of a document; `place` is like `mission.items[3].params`, empty for the whole.
+
+    `findings` is one list for the whole document: what is wrong with it and was read all the same.
+    """
 
     file: str
     place: str
     value: Any
+    findings: list[Finding] = field(default_factory=list, compare=False)
 
     @property
     def where(self) -> str:
@@ -27,6 +31,10 @@ class Node:
     def wrong(self, expected: str, hint: str | None = None) -> BadInput:
         """The error that says what was expected here."""
         return BadInput(f"{self.where}: expected {expected}, not {_said(self.value)}", hint)
+
+    def note(self, message: str, severity: Severity = Severity.WARNING) -> None:
+        """Say something about this value without refusing it."""
+        self.findings.append(Finding(severity, None, f"{self.place}: {message}" if self.place else message))
 
     def __getitem__(self, key: str) -> "Node":
         """The value under a key that must be there."""
@@ -40,7 +48,7 @@ class Node:
         if not isinstance(self.value, dict):
             raise self.wrong("an object")
         place = f"{self.place}.{key}" if self.place else key
-        return Node(self.file, place, self.value[key]) if key in self.value else None
+        return Node(self.file, place, self.value[key], self.findings) if key in self.value else None
 
     def array(self, length: int | None = None, of: str = "values") -> list["Node"]:
         """The members of a list, of this length if one is given."""
@@ -48,7 +56,7 @@ class Node:
             raise self.wrong("a list" if length is None else f"{length} {of}")
         if length is not None and len(self.value) != length:
             raise BadInput(f"{self.where}: expected {length} {of}, not {len(self.value)}")
-        return [Node(self.file, f"{self.place}[{i}]", value) for i, value in enumerate(self.value)]
+        return [Node(self.file, f"{self.place}[{i}]", value, self.findings) for i, value in enumerate(self.value)]
 
     def number(self, expected: str = "a number") -> float:
         """A finite number."""
@@ -86,13 +94,12 @@ class Node:
         return self.value
 
 
-def read_document(path: Path) -> Node:
-    """The JSON document of a file.
+def parse_document(path: Path, text: str) -> Node:
+    """The JSON document in a file's text.
 
     Raises:
-        BadInput: the file cannot be read, or is no JSON.
+        BadInput: it is no JSON.
     """
-    text = read_text(path)
     try:
         return Node(str(path), "", json.loads(text, parse_constant=lambda name: _no_constant(path, text, name)))
     except json.JSONDecodeError as error:

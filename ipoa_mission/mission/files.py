@@ -6,13 +6,15 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.items import Mission
+from ipoa_mission.mission.document import parse_document
+from ipoa_mission.mission.old_mission_file import is_old_mission, parse_old_mission
 from ipoa_mission.mission.parameter_file import beside, read_parameters
-from ipoa_mission.mission.plan_file import read_plan, write_plan
-from ipoa_mission.mission.waypoints_file import FIRST_LINE, read_waypoints, write_waypoints
+from ipoa_mission.mission.plan_file import parse_plan, write_plan
+from ipoa_mission.mission.waypoints_file import FIRST_LINE, parse_waypoints, write_waypoints
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
-    """Read a `.plan` or a `.waypoints` file, whatever it is called, and the parameters that lie beside it: NAME.params.
+    """Read a `.plan`, a `.waypoints` or an old `.mission` file, whatever it is called, and NAME.params beside it.
 
     `autopilot` goes before what a `.plan` says of itself; a `.waypoints` file says nothing, and is for PX4 without it.
 
@@ -25,11 +27,15 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
 
 
 def _read(path: Path, autopilot: Autopilot | None) -> Mission:
-    beginning = read_text(path).lstrip()[: len(FIRST_LINE)]
+    text = read_text(path)
+    beginning = text.lstrip()[: len(FIRST_LINE)]
     if beginning.startswith("{") or (path.suffix == ".plan" and not beginning.startswith("QGC WPL")):
-        return read_plan(path, autopilot)
+        document = parse_document(path, text)
+        if is_old_mission(document):
+            return parse_old_mission(document, autopilot)
+        return parse_plan(path, text, autopilot)
     if beginning.startswith("QGC WPL") or path.suffix == ".waypoints":
-        return read_waypoints(path, autopilot or Autopilot.PX4)
+        return parse_waypoints(path, text, autopilot or Autopilot.PX4)
     raise BadInput(f"{path}: expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}")
 
 

@@ -5,7 +5,6 @@ item's `doJumpId`, which we write as the item's number.
 """
 
 import json
-import logging
 import math
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -13,19 +12,17 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import Command, Frame, command_name
+from ipoa_mission.commands import FLOWN_TO, Command, Frame, command_name
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import write_atomically
-from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.mission.document import Node, read_document
+from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.finding import Severity
+from ipoa_mission.items import QUADROTOR, FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
 from ipoa_mission.mission.parameter_file import write_beside
 from ipoa_mission.world.frame import Geodetic
 
-log = logging.getLogger(__name__)
-
 FIRMWARE_TYPE = {Autopilot.ARDUPILOT: 3, Autopilot.PX4: 12}  # MAV_AUTOPILOT
-QUADROTOR = 2  # MAV_TYPE
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
 ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
 CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and params[6] AMSL
@@ -40,28 +37,39 @@ def write_plan(mission: Mission, path: str | Path) -> None:
         BadInput: the file cannot be written, or the mission holds what no `.plan` can: a place that is no number, a
             jump to nowhere.
     """
-    text = json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False)
+    text = _unchanged(mission) or json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
     write_beside(mission, Path(path))
-    write_atomically(Path(path), text + "\n")
+    write_atomically(Path(path), text)
 
 
 def read_plan(path: Path, autopilot: Autopilot | None = None) -> Mission:
     """Read a mission as QGroundControl, MAVSDK or we write it; surveys and corridor scans become their waypoints.
 
-    `autopilot`, if given, goes before the file's `firmwareType`.
+    `autopilot`, if given, goes before the file's `firmwareType`. What is wrong with the file but harms nothing is in
+    `findings`: a home without altitude, a fence without version; and as an error, which `check` shows and which stops
+    an upload: an `Altitude` that is not the one in `params`.
 
     Raises:
         BadInput: the message names the place, as in `campus.plan: mission.items[3].params: expected 7 numbers, not 6`.
     """
-    plan = read_document(path)
+    return parse_plan(path, read_text(path), autopilot)
+
+
+def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mission:
+    """The mission in the text of a `.plan` file; `path` is for messages.
+
+    Raises:
+        BadInput: as `read_plan`.
+    """
+    plan = parse_document(path, text)
     if plan["fileType"].text() != "Plan":
         raise plan["fileType"].wrong('"Plan"')
     plan["version"].whole("1", 1, 1)
     mission = plan["mission"]
     if version := mission.get("version"):
         version.whole("2", 2, 2)
-    autopilot = autopilot or _autopilot(mission)
-    speed = mission.get("hoverSpeed")
+    autopilot = autopilot or autopilot_in(mission["firmwareType"])
+    speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
     return Mission(
         home=_home(mission["plannedHomePosition"]),
         items=settle_frames(_items(mission["items"]), autopilot),
@@ -69,10 +77,21 @@ def read_plan(path: Path, autopilot: Autopilot | None = None) -> Mission:
         cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in metres per second"),
         fence=_fence(plan.get("geoFence")),
         rally=_rally(plan.get("rallyPoints")),
+        vehicle_type=QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255),
+        findings=tuple(plan.findings),
+        source=text,
     )
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
+
+
+def _unchanged(mission: Mission) -> str | None:
+    """The text that the mission was read from, where it says all of it still."""
+    if not mission.source.lstrip().startswith("{"):
+        return None
+    again = replace(parse_plan(Path(), mission.source, mission.autopilot), parameters=mission.parameters)
+    return mission.source if repr(again) == repr(mission) else None  # by repr: a null param is NaN
 
 
 def _plan(mission: Mission) -> dict[str, Any]:
@@ -85,7 +104,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
         "globalPlanAltitudeMode": next(iter(modes), RELATIVE) if len(modes) < 2 else MIXED,
         "items": [_simple_item(number, item) for number, item in enumerate(items, start=1)],
         "plannedHomePosition": _place(mission.home, "home"),
-        "vehicleType": QUADROTOR,
+        "vehicleType": mission.vehicle_type,
         "version": 2,
     }
     if mission.cruise_speed is not None:
@@ -164,8 +183,12 @@ def _tidy(value: float) -> float | int | None:
 # --- reading ----------------------------------------------------------------------------------------------------
 
 
-def _autopilot(mission: Node) -> Autopilot:
-    node = mission["firmwareType"]
+def autopilot_in(node: Node) -> Autopilot:
+    """The autopilot that a MAV_AUTOPILOT number stands for.
+
+    Raises:
+        BadInput: it is neither of the two.
+    """
     for autopilot, number in FIRMWARE_TYPE.items():
         if not isinstance(node.value, bool) and node.value == number:
             return autopilot
@@ -174,12 +197,15 @@ def _autopilot(mission: Node) -> Autopilot:
 
 def _home(node: Node) -> Geodetic:
     latitude, longitude, altitude = node.array(3, "numbers (latitude, longitude, altitude AMSL)")
+    if altitude.value is None:
+        altitude.note("home has no altitude: taken as 0 m AMSL, which heights above home do not depend on")
+        return Geodetic(_degrees(latitude, 90), _degrees(longitude), 0.0)
     return Geodetic(_degrees(latitude, 90), _degrees(longitude), altitude.number("an altitude AMSL in metres"))
 
 
 @dataclass(frozen=True)
-class _Listed:
-    """An item, where it stands in the file, and what DO_JUMP calls it."""
+class ListedItem:
+    """An item, where it stands in its file, and what DO_JUMP calls it."""
 
     item: Item
     node: Node
@@ -194,7 +220,7 @@ def _items(node: Node) -> list[Item]:
     return [_with_jump(entry, numbers) for entry in listed]
 
 
-def _with_jump(entry: _Listed, numbers: dict[int | None, int]) -> Item:
+def _with_jump(entry: ListedItem, numbers: dict[int | None, int]) -> Item:
     if entry.item.command != Command.DO_JUMP:
         return entry.item
     target = entry.node["params"].array()[0]
@@ -204,17 +230,17 @@ def _with_jump(entry: _Listed, numbers: dict[int | None, int]) -> Item:
     return replace(entry.item, params=(float(number), *entry.item.params[1:]))
 
 
-def _listed(node: Node) -> list[_Listed]:
+def _listed(node: Node) -> list[ListedItem]:
     match node["type"].text():
         case "SimpleItem":
-            return [_simple(node)]
+            return [read_item(node)]
         case "ComplexItem":
             return _complex(node)
         case _:
             raise node["type"].wrong('"SimpleItem" or "ComplexItem"')
 
 
-def _complex(node: Node) -> list[_Listed]:
+def _complex(node: Node) -> list[ListedItem]:
     name = node["complexItemType"].text()
     transects = node.get("TransectStyleComplexItem")
     items = transects.get("Items") if transects else None
@@ -223,27 +249,42 @@ def _complex(node: Node) -> list[_Listed]:
             f'{node.where}: expected the waypoints of the complex item "{name}", but it holds none',
             hint="only surveys and corridor scans carry their waypoints in the file",
         )
-    return [_simple(child) for child in items.array()]
+    return [read_item(child) for child in items.array()]
 
 
-def _simple(node: Node) -> _Listed:
+def read_item(node: Node) -> ListedItem:
+    """A SimpleItem of any version.
+
+    Raises:
+        BadInput: the message names the place.
+    """
     command = node["command"].whole("a MAV_CMD number")
     frame = node["frame"].whole("a MAV_FRAME number", 0, 255)
-    nodes = node["params"].array(7, "numbers")
+    nodes = _seven(node)
     p1, p2, p3, p4, *place = (child.number_or_nan() for child in nodes)
     if frame != Frame.MISSION:
         for child in nodes[4:6]:
-            if not (child.value is None and command in MAY_BE_HERE):
+            if not (child.value is None and (command in MAY_BE_HERE or command not in FLOWN_TO)):
                 _degrees(child)
     _check_altitude(node, place[2])
     latitude, longitude = (0.0 if math.isnan(value) else value for value in place[:2])
-    altitude = 0.0 if math.isnan(place[2]) and frame == Frame.MISSION else place[2]
+    altitude = 0.0 if math.isnan(place[2]) and (frame == Frame.MISSION or command not in FLOWN_TO) else place[2]
     jump_id = node.get("doJumpId")
-    return _Listed(
+    return ListedItem(
         Item(command, frame, (p1, p2, p3, p4), latitude, longitude, altitude, node["autoContinue"].flag()),
         node,
         None if jump_id is None else jump_id.whole("a number from 0 to 65535"),
     )
+
+
+def _seven(node: Node) -> list[Node]:
+    """param1 to param7; version 1 has four in `params`, or each by its name, and the place in `coordinate`."""
+    coordinate = node.get("coordinate")
+    if coordinate is None:
+        return node["params"].array(7, "numbers")
+    params = node.get("params")
+    first = [node[f"param{n}"] for n in range(1, 5)] if params is None else params.array(4, "numbers")
+    return [*first, *coordinate.array(3, "numbers (latitude, longitude, altitude)")]
 
 
 #: Commands for which (0, 0) means the place where the vehicle is.
@@ -256,15 +297,20 @@ def _check_altitude(node: Node, param7: float) -> None:
     if altitude is None or altitude.value is None or (mode and mode.value == CALCULATED_ABOVE_TERRAIN):
         return
     if not abs(altitude.number("an altitude in metres") - param7) <= 0.01:
-        raise altitude.wrong(f"the same altitude as in params[6] ({json.dumps(_tidy(param7))})")
+        sent = json.dumps(_tidy(param7))
+        message = f"QGroundControl flies {altitude.value:g} m, everyone else params[6], which is {sent}"
+        altitude.note(message, Severity.ERROR)
 
 
 def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
     if node is None or not (node.get("polygons") or node.get("circles")):
         return ()
-    node["version"].whole("2", 2, 2)
+    if version := node.get("version"):
+        version.whole("1 or 2", 1, 2)
+    else:
+        node.note("the fence names no version: taken for version 2")
     if node.get("breachReturn"):
-        log.warning("%s: geoFence.breachReturn: a return point is not kept", node.file)
+        node["breachReturn"].note("a return point is not kept")
     polygons, circles = node.get("polygons"), node.get("circles")
     return (
         *(_read_polygon(child) for child in (polygons.array() if polygons else [])),

@@ -6,7 +6,7 @@ altitude in it for AMSL, so none is written. PX4 turns the vehicle north where a
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,14 +14,18 @@ import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Frame, command_name
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.items import Item, Mission
+from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
 from ipoa_mission.mission.firmware import home_item, settle_frames
 from ipoa_mission.mission.parameter_file import write_beside
 from ipoa_mission.world.frame import Geodetic
 
 FIRST_LINE = "QGC WPL 110"
+NO_COMMAND = 0  # what Mission Planner gives a home that it does not know
+OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
 FIELDS = ("seq", "current", "frame", "command", *PARAMS, "latitude", "longitude", "altitude", "autocontinue")
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
@@ -35,14 +39,9 @@ def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
     Raises:
         BadInput: the file cannot be written, or an altitude is above terrain or no number.
     """
-    items = settle_frames(mission.items, mission.autopilot)
-    for number, item in enumerate((home_item(mission.home), *items)):
-        _check(number, item)
-    if mission.autopilot is Autopilot.ARDUPILOT:
-        items = tuple(map(_without_nan, items))
-    lines = [FIRST_LINE, *(_line(seq, item) for seq, item in enumerate((home_item(mission.home), *items)))]
+    text = _unchanged(mission) or _waypoints(mission)
     write_beside(mission, Path(path))
-    write_atomically(Path(path), "\n".join(lines) + "\n")
+    write_atomically(Path(path), text)
     return left_out(mission)
 
 
@@ -55,25 +54,78 @@ def left_out(mission: Mission) -> tuple[str, ...]:
 def read_waypoints(path: Path, autopilot: Autopilot = Autopilot.PX4) -> Mission:
     """Read home and items; CRLF, blank lines and `#` comments are let pass.
 
+    Read and noted in `findings`: numbers that leave some out (items are numbered by their lines, as MAVProxy does), a
+    home at 0, 0 (the first place stands in for it), a file that holds a fence or rally points only.
+
     Raises:
         BadInput: the message names line and field, as in `a.waypoints: line 4: latitude: expected a number, not "x"`.
     """
-    rows = list(_rows(path, read_text(path)))
+    return parse_waypoints(path, read_text(path), autopilot)
+
+
+def parse_waypoints(path: Path, text: str, autopilot: Autopilot = Autopilot.PX4) -> Mission:
+    """The mission in the text of a `.waypoints` file; `path` is for messages.
+
+    Raises:
+        BadInput: as `read_waypoints`.
+    """
+    rows = list(_rows(path, text))
     if not rows:
         raise BadInput(f"{path}: expected a first item that is home, but there is none")
+    if rows[-1][1].command in OTHER_LISTS:
+        return _other_list(path, text, [item for _, item in rows], autopilot)
+    findings = list(_check_numbers(rows))
     (line, first), *others = rows
-    if first.command != Command.NAV_WAYPOINT:
+    if first.command not in (Command.NAV_WAYPOINT, NO_COMMAND):
         raise BadInput(
-            f"{path}: line {line}: command: expected 16 (item 0 is home), not {first.command}",
+            f"{line.where}: command: expected 16 (item 0 is home), not {first.command}",
             hint="a file whose first item is a take-off lost its home item: put one before it",
         )
     if abs(first.latitude_deg) > 90:
-        raise BadInput(f"{path}: line {line}: latitude: expected degrees from -90 to 90, not {first.latitude_deg:g}")
+        raise BadInput(f"{line.where}: latitude: expected degrees from -90 to 90, not {first.latitude_deg:g}")
+    items = settle_frames([item for _, item in others], autopilot)
     home = Geodetic(first.latitude_deg, first.longitude_deg, first.altitude)
-    return Mission(home, settle_frames([item for _, item in others], autopilot), autopilot)
+    if (home.latitude_deg, home.longitude_deg) == (0.0, 0.0) and (places := [i for i in items if i.has_position]):
+        home = replace(home, latitude_deg=places[0].latitude_deg, longitude_deg=places[0].longitude_deg)
+        message = "home: 0, 0 stands for no place: the first place of the mission is taken for it"
+        findings.append(Finding(Severity.WARNING, 0, message))
+    return Mission(home, items, autopilot, findings=tuple(findings), source=text)
+
+
+def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) -> Mission:
+    """A fence or rally points that were saved as waypoints; item 0 may be a home."""
+    items = items[1:] if items[0].command == Command.NAV_WAYPOINT else items
+    is_rally = items[0].command == Command.NAV_RALLY_POINT
+    home = Geodetic(items[0].latitude_deg, items[0].longitude_deg, 0.0)
+    what = "rally points" if is_rally else "a geofence"
+    finding = Finding(Severity.WARNING, None, f"the file holds {what} and no mission")
+    try:
+        if is_rally:
+            return Mission(home, (), autopilot, rally=rally_from_wire(items), findings=(finding,), source=text)
+        return Mission(home, (), autopilot, fence=fence_from_wire(items), findings=(finding,), source=text)
+    except MissionError as error:
+        raise BadInput(f"{path}: {error}") from None
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
+
+
+def _unchanged(mission: Mission) -> str | None:
+    """The text that the mission was read from, where it says all of it still."""
+    if not mission.source.startswith(FIRST_LINE):
+        return None
+    again = replace(parse_waypoints(Path(), mission.source, mission.autopilot), parameters=mission.parameters)
+    return mission.source if repr(again) == repr(mission) else None  # by repr: a param may be NaN
+
+
+def _waypoints(mission: Mission) -> str:
+    items = settle_frames(mission.items, mission.autopilot)
+    for number, item in enumerate((home_item(mission.home), *items)):
+        _check(number, item)
+    if mission.autopilot is Autopilot.ARDUPILOT:
+        items = tuple(map(_without_nan, items))
+    lines = [FIRST_LINE, *(_line(seq, item) for seq, item in enumerate((home_item(mission.home), *items)))]
+    return "\n".join(lines) + "\n"
 
 
 def _check(number: int, item: Item) -> None:
@@ -109,28 +161,16 @@ def _number(value: float, least_digits: int = 6) -> str:
 # --- reading ----------------------------------------------------------------------------------------------------
 
 
-def _rows(path: Path, text: str) -> Iterator[tuple[int, Item]]:
-    """Line number and item of every line that holds one."""
-    first, *others = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    if first.split() != FIRST_LINE.split():
-        raise BadInput(f'{path}: line 1: expected "{FIRST_LINE}", not "{first[:40]}"')
-    seq = 0
-    for number, line in enumerate(others, start=2):
-        if line.strip() and not line.lstrip().startswith("#"):
-            yield number, _item(_Line(path, number, line.split()), seq)
-            seq += 1
-
-
 class _Line:
     """The fields of one line, by name."""
 
     def __init__(self, path: Path, number: int, fields: list[str]) -> None:
-        self.where = f"{path}: line {number}"
+        self.number, self.where = number, f"{path}: line {number}"
         if len(fields) != len(FIELDS):
             raise BadInput(f"{self.where}: expected {len(FIELDS)} fields, not {len(fields)}")
         self.fields = dict(zip(FIELDS, fields, strict=True))
 
-    def number(self, name: str) -> float:
+    def value(self, name: str) -> float:
         """A finite number; params may also be `nan`."""
         if not NUMBER.fullmatch(self.fields[name]):
             raise self.wrong(name, "a number")
@@ -141,14 +181,14 @@ class _Line:
 
     def degrees(self, name: str) -> float:
         """Degrees that MAVLink can carry; a latitude beyond 90 is left to the check of the mission."""
-        value = self.number(name)
+        value = self.value(name)
         if abs(value) > 180:
             raise self.wrong(name, "degrees from -180 to 180")
         return value
 
     def whole(self, name: str, most: int) -> int:
         """A whole number from 0 to `most`."""
-        value = self.number(name)
+        value = self.value(name)
         if not (value.is_integer() and 0 <= value <= most):
             raise self.wrong(name, f"a whole number from 0 to {most}")
         return int(value)
@@ -158,18 +198,39 @@ class _Line:
         return BadInput(f'{self.where}: {name}: expected {expected}, not "{self.fields[name][:40]}"')
 
 
-def _item(line: _Line, seq: int) -> Item:
-    if line.whole("seq", 65535) != seq:
-        raise line.wrong("seq", str(seq))
+def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
+    """Every line that holds an item, and the item."""
+    first, *others = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if first.split() != FIRST_LINE.split():
+        raise BadInput(f'{path}: line 1: expected "{FIRST_LINE}", not "{first[:40]}"')
+    for number, text_line in enumerate(others, start=2):
+        if text_line.strip() and not text_line.lstrip().startswith("#"):
+            line = _Line(path, number, text_line.split())
+            yield line, _item(line)
+
+
+def _check_numbers(rows: Sequence[tuple[_Line, Item]]) -> Iterator[Finding]:
+    """Items are numbered by their lines; a file that numbers them otherwise must not jump by its numbers."""
+    has_jump = any(item.command == Command.DO_JUMP for _, item in rows)
+    for count, (line, _) in enumerate(rows):
+        if line.whole("seq", 65535) != count:
+            if has_jump:
+                raise line.wrong("seq", f"{count} (a jump counts on it)")
+            message = f"line {line.number}: seq {line.fields['seq']} stands where {count} is due: numbered by lines"
+            yield Finding(Severity.WARNING, count, message)
+            return
+
+
+def _item(line: _Line) -> Item:
     line.whole("current", 3)
     frame = line.whole("frame", 255)
-    p1, p2, p3, p4 = (line.number(name) for name in PARAMS)
+    p1, p2, p3, p4 = (line.value(name) for name in PARAMS)
     return Item(
         line.whole("command", 65535),
         frame,
         (p1, p2, p3, p4),
-        line.number("latitude") if frame == Frame.MISSION else line.degrees("latitude"),
-        line.number("longitude") if frame == Frame.MISSION else line.degrees("longitude"),
-        line.number("altitude"),
+        line.value("latitude") if frame == Frame.MISSION else line.degrees("latitude"),
+        line.value("longitude") if frame == Frame.MISSION else line.degrees("longitude"),
+        line.value("altitude"),
         bool(line.whole("autocontinue", 1)),
     )

@@ -11,7 +11,8 @@ import math
 import numpy as np
 from numba import njit
 
-from ipoa_mission.planning.chart import CYLINDER, FENCE, LEAST, LEVER, SPHERE, STEEP
+from ipoa_mission.planning.chart import FENCE, LEAST, LEVER, STEEP
+from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 
 FAST = {"reassoc", "contract", "arcp", "nsz"}  # lets sums be vectorised
 

@@ -5,18 +5,19 @@ above which its ground cannot; a path's cost then hardly depends on how many obs
 is resampled here, for speed: the proof looks at the surface itself.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.limits import Limits
+from ipoa_mission.scenario.limits import Limits
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
+from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Part
 from ipoa_mission.world.terrain import Flat, Grid, Terrain
 
-SPHERE, CYLINDER, PRISM, FENCE = range(4)  # a fence is the flight area's outline, seen from inside
+FENCE = PRISM + 1  # a kind of row beside those of the parts: the flight area's outline, seen from inside
 LEAST = 0.05  # threats nearer than this count as being here [m]
 LEVER = 10.0  # a slope's slack counts as the height that it makes over so far [m]
 STEEP = 1e9  # stands for the slope, or the ceiling, that is not limited
@@ -94,15 +95,17 @@ def chart_of(airspace: Airspace, limits: Limits, reach: float) -> Chart:
     cell = float(size.max()) / np.clip(4 * np.sqrt(len(airspace.obstacles)), 64, 512)
     columns, rows = np.ceil(size / cell).astype(int)
     ground = _heights(airspace.terrain, lower, upper)
-    kind, shape, edges = _shapes(airspace)
-    first, listed = _lists(airspace, lower, cell, int(rows), int(columns), reach)
+    parts = [part for obstacle in airspace.obstacles for part in obstacle.parts]
+    fenced = airspace.bounds.footprint is not None
+    kind, shape, edges = _shapes(airspace, parts)
+    first, listed = _lists(parts, fenced, lower, cell, int(rows), int(columns), reach)
     concern = np.inf if np.isfinite(limits.ceiling_above_ground) else limits.height_above_ground + reach
     return Chart(
         cells=Raster(float(lower[0]), float(lower[1]), 1 / cell, int(rows), int(columns)),
         first=first,
         listed=listed,
         top=_highest(ground, lower, cell, int(rows), int(columns)).ravel() + concern,
-        around=_around(airspace, reach),
+        around=_around(parts, fenced, reach),
         kind=kind,
         shape=shape,
         edges=edges,
@@ -140,37 +143,29 @@ def _highest(ground: Grid, lower: Vector, cell: float, rows: int, columns: int) 
     return heights
 
 
-def _shapes(airspace: Airspace) -> tuple[NDArray[np.int8], NDArray[np.float64], NDArray[np.float64]]:
-    kind, shape, edges = [], [], [np.zeros((0, 4))]
-    for obstacle in airspace.obstacles:
-        match obstacle:
-            case Sphere():
-                kind.append(SPHERE)
-                shape.append([*obstacle.center, obstacle.radius, 0.0])
-            case Cylinder(_, east, north, radius, base, top):
-                kind.append(CYLINDER)
-                shape.append([east, north, radius, base, top])
-            case Prism():
-                start = sum(map(len, edges))
-                edges.append(np.hstack([obstacle.footprint.starts, obstacle.footprint.ends]))
-                kind.append(PRISM)
-                shape.append([start, start + len(edges[-1]), 0.0, obstacle.base, obstacle.top])
-            case _:
-                raise TypeError(f"{obstacle.name}: no such kind of obstacle on charts: {type(obstacle).__name__}")
+def _shapes(
+    airspace: Airspace, parts: Sequence[Part]
+) -> tuple[NDArray[np.int8], NDArray[np.float64], NDArray[np.float64]]:
+    rows = [part.chart_row() for part in parts]
     if (area := airspace.bounds.footprint) is not None:
-        start = sum(map(len, edges))
-        edges.append(np.hstack([area.starts, area.ends]))
-        kind.append(FENCE)
-        shape.append([start, start + len(edges[-1]), 0.0, -ENDLESS, ENDLESS])
-    return np.array(kind, np.int8), np.array(shape, float).reshape(-1, 5), np.vstack(edges)
+        rows.append(ChartRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.hstack([area.starts, area.ends])))
+    shape, edges = [], [np.zeros((0, 4))]
+    for row in rows:
+        numbers = row.numbers
+        if len(row.edges):
+            start = sum(map(len, edges))
+            edges.append(row.edges)
+            numbers = (start, start + len(row.edges), *numbers[2:])
+        shape.append(numbers)
+    return np.array([row.kind for row in rows], np.int8), np.array(shape, float).reshape(-1, 5), np.vstack(edges)
 
 
 def _lists(
-    airspace: Airspace, lower: Vector, cell: float, rows: int, columns: int, reach: float
+    parts: Sequence[Part], fenced: bool, lower: Vector, cell: float, rows: int, columns: int, reach: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """For each cell the obstacles that may be within `reach` of it: (cells + 1,) and their numbers."""
-    boxes = np.array([_box(obstacle, reach) for obstacle in airspace.obstacles]).reshape(-1, 2, 2)
-    if airspace.bounds.footprint is not None:
+    """For each cell the parts that may be within `reach` of it: (cells + 1,) and their numbers."""
+    boxes = np.array([_box(part, reach) for part in parts]).reshape(-1, 2, 2)
+    if fenced:
         boxes = np.concatenate([boxes, [[lower[:2], lower[:2] + cell * np.array([columns, rows])]]])
     low = np.clip(np.floor((boxes[:, 0] - lower[:2]) / cell), 0, (columns - 1, rows - 1)).astype(int)
     high = np.clip(np.floor((boxes[:, 1] - lower[:2]) / cell), 0, (columns - 1, rows - 1)).astype(int)
@@ -179,7 +174,7 @@ def _lists(
     body = np.repeat(np.arange(len(boxes)), count)
     within = np.arange(len(body)) - np.repeat(np.cumsum(count) - count, count)
     column, row = low[body, 0] + within % extent[body, 0], low[body, 1] + within // extent[body, 0]
-    near = _round(airspace)[body] + reach + 0.71 * cell
+    near = _round(parts, fenced)[body] + reach + 0.71 * cell
     middle = boxes.mean(axis=1)[body] - lower[:2] - cell * (np.column_stack([column, row]) + 0.5)
     keep = (middle**2).sum(axis=1) <= near**2
     number, body = (row * columns + column)[keep], body[keep]
@@ -188,26 +183,20 @@ def _lists(
     return first.astype(np.int32), body[order].astype(np.int32)
 
 
-def _round(airspace: Airspace) -> Vector:
-    """The radius of a circle round each obstacle's outline, infinite for a fence, (k,)."""
-    radii = [o.radius if isinstance(o, Sphere | Cylinder) else _half_diagonal(o) for o in airspace.obstacles]
-    return np.array(radii + [np.inf] * (airspace.bounds.footprint is not None))
+def _round(parts: Sequence[Part], fenced: bool) -> Vector:
+    """The radius of a circle round each part's outline, infinite for a fence, (k,)."""
+    return np.array([part.plan_radius for part in parts] + [np.inf] * fenced)
 
 
-def _around(airspace: Airspace, reach: float) -> NDArray[np.float64]:
-    boxes = np.array([obstacle.bounds for obstacle in airspace.obstacles]).reshape(-1, 2, 3)
-    if airspace.bounds.footprint is not None:
+def _around(parts: Sequence[Part], fenced: bool, reach: float) -> NDArray[np.float64]:
+    boxes = np.array([part.bounds for part in parts]).reshape(-1, 2, 3)
+    if fenced:
         boxes = np.concatenate([boxes, [[[0.0, 0.0, -ENDLESS], [0.0, 0.0, ENDLESS]]]])
     middle = boxes[:, :, :2].mean(axis=1)
     heights = boxes[:, :, 2] + np.array([-reach, reach])
-    return np.column_stack([middle, (_round(airspace) + reach) ** 2, heights])
+    return np.column_stack([middle, (_round(parts, fenced) + reach) ** 2, heights])
 
 
-def _half_diagonal(obstacle: Obstacle) -> float:
-    lower, upper = obstacle.bounds
-    return float(np.hypot(*(upper - lower)[:2])) / 2
-
-
-def _box(obstacle: Obstacle, reach: float) -> NDArray[np.float64]:
-    (west, south, _), (east, north, _) = obstacle.bounds
+def _box(part: Part, reach: float) -> NDArray[np.float64]:
+    (west, south, _), (east, north, _) = part.bounds
     return np.array([[west - reach, south - reach], [east + reach, north + reach]])

@@ -10,9 +10,9 @@ import numpy as np
 
 from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
 from ipoa_mission.planning.chart import LEAST, STEEP, Rules
-from ipoa_mission.planning.limits import Limits
+from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.limits import Limits
 
 FINE = 0.05  # the step at which a plan's cost is integrated [m]
 
@@ -32,29 +32,29 @@ class CostTerms:
     total: float
 
 
-def path_cost(nodes: Points, scenario: Scenario) -> CostTerms:
+def path_cost(nodes: Points, task: PathTask) -> CostTerms:
     """The cost of a path given by its nodes (n, 3): a sum over nodes, or a trapezoidal integral over its legs."""
     turning, climbing = turning_angles(nodes), np.diff(climb_angles(nodes))
-    threat = float(threats(nodes, scenario) @ node_weights(nodes, scenario.cost.form == "nodes"))
-    w1, w2, w3 = scenario.cost.omega
+    threat = float(threats(nodes, task) @ node_weights(nodes, task.cost.form == "nodes"))
+    w1, w2, w3 = task.cost.omega
     length, turning_deg = float(leg_lengths(nodes).sum()), float(np.degrees(turning.sum()))
     climbing_deg = float(np.degrees(np.abs(climbing).sum()))
-    turns = scenario.cost.a1 * turning_deg + scenario.cost.a2 * climbing_deg
+    turns = task.cost.a1 * turning_deg + task.cost.a2 * climbing_deg
     return CostTerms(length, turning_deg, climbing_deg, threat, w1 * length + w2 * turns + w3 * threat)
 
 
-def curve_cost(curve: Spline, scenario: Scenario) -> CostTerms:
+def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
     """The cost of a curve: over `planning.samples` nodes even in its parameter, or the integral in fine steps."""
-    if scenario.cost.form == "nodes":
-        return path_cost(curve.points(np.linspace(0.0, 1.0, scenario.planning.samples)), scenario)
-    return path_cost(curve.sample(int(np.clip(curve.length / FINE, 1000, 8000))), scenario)
+    if task.cost.form == "nodes":
+        return path_cost(curve.points(np.linspace(0.0, 1.0, task.planning.samples)), task)
+    return path_cost(curve.sample(int(np.clip(curve.length / FINE, 1000, 8000))), task)
 
 
-def threats(nodes: Points, scenario: Scenario) -> Vector:
+def threats(nodes: Points, task: PathTask) -> Vector:
     """The summand of eq. (9) at each node, over all obstacles, (n,): lambda / d where the hull is within d_safe."""
-    cost, radius = scenario.cost, scenario.vehicle.radius
+    cost, radius = task.cost, task.radius
     total = np.zeros(len(nodes))
-    for _, which, distance in scenario.airspace.near(nodes, cost.d_safe + radius):
+    for _, which, distance in task.airspace.near(nodes, cost.d_safe + radius):
         hull = distance - radius
         total[which] += np.where(hull < cost.d_safe, cost.lambda_obs / np.maximum(hull, LEAST), 0.0)
     return total
@@ -68,12 +68,12 @@ def node_weights(nodes: Points, per_node: bool) -> Vector:
     return np.asarray((np.append(0.0, legs) + np.append(legs, 0.0)) / 2)
 
 
-def rules_of(scenario: Scenario, limits: Limits) -> Rules:
+def rules_of(task: PathTask, limits: Limits) -> Rules:
     """Limits and weights as the kernels take them.
 
     Breaking a limit costs ten times the way, and more with depth: a search can still climb out.
     """
-    cost, direct = scenario.cost, float(np.linalg.norm(scenario.goal_point - scenario.start_point))
+    cost, direct = task.cost, float(np.linalg.norm(task.places[-1] - task.places[0]))
     length, turning, threat = cost.omega
     return Rules(
         clearance=limits.obstacle_distance,
@@ -81,7 +81,7 @@ def rules_of(scenario: Scenario, limits: Limits) -> Rules:
         ceiling=min(limits.ceiling_above_ground, STEEP),
         climb=_slope(limits.climb_angle),
         descent=_slope(limits.descent_angle),
-        radius=scenario.vehicle.radius,
+        radius=task.radius,
         d_safe=cost.d_safe,
         length=length,
         turning=float(np.degrees(turning * cost.a1)),

@@ -7,9 +7,8 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.planning.problem import PathProblem
+from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Cylinder, Prism
 from ipoa_mission.world.polygon import Plane
 
 BEYOND = 1.5  # how far the places go on before and behind a gap, in cells
@@ -17,14 +16,14 @@ LONGEST = 20.0  # a gap goes no farther than this from where it is narrowest, in
 TOUCHING = 1e-6  # what stands nearer together than this leaves no gap [m]
 
 
-def gap_places(problem: PathProblem, widest: float, cell: float, heights: Vector) -> Points:
+def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Points:
     """Places (k, 3) before, in and behind the gaps up to `widest` [m], at those of the heights at which they are gaps.
 
     On the line through a gap they are half a cell apart. Gaps are looked for between the outlines of upright obstacles,
     and between these and the sides of the flight area; their middle is where both sides leave as much more than is
     required.
     """
-    shapes, radii, required, levels = _outlines(problem.scenario.airspace, problem.limits.obstacle_distance)
+    shapes, radii, required, levels = _outlines(problem.task.airspace, problem.limits.obstacle_distance)
     tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
     one, other = tree.query(tree.geometries, "dwithin", widest)
     one, other = one[one < other], other[one < other]
@@ -58,11 +57,8 @@ def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_],
     """Shapes in the plane, by how much they are larger all round, the distance required, lowest and highest (k, 2)."""
     found: list[tuple[shapely.Geometry, float, float, float, float]] = []
     for body in airspace.obstacles:
-        match body:
-            case Cylinder(_, east, north, radius, base, top):
-                found.append((shapely.Point(east, north), radius, distance, base, top))
-            case Prism():
-                found.append((body.footprint.shape, 0.0, distance, body.base, body.top))
+        if (column := body.column) is not None:
+            found.append((column.shape, column.radius, distance, column.base, column.top))
     lower, upper = airspace.bounds.lower[:2], airspace.bounds.upper[:2]
     area = airspace.bounds.footprint.shape if airspace.bounds.footprint else shapely.box(*lower, *upper)
     corners = shapely.get_coordinates(area.exterior)

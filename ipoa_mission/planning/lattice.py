@@ -18,8 +18,7 @@ from scipy.ndimage import binary_dilation, minimum_filter
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import STEEP
 from ipoa_mission.planning.gaps import gap_places
-from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.problem import PathProblem, Trail, follow
+from ipoa_mission.planning.problem import PreparedProblem, Trail, follow
 from ipoa_mission.planning.winding import wind
 
 NODES = 100_000  # about how many nodes a lattice has
@@ -86,20 +85,20 @@ class Guess:
     shares: Vector | None
     inner: int
 
-    def trail(self, problem: PathProblem, closer: int = 1) -> Trail:
+    def trail(self, problem: PreparedProblem, closer: int = 1) -> Trail:
         """A curve that follows it with so many times the control points."""
         inner = self.inner if self.shares is None else round(float(self.shares.sum()))
-        return follow(self.guide, min(closer * inner, MOST_CONTROL), problem.scenario, self.shares)
+        return follow(self.guide, min(closer * inner, MOST_CONTROL), problem.task, self.shares)
 
 
-def guesses(problem: PathProblem, coarsest: int) -> list[Guess]:
+def guesses(problem: PreparedProblem, coarsest: int) -> list[Guess]:
     """Ways from start over all via points to the goal: the straight one, then those that follow lattice ways.
 
     Lattices before number `coarsest` of `FINER` are not tried.
     """
-    scenario = problem.scenario
-    straight = places(scenario)
-    inner = max(scenario.planning.control_points, 3, 5 * (len(straight) - 1))
+    task = problem.task
+    straight = task.places
+    inner = max(task.planning.control_points, 3, 5 * (len(straight) - 1))
     found: list[Points] = []
     most = FEWER if min(problem.rules.climb, problem.rules.descent) < STEEP else MOST
     for fineness in FINER[coarsest:]:
@@ -117,7 +116,7 @@ def guesses(problem: PathProblem, coarsest: int) -> list[Guess]:
     ]
 
 
-def lay(problem: PathProblem, fineness: float = 1.0) -> Lattice:
+def lay(problem: PreparedProblem, fineness: float = 1.0) -> Lattice:
     """A lattice over the bounds; `fineness` 2 has half the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
@@ -146,12 +145,12 @@ def lay(problem: PathProblem, fineness: float = 1.0) -> Lattice:
     return Lattice(lower, spacing, nodes, slack.reshape(count), price.reshape(count), steepest, winding)
 
 
-def ways(lattice: Lattice, problem: PathProblem, most: int, looking: bool = True) -> list[Points]:
+def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
     """Up to `most` distinct ways from start over all via points to the goal, (k, 3) each, the cheapest first.
 
     Empty if the lattice knows no way. Unless it is `looking` a step may lead through something thin between two nodes.
     """
-    stops = places(problem.scenario)
+    stops = problem.task.places
     legs = [_leg_ways(lattice, problem, a, b, most, looking) for a, b in pairwise(stops)]
     if not all(legs):
         return []
@@ -162,7 +161,7 @@ def ways(lattice: Lattice, problem: PathProblem, most: int, looking: bool = True
     return [np.vstack([variant[0], *(way[1:] for way in variant[1:])]) for variant in variants[:most]]
 
 
-def _survey(points: Points, problem: PathProblem) -> tuple[Vector, Vector]:
+def _survey(points: Points, problem: PreparedProblem) -> tuple[Vector, Vector]:
     from ipoa_mission.planning._kernels import survey
 
     return survey(np.ascontiguousarray(points), problem.chart, problem.rules)  # type: ignore[no-any-return]
@@ -179,7 +178,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
     return np.asarray(doubtful & binary_dilation(found & doubtful, np.ones((3, 3, 3))))
 
 
-def _centred(nodes: Points, spacing: Vector, problem: PathProblem) -> Points:
+def _centred(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
     """The places with the most slack in the cells round nodes (n, 3)."""
     lower, upper = _region(problem)
     for closer in range(1, ROUNDS + 1):
@@ -190,7 +189,7 @@ def _centred(nodes: Points, spacing: Vector, problem: PathProblem) -> Points:
     return nodes
 
 
-def _mended(found: list[Points], lattice: Lattice, problem: PathProblem) -> list[Points]:
+def _mended(found: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
     """The ways, with more points where a leg between two nodes cuts what neither of them is in.
 
     Where a leg of the cheapest way cannot be mended, as in a gap that is a little too narrow, ways are added that do
@@ -212,7 +211,7 @@ def _mended(found: list[Points], lattice: Lattice, problem: PathProblem) -> list
     return mended + ways(replace(lattice, price=price), problem, MOST_BESIDE)
 
 
-def _cuts(way: Points, problem: PathProblem) -> tuple[Points, NDArray[np.bool_]]:
+def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
     """Points (k, 3) along a way, `PER_LEG` on each leg, and which of them, its corners left out, break a limit."""
     shares = np.linspace(0.0, 1.0, PER_LEG, endpoint=False)[:, None]
     points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
@@ -225,7 +224,7 @@ def _whole(points: Points) -> NDArray[np.void]:
 
 
 def _occupy_gaps(
-    nodes: Points, slack: Vector, threat: Vector, lower: Vector, spacing: Vector, problem: PathProblem
+    nodes: Points, slack: Vector, threat: Vector, lower: Vector, spacing: Vector, problem: PreparedProblem
 ) -> None:
     """Moves nodes (n, 3), with their slack and threat, to the places in narrow gaps that lie in their cells."""
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
@@ -242,7 +241,7 @@ def _occupy_gaps(
     nodes[node], slack[node], threat[node] = places[better], room[better], danger[better]
 
 
-def _end(lattice: Lattice, problem: PathProblem, place: Vector) -> int | None:
+def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
     """The free node nearest to a place, by its flat number; if possible one to which the straight leg is free."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
@@ -255,7 +254,7 @@ def _end(lattice: Lattice, problem: PathProblem, place: Vector) -> int | None:
 
 
 def _leg_ways(
-    lattice: Lattice, problem: PathProblem, start: Vector, goal: Vector, most: int, looking: bool
+    lattice: Lattice, problem: PreparedProblem, start: Vector, goal: Vector, most: int, looking: bool
 ) -> list[Points]:
     from ipoa_mission.planning._dijkstra import spread
 
@@ -319,10 +318,10 @@ def _turns(way: Points, tolerance: float) -> int:
     return len(shapely.simplify(shapely.LineString(way[:, :2]), tolerance, preserve_topology=False).coords) - 2
 
 
-def _region(problem: PathProblem) -> tuple[Vector, Vector]:
+def _region(problem: PreparedProblem) -> tuple[Vector, Vector]:
     """The part of the bounds that matters: above everything that stands there is nothing to find."""
-    scenario, limits = problem.scenario, problem.limits
-    airspace, stops = scenario.airspace, places(scenario)
+    task, limits = problem.task, problem.limits
+    airspace, stops = task.airspace, task.places
     tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
     above = 2 * max(limits.obstacle_distance, problem.rules.d_safe)
     highest = max([*tops, float(problem.chart.heights.max()), float(stops[:, 2].max())]) + above

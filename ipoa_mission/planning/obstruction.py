@@ -9,9 +9,8 @@ from scipy.ndimage import label
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.lattice import Lattice, lay
-from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.plan_view import closure
-from ipoa_mission.planning.problem import PathProblem
+from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.planning.proof import Check, Proof
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -25,15 +24,15 @@ class NoPath(MissionError):
     """No path keeps the limits, or none was found; the message says what is in the way, where and by how much."""
 
 
-def refuse_places(problem: PathProblem) -> None:
+def refuse_places(problem: PreparedProblem) -> None:
     """Refuse a start, goal or via point at which the vehicle may not be.
 
     Raises:
         BadInput: the goal is where the start is, with nothing on the way.
         NoPath: naming the place, what it breaks, and by how much.
     """
-    scenario, limits, airspace = problem.scenario, problem.limits, problem.scenario.airspace
-    stops = places(scenario)
+    task, limits, airspace = problem.task, problem.limits, problem.task.airspace
+    stops = task.places
     if np.linalg.norm(np.diff(stops, axis=0), axis=1).max() < SAME:
         raise BadInput("goal: expected a place other than the start, or via points on the way")
     names = ["start", *(f"via[{i}]" for i in range(len(stops) - 2)), "goal"]
@@ -51,13 +50,13 @@ def refuse_places(problem: PathProblem) -> None:
             raise NoPath(f"{name}: nothing can fly there: {worst.words()}", hint=f"move {name} or what is in its way")
 
 
-def refuse_closed(problem: PathProblem) -> None:
+def refuse_closed(problem: PreparedProblem) -> None:
     """Refuse a flight that cannot be because walls from below to above leave no gap that is wide enough.
 
     Raises:
         NoPath: naming the widest gap and its width, or what stands round an end.
     """
-    for a, b in pairwise(places(problem.scenario)):
+    for a, b in pairwise(problem.task.places):
         if (found := closure(problem, a, b)) is not None:
             where = f"at east {found.place[0]:.1f}, north {found.place[1]:.1f} m"
             if found.needed == 0:
@@ -66,7 +65,7 @@ def refuse_closed(problem: PathProblem) -> None:
             raise _too_narrow(found.names, where, found.width, found.needed)
 
 
-def explain(problem: PathProblem, proof: Proof) -> NoPath:
+def explain(problem: PreparedProblem, proof: Proof) -> NoPath:
     """The error that tells why no path was found; `proof` is that of the best one."""
     return blockage(problem) or not_found(proof)
 
@@ -76,10 +75,10 @@ def not_found(proof: Proof) -> NoPath:
     return NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
 
 
-def blockage(problem: PathProblem) -> NoPath | None:
+def blockage(problem: PreparedProblem) -> NoPath | None:
     """What is in the way where the widest way through is too narrow; nothing if there is a way, or that is not sure."""
     lattice = lay(problem, FINENESS)
-    for a, b in pairwise(places(problem.scenario)):
+    for a, b in pairwise(problem.task.places):
         slack, gate = _widest(lattice, _entrance(lattice, a), _entrance(lattice, b))
         coarse = lattice.spacing[:2].max() > SURE * problem.limits.obstacle_distance
         if slack >= (-np.linalg.norm(lattice.spacing) / 2 if coarse else 0.0):
@@ -130,7 +129,7 @@ class _Wall:
     body: Obstacle | None = None
 
 
-def _closed(problem: PathProblem, gate: Vector) -> NoPath | None:
+def _closed(problem: PreparedProblem, gate: Vector) -> NoPath | None:
     """What stands on both sides of the widest place that still is too narrow; nothing if it is not."""
     walls = sorted(_walls(problem, gate), key=lambda wall: wall.distance - wall.required)
     east, north, up = gate
@@ -159,9 +158,9 @@ def _needs(wall: _Wall) -> str:
     return f"at least {wall.required:.2f} m required"
 
 
-def _walls(problem: PathProblem, gate: Vector) -> list[_Wall]:
+def _walls(problem: PreparedProblem, gate: Vector) -> list[_Wall]:
     """Everything near a point that a limit keeps it away from."""
-    limits, airspace, spot = problem.limits, problem.scenario.airspace, gate[None, :]
+    limits, airspace, spot = problem.limits, problem.task.airspace, gate[None, :]
     height = float(gate[2] - airspace.ground(spot)[0])
     upwards = np.array([0.0, 0.0, 1.0])
     walls = [_Wall("the ground", height, float(limits.required_height(spot)[0]), upwards)]

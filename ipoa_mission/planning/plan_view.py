@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.problem import PathProblem
-from ipoa_mission.world.obstacles import Cylinder, Prism
+from ipoa_mission.planning.problem import PreparedProblem
+from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.terrain import Flat, Grid
 
 ROUGHLY, FINELY = 2, 16  # sides of a quarter of a circle; they lie inside the true one
@@ -33,7 +33,7 @@ class Closure:
     needed: float
 
 
-def closure(problem: PathProblem, start: Vector, goal: Vector) -> Closure | None:
+def closure(problem: PreparedProblem, start: Vector, goal: Vector) -> Closure | None:
     """What closes every way between two places, (3,) each; nothing if a way is open, or that is not certain."""
     view = _View(problem, start, goal)
     if not len(view.shapes) or view.piece(1.0, ROUGHLY) is not None or view.piece(1.0) is not None:
@@ -50,19 +50,20 @@ def closure(problem: PathProblem, start: Vector, goal: Vector) -> Closure | None
 class _View:
     """Columns that reach through all heights, and two places between them."""
 
-    def __init__(self, problem: PathProblem, start: Vector, goal: Vector) -> None:
-        bounds = problem.scenario.airspace.bounds
+    def __init__(self, problem: PreparedProblem, start: Vector, goal: Vector) -> None:
+        bounds = problem.task.airspace.bounds
         self.area = bounds.footprint.shape if bounds.footprint else shapely.box(*bounds.lower[:2], *bounds.upper[:2])
         self.ends = shapely.points([start[:2], goal[:2]])
         shapes, radii, required, names = [], [], [], []
-        for body in problem.scenario.airspace.obstacles:
-            if not isinstance(body, Cylinder | Prism):
+        for body in problem.task.airspace.obstacles:
+            column = body.column
+            if column is None:
                 continue
             lowest, highest = _heights(problem, body)
-            spare = max(body.base - lowest, highest - body.top, 0.0)
+            spare = max(column.base - lowest, highest - column.top, 0.0)
             if spare < problem.limits.obstacle_distance:
-                shapes.append(body.footprint.shape if isinstance(body, Prism) else shapely.Point(body.east, body.north))
-                radii.append(body.radius if isinstance(body, Cylinder) else 0.0)
+                shapes.append(column.shape)
+                radii.append(column.radius)
                 required.append(float(np.sqrt(problem.limits.obstacle_distance**2 - spare**2)))
                 names.append(body.name)
         self.shapes, self.names = np.array(shapes), names
@@ -119,9 +120,9 @@ class _View:
         return list(shapely.get_parts(self.area.difference(shapely.union_all(grown))))
 
 
-def _heights(problem: PathProblem, body: Cylinder | Prism) -> tuple[float, float]:
+def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
     """Between which heights one may fly beside a body, at most."""
-    airspace, limits, chart = problem.scenario.airspace, problem.limits, problem.chart
+    airspace, limits, chart = problem.task.airspace, problem.limits, problem.chart
     (west, south, _), (east, north, _) = body.bounds
     reach, step = limits.obstacle_distance, 1 / chart.ground.per_metre
     places = np.array([(west - reach, south - reach), (east + reach, north + reach)])

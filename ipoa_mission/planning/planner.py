@@ -1,4 +1,4 @@
-"""From a scenario to a plan: guess, search, polish, prove.
+"""From a task to a plan: guess, search, polish, prove.
 
 Short searches begin at different guesses, a straight line and the distinct ways through a coarse lattice, so that
 they end in different passages between the obstacles; each result is polished to the nearest optimum. Then the best
@@ -13,15 +13,14 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import FINER, guesses
-from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
+from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM, polish, settle
 from ipoa_mission.planning.problem import UNSAFE, Trail, follow, pose, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.search import Progress, Searcher, optimizer_of
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario import Scenario
 
 __all__ = ["NoPath", "plan_path"]
 
@@ -39,40 +38,40 @@ PIECE = 10  # control points that are then varied at a time
 WANTED, TRIED = 2, 6  # curves that are settled and hold, and how many are tried for that
 
 
-def plan_path(scenario: Scenario, seed: int = 0, progress: Progress = lambda done, words: None) -> Plan:
-    """The best path that was found, proved to keep every limit; the same for the same scenario, seed and version.
+def plan_path(task: PathTask, seed: int = 0, progress: Progress = lambda done, words: None) -> Plan:
+    """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
 
     Raises:
         BadInput: the optimiser is unknown, or has no such setting; start and goal are the same place.
         NoPath: a given place breaks a limit, or no path was found that keeps them all; the message says which, where
             and by how much.
     """
-    problem, planning = pose(scenario), scenario.planning
+    problem, planning = pose(task), task.planning
     refuse_places(problem)
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
-    optimizer = optimizer_of(scenario, short=not as_printed)
+    optimizer = optimizer_of(task, short=not as_printed)
     searcher = Searcher(problem, optimizer, np.random.default_rng(seed))
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
-    safe = [(curve_cost(curve, scenario), curve, proof) for curve, proof in curves if proof.holds]
+    safe = [(curve_cost(curve, task), curve, proof) for curve, proof in curves if proof.holds]
     if not safe:
         nearest = max((proof for _, proof in curves), key=lambda proof: proof.worst.slack)
         raise explain(problem, nearest) if as_printed else not_found(nearest)
     cost, curve, proof = min(safe, key=lambda found: found[0].total)
-    return Plan(curve, cost, proof, scenario.optimizer.name, seed, *searcher.history())
+    return Plan(curve, cost, proof, task.optimizer.name, seed, *searcher.history())
 
 
 def _search_once(searcher: Searcher, progress: Progress) -> Proved:
     """As the paper does: one long search, and what it finds."""
-    scenario = searcher.problem.scenario
+    task = searcher.problem.task
 
     def tell(spent: int, best: float) -> None:
         progress(spent / (spent + 30_000), f"{spent} evaluations, cost {best:.1f}")
 
-    straight = follow(places(scenario), scenario.planning.control_points, scenario)
+    straight = follow(task.places, task.planning.control_points, task)
     found = searcher.search(straight, 2 * WIDE, progress=tell)
-    return found.curve, prove_curve(found.curve, scenario)
+    return found.curve, prove_curve(found.curve, task)
 
 
 def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:

@@ -15,7 +15,7 @@ from scipy.linalg.lapack import dpbsv
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import Soft
-from ipoa_mission.planning.problem import ALL, Matrix, PathProblem, Trail, freedom
+from ipoa_mission.planning.problem import ALL, Matrix, PreparedProblem, Trail, freedom
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
@@ -39,7 +39,7 @@ FINE = (HARD, HARDER, HARDEST, SHARPEST)
 
 def polish(
     trail: Trail,
-    problem: PathProblem,
+    problem: PreparedProblem,
     stages: Sequence[Soft] = ROUGH,
     steps: int = 8,
     part: slice = ALL,
@@ -61,7 +61,7 @@ def polish(
     return Trail(Spline(control), trail.via_at)
 
 
-def settle(trail: Trail, problem: PathProblem, enough: float = 1e-7) -> tuple[Trail, Proof]:
+def settle(trail: Trail, problem: PreparedProblem, enough: float = 1e-7) -> tuple[Trail, Proof]:
     """The curve polished until its proof holds, or as near to that as it comes; or as it was, if only that holds.
 
     Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
@@ -71,7 +71,7 @@ def settle(trail: Trail, problem: PathProblem, enough: float = 1e-7) -> tuple[Tr
     for _ in range(ATTEMPTS):
         stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
         trail = polish(trail, problem, stages, steps=60, finer=2, enough=enough)
-        proof = prove_curve(trail.curve, problem.scenario)
+        proof = prove_curve(trail.curve, problem.task)
         if proof.worst.slack >= 0 or any(check.slack < HOPELESS[check.unit] for check in proof.checks):
             break
         for check in proof.checks:
@@ -79,7 +79,7 @@ def settle(trail: Trail, problem: PathProblem, enough: float = 1e-7) -> tuple[Tr
             if check.unit == "deg":  # as a slope
                 short = float(np.tan(np.radians(check.required)) - np.tan(np.radians(check.required - short)))
             more[_REMEDY[check.limit]] += short
-    if not proof.holds and (unpolished := prove_curve(rough.curve, problem.scenario)).holds:
+    if not proof.holds and (unpolished := prove_curve(rough.curve, problem.task)).holds:
         return rough, unpolished
     return trail, proof
 
@@ -132,7 +132,7 @@ class _Bench:
         return gradient @ self.spread, np.array([np.pad(d, (0, len(hessian) - len(d))) for d in diagonals])
 
 
-def _prepare(trail: Trail, problem: PathProblem, part: slice, nodes: int) -> _Bench:
+def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
     n = len(trail.curve.control)
     varied = np.arange(1, n - 1)[part]
     low, high = max(int(varied[0]) - FELT, 0), min(int(varied[-1]) + FELT + 1, n)
@@ -140,7 +140,7 @@ def _prepare(trail: Trail, problem: PathProblem, part: slice, nodes: int) -> _Be
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
     if len(trail.via_at):
-        ways = freedom(trail, problem.scenario, part)[low:high]
+        ways = freedom(trail, problem.task, part)[low:high]
         spread = np.einsum("nf,ab->nafb", ways, np.eye(3)).reshape(3 * len(ways), -1)
         near = np.abs(np.subtract.outer(np.arange(len(spread)), np.arange(len(spread)))) <= BAND
         pairs = np.argwhere(np.abs(spread.T) @ near @ np.abs(spread) > 0)
@@ -151,7 +151,7 @@ def _prepare(trail: Trail, problem: PathProblem, part: slice, nodes: int) -> _Be
 
 
 def _descend(
-    control: Points, signs: Matrix, problem: PathProblem, bench: _Bench, soft: Soft, steps: int, enough: float
+    control: Points, signs: Matrix, problem: PreparedProblem, bench: _Bench, soft: Soft, steps: int, enough: float
 ) -> tuple[Points, Matrix]:
     """Levenberg and Marquardt: the less damped the better the model has been right."""
     from ipoa_mission.planning._kernels import path_model

@@ -16,9 +16,9 @@ from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.optimize.search import Box, Candidates, Costs
 from ipoa_mission.planning.chart import Chart, Rules, chart_of
 from ipoa_mission.planning.cost import rules_of
-from ipoa_mission.planning.limits import Limits, limits_of, places
+from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.limits import Limits
 
 Matrix: TypeAlias = NDArray[np.float64]
 ALL = slice(None)
@@ -53,10 +53,10 @@ class Encoding:
 
 
 @dataclass(frozen=True, eq=False)
-class PathProblem:
-    """A scenario made ready for many evaluations; `nodes` is the number at which the search looks at a curve."""
+class PreparedProblem:
+    """A path problem made ready for many evaluations; `nodes` is the number at which the search looks at a curve."""
 
-    scenario: Scenario
+    task: PathTask
     limits: Limits
     chart: Chart
     rules: Rules
@@ -101,32 +101,32 @@ class PathProblem:
         return float(path_costs(np.ascontiguousarray(nodes.T)[None], chart, rules)[0])
 
 
-def pose(scenario: Scenario) -> PathProblem:
-    """The problem that a scenario poses."""
-    limits = limits_of(scenario)
-    rules = rules_of(scenario, limits)
+def pose(task: PathTask) -> PreparedProblem:
+    """The problem that a task poses, made ready."""
+    limits = task.limits
+    rules = rules_of(task, limits)
     reach = max(limits.obstacle_distance, rules.d_safe + rules.radius) + 0.5
-    return PathProblem(scenario, limits, chart_of(scenario.airspace, limits, reach), rules, _nodes(scenario, limits))
+    return PreparedProblem(task, limits, chart_of(task.airspace, limits, reach), rules, _nodes(task, limits))
 
 
-def follow(guide: Points, inner: int, scenario: Scenario, shares: Vector | None = None) -> Trail:
+def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = None) -> Trail:
     """A curve with `inner` control points between its ends that follows a polyline (k, 3) over all via points.
 
     They are evenly apart along it, or as many on each leg as its share (k-1,) of the sum.
     """
     travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
-    stops = [0, *_corners(guide, places(scenario)[1:-1]), len(guide) - 1]
+    stops = [0, *_corners(guide, task.places[1:-1]), len(guide) - 1]
     legs = np.diff(travelled[stops]) / travelled[-1]
     legs = np.maximum(legs, min(SHORTEST / (inner - 1), 0.5 / len(legs)))  # or via points would share control points
     reached = np.concatenate([[0.0], np.cumsum(legs) / legs.sum()])
     progress = np.interp(travelled, travelled[stops], reached)
     control = np.column_stack([np.interp(_greville(inner + 2), progress, guide[:, k]) for k in range(3)])
-    return pinned(Trail(Spline(control), reached[1:-1]), scenario)
+    return pinned(Trail(Spline(control), reached[1:-1]), task)
 
 
-def pinned(trail: Trail, scenario: Scenario) -> Trail:
+def pinned(trail: Trail, task: PathTask) -> Trail:
     """The curve put right so that it passes the via points exactly: the control point nearest to each gives way."""
-    lift, project, _ = _pins(trail, scenario)
+    lift, project, _ = _pins(trail, task)
     return Trail(Spline(lift + project @ trail.curve.control), trail.via_at)
 
 
@@ -135,19 +135,19 @@ def refine(trail: Trail) -> Trail:
     return Trail(trail.curve.refined(), trail.via_at)
 
 
-def freedom(trail: Trail, scenario: Scenario, part: slice = ALL) -> Matrix:
+def freedom(trail: Trail, task: PathTask, part: slice = ALL) -> Matrix:
     """How a part of the inner control points may move if ends and via points stay: a basis of those ways, (n, f)."""
-    _, project, moved = _pins(trail, scenario)
+    _, project, moved = _pins(trail, task)
     varied = np.setdiff1d(np.arange(1, len(project) - 1)[part], moved)
     return np.ascontiguousarray(project[:, varied])
 
 
-def encode(name: str, guide: Points, inner: int, spread: float, scenario: Scenario) -> Encoding:
+def encode(name: str, guide: Points, inner: int, spread: float, task: PathTask) -> Encoding:
     """The search space `name` round a polyline (k, 3), with `inner` control points between the ends."""
-    return surround(name, follow(guide, inner, scenario), spread, scenario)
+    return surround(name, follow(guide, inner, task), spread, task)
 
 
-def surround(name: str, around: Trail, spread: float, scenario: Scenario, part: slice = ALL) -> Encoding:
+def surround(name: str, around: Trail, spread: float, task: PathTask, part: slice = ALL) -> Encoding:
     """The search space `name`, `spread` [m] wide in each direction round a curve, or round a part of it.
 
     `absolute` varies the control points themselves within the bounds, and has no use for the curve; `chord` varies
@@ -158,7 +158,7 @@ def surround(name: str, around: Trail, spread: float, scenario: Scenario, part: 
     varied = np.arange(1, len(control) - 1)[part]
     n, inner = len(control), len(varied)
     if name == "absolute":
-        lower, upper = np.asarray(scenario.airspace.bounds.lower), np.asarray(scenario.airspace.bounds.upper)
+        lower, upper = np.asarray(task.airspace.bounds.lower), np.asarray(task.airspace.bounds.upper)
         origin, box = control.copy(), Box(np.tile(lower, inner), np.tile(upper, inner))
         origin[varied] = 0.0
         matrix = np.zeros((inner, 3, n, 3))
@@ -169,14 +169,14 @@ def surround(name: str, around: Trail, spread: float, scenario: Scenario, part: 
         origin, box = control, Box(np.full(2 * inner, -spread), np.full(2 * inner, spread))
         matrix = np.zeros((inner, 2, n, 3))
         matrix[:, :, varied] = np.einsum("mi,iak->maik", shapes, _axes(control)[part])
-    lift, project, _ = _pins(around, scenario)
+    lift, project, _ = _pins(around, task)
     matrix = np.einsum("ij,djk->dik", project, matrix.reshape(-1, n, 3))
     return Encoding(lift + project @ origin, matrix, box, around.via_at)
 
 
-def _pins(trail: Trail, scenario: Scenario) -> tuple[Points, Matrix, NDArray[np.intp]]:
+def _pins(trail: Trail, task: PathTask) -> tuple[Points, Matrix, NDArray[np.intp]]:
     """The map control -> lift + project @ control that puts via points right, and which control points give way."""
-    n, via = len(trail.curve.control), places(scenario)[1:-1]
+    n, via = len(trail.curve.control), task.places[1:-1]
     if not len(via):
         return np.zeros((n, 3)), np.eye(n), np.zeros(0, int)
     rows = basis(n, trail.via_at)
@@ -228,8 +228,8 @@ def _corners(guide: Points, via: Points) -> list[int]:
     return found
 
 
-def _nodes(scenario: Scenario, limits: Limits) -> int:
-    direct = float(np.linalg.norm(scenario.goal_point - scenario.start_point))
-    if scenario.planning.planner == "paper":
-        return scenario.planning.samples
-    return int(np.clip(direct / max(2 * limits.obstacle_distance, 2.0), scenario.planning.samples, 600))
+def _nodes(task: PathTask, limits: Limits) -> int:
+    direct = float(np.linalg.norm(task.places[-1] - task.places[0]))
+    if task.planning.planner == "paper":
+        return task.planning.samples
+    return int(np.clip(direct / max(2 * limits.obstacle_distance, 2.0), task.planning.samples, 600))

@@ -11,9 +11,9 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector, climb_angles
-from ipoa_mission.planning.limits import Limits, limits_of
+from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.limits import Limits
 from ipoa_mission.world.airspace import Airspace, Clearance
 
 CHORD = 5e-4  # how far a curve may be from the chords that stand for it [m]
@@ -89,21 +89,21 @@ class Proof:
         return self.worst.words()
 
 
-def prove(legs: Points, scenario: Scenario, stray: float = 0.0) -> Proof:
-    """What the straight legs between waypoints (n, 3) keep of the scenario's limits, exactly.
+def prove(legs: Points, task: PathTask, stray: float = 0.0) -> Proof:
+    """What the straight legs between waypoints (n, 3) keep of the task's limits, exactly.
 
     With `stray` they stand for a path that is never farther from them [m], and what is found is what it has at least.
     """
     angles = climb_angles(legs)
-    return _prove(legs, scenario.airspace, limits_of(scenario), (angles, -angles), stray)
+    return _prove(legs, task.airspace, task.limits, (angles, -angles), stray)
 
 
-def prove_curve(curve: Spline, scenario: Scenario) -> Proof:
-    """What a curve keeps of the scenario's limits: never more than it has, and less by two millimetres at most."""
-    airspace = scenario.airspace
+def prove_curve(curve: Spline, task: PathTask) -> Proof:
+    """What a curve keeps of the task's limits: never more than it has, and less by two millimetres at most."""
+    airspace = task.airspace
     tolerance = CHORD / (1 + airspace.terrain.steepness)
     u = curve.chords(tolerance)
-    return _prove(curve.points(u), airspace, limits_of(scenario), _steepness(curve, u), tolerance)
+    return _prove(curve.points(u), airspace, task.limits, _steepness(curve, u), tolerance)
 
 
 def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Vector, Vector], stray: float) -> Proof:

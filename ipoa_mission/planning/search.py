@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import polyline_length
 from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
 from ipoa_mission.optimize.search import Optimizer, minimise
-from ipoa_mission.planning.problem import ALL, PathProblem, Trail, surround
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.planning.path_problem import PathTask
+from ipoa_mission.planning.problem import ALL, PreparedProblem, Trail, surround
 
 Progress: TypeAlias = Callable[[float, str], None]  # hears which share of the work is done, and a few words
 
-#: A search that is one of several may be short: settings for optimisers that have them, where the scenario sets none.
+#: A search that is one of several may be short: settings for optimisers that have them, where the task sets none.
 SHORT = {"population": 20, "iterations": 25, "evaluations": 2500, "evaluations_per_member": 40.0}
 
 
@@ -23,7 +23,7 @@ SHORT = {"population": 20, "iterations": 25, "evaluations": 2500, "evaluations_p
 class Searcher:
     """Searches one after the other, with one stream of random numbers, and what the best cost was after which."""
 
-    problem: PathProblem
+    problem: PreparedProblem
     optimizer: Optimizer
     rng: np.random.Generator
     spent: list[int] = field(default_factory=list)
@@ -40,9 +40,9 @@ class Searcher:
 
         `width` is how far the search goes, as a share of the length of what is varied; `progress` is `minimise`'s.
         """
-        scenario = self.problem.scenario
+        task = self.problem.task
         spread = width * polyline_length(around.curve.control[1:-1][part])
-        encoding = surround(encoding_of(scenario), around, spread, scenario, part)
+        encoding = surround(encoding_of(task), around, spread, task, part)
         found = minimise(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
         spent, known = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
         self.spent += [spent + int(evaluations) for evaluations in found.evaluations]
@@ -58,18 +58,18 @@ class Searcher:
         return np.array(self.spent), np.array(self.best)
 
 
-def encoding_of(scenario: Scenario) -> str:
+def encoding_of(task: PathTask) -> str:
     """The name of the search space: the paper's is `absolute`; left open, it is `sine`."""
-    return scenario.planning.encoding or ("absolute" if scenario.planning.planner == "paper" else "sine")
+    return task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")
 
 
-def optimizer_of(scenario: Scenario, short: bool) -> Optimizer:
-    """The scenario's optimiser with its settings; what is not set is as in `SHORT`, or else the algorithm's default.
+def optimizer_of(task: PathTask, short: bool) -> Optimizer:
+    """The task's optimiser with its settings; what is not set is as in `SHORT`, or else the algorithm's default.
 
     Raises:
         BadInput: there is no such optimiser, or it has no such setting.
     """
-    name, settings = scenario.optimizer.name, scenario.optimizer.settings
+    name, settings = task.optimizer.name, task.optimizer.settings
     if short and name in OPTIMIZERS:
         known = {setting.name for setting in fields(OPTIMIZERS[name])}  # type: ignore[arg-type]
         settings = {key: value for key, value in SHORT.items() if key in known} | settings

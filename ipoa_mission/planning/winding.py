@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.planning.limits import places
-from ipoa_mission.planning.problem import PathProblem
+from ipoa_mission.planning.problem import PreparedProblem
 
 TURNS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
 LONGER = (1.0, 2.0, 4.0, 8.0, 16.0)  # the ellipse's axes over each other
@@ -23,7 +22,7 @@ TOO_STEEP = 1.3  # times the limit: what is steeper needs loops, what is not the
 LEAST = 0.5  # a detour shorter than so many metres needs no loop
 
 
-def wind(way: Points, inner: int, problem: PathProblem, step: float) -> tuple[Points, Vector]:
+def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tuple[Points, Vector]:
     """The way (k, 3) with loops where it is too steep, and how many control points each leg needs.
 
     Where it is not, they are its share of `inner`. What is no more than two steps [m] high is left to the polish.
@@ -60,9 +59,9 @@ def wind(way: Points, inner: int, problem: PathProblem, step: float) -> tuple[Po
     return guide, np.where(turning, CONTROL / SIDES, inner * legs / max(float(legs[~turning].sum()), LEAST))
 
 
-def _without_detours(way: Points, problem: PathProblem) -> Points:
+def _without_detours(way: Points, problem: PreparedProblem) -> Points:
     """The way without the nodes beside start, via points and goal, which may lie behind them."""
-    stops = {tuple(place) for place in places(problem.scenario)}
+    stops = {tuple(place) for place in problem.task.places}
     kept = np.ones(len(way), bool)
     for k in range(1, len(way) - 1):
         beside = tuple(way[k - 1]) in stops or tuple(way[k + 1]) in stops
@@ -81,13 +80,13 @@ def _runs(way: Points) -> list[tuple[int, int]]:
     return list(pairwise(edges))
 
 
-def _too_steep(way: Points, problem: PathProblem) -> NDArray[np.bool_]:
+def _too_steep(way: Points, problem: PreparedProblem) -> NDArray[np.bool_]:
     step, rules = np.diff(way, axis=0), problem.rules
     level = TOO_STEEP * np.hypot(step[:, 0], step[:, 1])
     return np.asarray(np.maximum(step[:, 2] / rules.climb, -step[:, 2] / rules.descent) > level)
 
 
-def _free(way: Points, problem: PathProblem) -> bool:
+def _free(way: Points, problem: PreparedProblem) -> bool:
     """Whether a way, but for its ends, is about free."""
     from ipoa_mission.planning._kernels import survey
 
@@ -95,7 +94,7 @@ def _free(way: Points, problem: PathProblem) -> bool:
     return bool((survey(spots, problem.chart, problem.rules)[0] >= -0.5 * problem.rules.clearance).all())
 
 
-def _loops(a: Vector, b: Vector, ahead: Vector, problem: PathProblem) -> Points | None:
+def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Points | None:
     """Loops from a up or down to b, without a itself, (k, 3); None if none are needed, or none are free.
 
     Of several they are those that begin and end best in the direction `ahead` (2,).
@@ -118,7 +117,7 @@ def _loops(a: Vector, b: Vector, ahead: Vector, problem: PathProblem) -> Points 
     return None
 
 
-def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PathProblem) -> Vector:
+def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedProblem) -> Vector:
     """The least slack of shapes (s, k, 2) round places from a to b, (s,) [m]."""
     from ipoa_mission.planning._kernels import survey
 
@@ -130,7 +129,7 @@ def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PathProble
     return np.asarray(slack.reshape(len(shapes), -1).min(axis=1))
 
 
-def _closely(shape: NDArray[np.float64], problem: PathProblem) -> NDArray[np.float64]:
+def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np.float64]:
     """A shape (k, 2) and the line to it, with corners so near to each other that nothing fits between, (1, m, 2)."""
     step = max(problem.limits.obstacle_distance, 0.1)
     along, away = np.roll(shape, -1, axis=0) - shape, float(np.linalg.norm(shape[0]))

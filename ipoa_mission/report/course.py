@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.prediction import Track
 from ipoa_mission.world.airspace import Airspace
@@ -70,7 +69,7 @@ def dangers(course: Course, scenario: Scenario) -> list[Danger]:
 
     The ground counts only where the path goes into it, since every flight begins and ends there.
     """
-    found, required = [], limits_of(scenario).obstacle_distance
+    found, required = [], scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(course.points)
     if nearest.distance < required:
         how = "runs into" if nearest.distance < 0 else f"comes within {nearest.distance:.2f} m of"

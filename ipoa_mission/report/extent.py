@@ -6,7 +6,7 @@ import numpy as np
 
 from ipoa_mission.geometry import Points
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Obstacle, Zone
+from ipoa_mission.world.obstacles import Obstacle
 
 LEAST_ROOM = 15.0  # [m]
 ROOM = 0.18  # of the flight's longer side
@@ -30,7 +30,7 @@ class Extent:
 
     def buildings(self, airspace: Airspace) -> tuple[Obstacle, ...]:
         """Those of them that stand there: no zones."""
-        return tuple(body for body in self.obstacles(airspace) if not isinstance(body, Zone))
+        return tuple(body for body in self.obstacles(airspace) if body.solid)
 
 
 def extent_of(*paths: Points) -> Extent:

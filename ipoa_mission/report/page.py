@@ -19,7 +19,6 @@ from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.planning.limits import limits_of
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import compare_flight, flown_track
@@ -90,7 +89,7 @@ def report_html(
 def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     """The same, of what was proved already."""
     scenario, mission, estimate, proof = subject.scenario, subject.mission, subject.estimate, subject.proof
-    airspace, required = scenario.airspace, limits_of(scenario).obstacle_distance
+    airspace, required = scenario.airspace, scenario.limits.obstacle_distance
     found = stops(mission, estimate, scenario)
     course = follow(estimate.track, airspace)
     track = None if flight is None else flown_track(mission, flight)

@@ -23,7 +23,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.report import palette
-from ipoa_mission.report.solids import ground_mesh, outline, silhouette
+from ipoa_mission.report.ground_mesh import ground_mesh
 from ipoa_mission.report.view3d import draw_space
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
@@ -138,7 +138,7 @@ def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> No
     tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
     for obstacle in sorted(airspace.obstacles, key=lambda o: float(o.bounds[1, 2])):
         shade = _ROOFS(obstacle.bounds[1, 2] / max(*tops, 1.0))
-        rings = [np.vstack([ring, ring[:1]]) for ring in outline(obstacle)]
+        rings = [np.vstack([ring, ring[:1]]) for ring in obstacle.outline()]
         whole = Outline.make_compound_path(*(Outline(ring, closed=True) for ring in _alternating(rings)))
         axes.add_patch(PathPatch(whole, facecolor=shade, edgecolor=palette.OUTLINE, linewidth=0.4))
     _draw_lines(axes, paths, (0, 1))
@@ -152,7 +152,7 @@ def _draw_front(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> 
     far_first = sorted(airspace.obstacles, key=lambda o: -float(o.bounds[0, 1]))
     tops = [float(obstacle.bounds[1, 2]) for obstacle in far_first]
     shapes = PolyCollection(
-        [silhouette(obstacle, 0) for obstacle in far_first],
+        [obstacle.silhouette(0) for obstacle in far_first],
         facecolors=[_ROOFS(top / max(*tops, 1.0), alpha=0.55) for top in tops],
         edgecolors=palette.OUTLINE,
         linewidths=0.4,

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ipoa_mission.report.course import Course
 from ipoa_mission.report.extent import Extent
-from ipoa_mission.report.solids import ground_mesh_over, outline
+from ipoa_mission.report.ground_mesh import ground_mesh_over
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, Zone
+from ipoa_mission.world.obstacles.obstacle import Part
 from ipoa_mission.world.terrain import Flat
 
 CELLS = 64  # of the ground along the longer side
@@ -76,17 +76,22 @@ def _world(scenario: Scenario, extent: Extent, course: Course) -> dict[str, Any]
             "columns": up.shape[1],
             "heights": _rounded(up.ravel(), 1),
         },
-        "bodies": [_body(body) for body in bodies if not isinstance(body, Zone)],
-        "zones": [_body(body) for body in bodies if isinstance(body, Zone)],
+        "bodies": [_body(part) for body in bodies if body.solid for part in body.parts],
+        "zones": [_body(part) for body in bodies if not body.solid for part in body.parts],
     }
 
 
-def _body(body: Obstacle) -> dict[str, Any]:
-    if isinstance(body, Sphere):
-        return {"centre": _rounded(np.array(body.center), 2), "radius": round(body.radius, 2)}
-    base, top = (round(float(up), 2) for up in body.bounds[:, 2])
-    rings = [_rounded(ring, 2) for ring in outline(body)]
-    return {"rings": rings, "base": base, "top": top, "round": isinstance(body, Cylinder)}
+def _body(part: Part) -> dict[str, Any]:
+    return {name: _plain(value) for name, value in part.page_shape().items()}
+
+
+def _plain(value: Any) -> Any:
+    """An array, a tuple of them or a number to the centimeter; a truth value as it is."""
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, np.ndarray):
+        return _rounded(value, 2)
+    return value if isinstance(value, bool) else round(float(value), 2)
 
 
 def _rounded(values: NDArray[np.float64], digits: int) -> list[Any]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.report import palette
-from ipoa_mission.report.solids import edges, ground_mesh, tiles
+from ipoa_mission.report.ground_mesh import ground_mesh
 from ipoa_mission.world.airspace import Airspace
 
 ELEVATION_DEG, AZIMUTH_DEG = 34.0, -62.0
@@ -56,11 +56,11 @@ def draw_space(axes: Axes3D, airspace: Airspace, paths: Mapping[str, Points]) ->
 
     polygons, colours, depths = _ground_tiles(east, north, up, stretch, cell)
     for obstacle in airspace.obstacles:
-        for tile in tiles(obstacle, cell):
+        for tile in obstacle.tiles(cell):
             polygons.append(tile)
             colours.append(_lit(_roof_colour(obstacle.bounds[1, 2], lower[2], upper[2]), _normal(tile * stretch)))
             depths.append(_depth(tile, stretch))
-    lines = [line for obstacle in airspace.obstacles for whole in edges(obstacle) for line in _cut(whole, cell)]
+    lines = [line for obstacle in airspace.obstacles for whole in obstacle.edges() for line in _cut(whole, cell)]
     depths += [_depth(line, stretch) + 0.3 * cell * stretch[0] for line in lines]
     edge_colours = [*colours, *[to_rgb(palette.OUTLINE)] * len(lines)]
     colours += [(0.0, 0.0, 0.0)] * len(lines)

@@ -12,13 +12,14 @@ from pydantic import ConfigDict, Field, model_validator
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
+from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
 from ipoa_mission.scenario.maps import MapSection
+from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.places import (
     BoundsSection,
     FenceSection,
     FlatTerrain,
     HomeSection,
-    ObstacleSection,
     Place,
     TerrainSection,
 )
@@ -110,10 +111,14 @@ class RouteSection(Section):
     at the goal."""
 
 
+#: What a file may be called on every system: no separators, nothing that Windows keeps for itself, no dot before it.
+FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
+
+
 class Scenario(Section):
     """A flight to be planned: what a scenario file holds."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")] = "mission"
+    name: Annotated[str, Field(pattern=FILE_NAME)] = "mission"
     """Also the name of the files that are written; left out, that of the scenario file."""
     profile: Literal["delivery", "rescue", "endurance"] | None = None
     """Weights and distances for a task; what the file says itself wins. Left out, those of the paper."""
@@ -228,6 +233,26 @@ class Scenario(Section):
     def passed_over(self) -> tuple[PassedOver, ...]:
         """What the maps have that became no obstacle."""
         return self._surroundings.passed_over
+
+    @cached_property
+    def places(self) -> Points:
+        """Start, via points and goal, in this order, (k, 3) [m]; a via point where the way already is counts once."""
+        return without_repeats(self.start_point, self.via_points, self.goal_point)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the vehicle's hull [m]."""
+        return self.vehicle.radius
+
+    @cached_property
+    def limits(self) -> Limits:
+        """What the path must keep."""
+        planning, distance = self.planning, self.vehicle.radius + self.safety_distance
+        angles = (planning.max_climb_angle_deg, planning.max_descent_angle_deg)
+        climb, descent = (np.inf if angle is None else float(np.radians(angle)) for angle in angles)
+        least = distance if planning.min_height_above_ground is None else planning.min_height_above_ground
+        zones = low_zones(self.places, self.airspace, least, min(climb, descent))
+        return Limits(distance, least, planning.max_height_above_ground or np.inf, climb, descent, zones)
 
     def _point(self, place: Place) -> Vector:
         return place.point(self.frame, self.airspace.terrain.height)

@@ -15,7 +15,6 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.maps import ElevationTerrain
 from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
 Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
@@ -211,106 +210,6 @@ TerrainSection: TypeAlias = Annotated[
 ]
 
 
-class SphereSection(Horizontal):
-    """A ball."""
-
-    kind: Literal["sphere"]
-    name: str | None = None
-    """What messages call it; left out, its kind and number."""
-    radius: Positive
-    """Radius [m]."""
-    up: float | None = None
-    """Height of the centre [m above home]; left out, the ball rests on the ground."""
-
-    def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        """The obstacle itself."""
-        east, north = self.east_north(frame)
-        up = self.up if self.up is not None else float(ground(np.array([[east, north]]))[0]) + self.radius
-        return Sphere(name, (east, north, up), self.radius)
-
-
-class CylinderSection(Horizontal):
-    """A vertical cylinder: a tower, a mast, a tree."""
-
-    kind: Literal["cylinder"]
-    name: str | None = None
-    """What messages call it; left out, its kind and number."""
-    radius: Positive
-    """Radius [m]."""
-    height: Positive
-    """Height above its base, or above the highest ground under it [m]."""
-    base: float | None = None
-    """Height of the lower end [m above home]; left out, it stands on the ground."""
-
-    def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        """The obstacle itself."""
-        east, north = self.east_north(frame)
-        rim = np.array([[east, north]]) + self.radius * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
-        return Cylinder(name, east, north, self.radius, *_stand(self.base, self.height, ground, rim))
-
-
-class BoxSection(Horizontal):
-    """A box, centred on its position, turned clockwise from north by `heading_deg`."""
-
-    kind: Literal["box"]
-    name: str | None = None
-    """What messages call it; left out, its kind and number."""
-    width: Positive
-    """Extent along east, before it is turned [m]."""
-    depth: Positive
-    """Extent along north, before it is turned [m]."""
-    height: Positive
-    """Height above its base, or above the highest ground under it [m]."""
-    heading_deg: float = 0.0
-    """How far it is turned, clockwise from north."""
-    base: float | None = None
-    """Height of the lower side [m above home]; left out, it stands on the ground."""
-
-    def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        """The obstacle itself."""
-        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (self.width / 2, self.depth / 2)
-        c, s = np.cos(np.radians(self.heading_deg)), np.sin(np.radians(self.heading_deg))
-        corners = corners @ np.array([(c, -s), (s, c)]) + self.east_north(frame)
-        return Prism(name, _ring(corners), (), *_stand(self.base, self.height, ground, corners))
-
-
-class PrismSection(Section):
-    """A building: a polygon footprint (with holes) and a height."""
-
-    kind: Literal["prism"]
-    name: str | None = None
-    """What messages call it; left out, its kind and number."""
-    footprint: Ring | None = None
-    """Corners as [east, north]."""
-    footprint_geodetic: Ring | None = None
-    """Corners as [latitude_deg, longitude_deg]."""
-    holes: tuple[Ring, ...] = ()
-    """Courtyards, in the same coordinates as the footprint."""
-    height: Positive
-    """Height above its base, or above the highest ground under it [m]."""
-    base: float | None = None
-    """Height of the lower side [m above home]; left out, it stands on the ground."""
-
-    @model_validator(mode="after")
-    def _one_footprint(self) -> Self:
-        if (self.footprint is None) == (self.footprint_geodetic is None):
-            raise ValueError("expected either footprint or footprint_geodetic")
-        return self
-
-    def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        """The obstacle itself."""
-        outer = _corners(self.footprint, self.footprint_geodetic, frame)
-        geodetic = self.footprint_geodetic is not None
-        holes = [_corners(None if geodetic else hole, hole if geodetic else None, frame) for hole in self.holes]
-        bottom, top = _stand(self.base, self.height, ground, outer)
-        return Prism(name, _ring(outer), tuple(_ring(hole) for hole in holes), bottom, top)
-
-
-ObstacleSection: TypeAlias = Annotated[
-    SphereSection | CylinderSection | BoxSection | PrismSection, Field(discriminator="kind")
-]
-
-
 class FenceSection(Section):
     """A geofence for the vehicle to keep: a polygon, or a circle round `center`."""
 
@@ -352,22 +251,3 @@ class BoundsSection(Section):
         if value is not None and value[0] >= value[1]:
             raise ValueError(f"expected [least, most], not [{value[0]:g}, {value[1]:g}]")
         return value
-
-
-def _stand(base: float | None, height: float, ground: Ground, footprint: Points) -> tuple[float, float]:
-    """Lower and upper end: on a slope from the lowest ground under the footprint to `height` above the highest."""
-    if base is not None:
-        return base, base + height
-    heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))
-    return float(heights.min()), float(heights.max()) + height
-
-
-def _corners(local: Ring | None, geodetic: Ring | None, frame: LocalFrame) -> Points:
-    if local is not None:
-        return np.asarray(local, float)
-    latitude, longitude = np.asarray(geodetic, float).T
-    return frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2]
-
-
-def _ring(corners: Points) -> tuple[tuple[float, float], ...]:
-    return tuple((float(east), float(north)) for east, north in corners)

@@ -99,7 +99,7 @@ def _explain(problem: Any, table: dict[str, Any]) -> str:
         case "value_error":
             return f"{place}: {limits['error']}" if place else str(limits["error"])
         case "string_pattern_mismatch":
-            wanted = "letters, digits, dots, dashes and underscores"
+            wanted = "what a file can be called" if place == "name" else "letters, digits and underscores"
         case "too_short" | "too_long":
             wanted = f"{limits.get('min_length', limits.get('max_length'))} entries"
             given = len(given)

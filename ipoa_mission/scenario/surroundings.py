@@ -18,11 +18,11 @@ from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.maps.planar import rings_of
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
+from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.places import (
     BoundsSection,
     FenceSection,
     FlatTerrain,
-    ObstacleSection,
     Place,
     TerrainSection,
 )

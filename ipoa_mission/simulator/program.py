@@ -5,6 +5,7 @@ import math
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.items import Item
+from ipoa_mission.itinerary.as_flown import is_as_high_as_now
 from ipoa_mission.simulator.body import Triple
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -18,7 +19,7 @@ class Program:
 
     def __init__(self, items: tuple[Item, ...], frame: LocalFrame, autopilot: Autopilot) -> None:
         self.items = items
-        self._frame = frame
+        self._frame, self._autopilot = frame, autopilot
         self._first = 1 if autopilot is Autopilot.ARDUPILOT else 0  # what a jump calls the first item
         self.jumped: dict[int, int] = {}
         self._places: dict[int, Triple] = {}
@@ -36,6 +37,8 @@ class Program:
         if item.command == Command.NAV_PAYLOAD_PLACE:
             return now
         frame = plain_frame(item.frame)
+        if is_as_high_as_now(item, self._autopilot):
+            return now
         height = item.altitude - self._frame.home.altitude if frame == Frame.GLOBAL else item.altitude
         return height if math.isfinite(height) else now
 

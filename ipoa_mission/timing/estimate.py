@@ -7,6 +7,7 @@ import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
+from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.ardupilot import fly_arducopter
@@ -86,7 +87,7 @@ def estimate(
 
     Raises:
         BadInput: the mission has no end, or a parameter has no sense.
-        MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
+        MissionError: the vehicle does not get on, as against a wind stronger than it can fly; or it is no multicopter.
     """
     mission = mission.with_parameters(parameters)
     route, prediction = predict(mission, wind, fast)
@@ -120,6 +121,8 @@ def predict(
 
     `sure`: the vehicle knows where it is, so that PX4 is flown once and not many times; else as in `estimate`.
     """
+    if mission.other_vehicle:
+        raise MissionError(f"the mission is for {mission.other_vehicle}, and only multicopters have a time model")
     route = itinerary(mission)
     if mission.autopilot is Autopilot.ARDUPILOT:
         airframe = ARDUPILOT_SIMULATOR.at_altitude(mission.home.altitude)

@@ -44,7 +44,7 @@ class LocalFrame:
 
     home: Geodetic
 
-    def to_local(self, latitude_deg: Vector, longitude_deg: Vector, altitude: Vector) -> Points:
+    def to_local(self, latitude_deg: Vector, longitude_deg: Vector, altitude: Vector | float) -> Points:
         """East, north, up of geodetic positions; the three arrays (n,) or scalars broadcast to (n, 3) [m]."""
         lat, lon, alt = np.broadcast_arrays(
             *(np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))

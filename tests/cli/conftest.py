@@ -4,15 +4,16 @@ import shlex
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import pytest
+import typer
 
 from ipoa_mission.autopilots.vehicle import Autopilot as Family
-from ipoa_mission.cli.app import main
+from ipoa_mission.cli.app import app, main
 from ipoa_mission.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
@@ -22,6 +23,9 @@ from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
 
+Run = Callable[[str], "Outcome"]
+Planned = Callable[[str], tuple[Flight, Path]]
+Serve = Callable[..., AbstractContextManager[str]]
 ZURICH = Geodetic(47.397742, 8.545594, 488.0)
 
 
@@ -34,10 +38,13 @@ class Outcome:
     err: str
 
 
+def verbs() -> list[str]:
+    """What `ipoa-mission` can be told to do."""
+    return sorted(getattr(typer.main.get_command(app), "commands", {}))
+
+
 @pytest.fixture
-def run(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> Callable[[str], Outcome]:
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
     """Run `ipoa-mission WORDS` in a folder of its own; the exit code, standard output and standard error."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
@@ -57,7 +64,7 @@ def run(
 
 
 @pytest.fixture(scope="session")
-def planned(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Flight, Path]]:
+def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
     """A scenario of the repository planned with seed 5, once for all tests: the flight, and the folder of its files."""
     missions = Path(__file__).parents[2] / "missions"
 
@@ -72,7 +79,7 @@ def planned(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[F
 
 
 @pytest.fixture
-def autopilot() -> Callable[..., object]:
+def autopilot() -> Serve:
     """The built-in autopilot behind a UDP port of this machine, 60 times as fast as real; `with` gives its link."""
 
     @contextmanager

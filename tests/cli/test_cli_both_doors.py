@@ -9,6 +9,7 @@ import pytest
 
 import ipoa_mission as api
 from ipoa_mission.scenario import parse_scenario
+from tests.cli.conftest import Run
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SCENARIOS = sorted(path.stem for path in MISSIONS.glob("*.toml"))
@@ -46,7 +47,7 @@ def _planned(path: Path) -> api.Flight:
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
-def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(run, slow: Path) -> None:
+def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(run: Run, slow: Path) -> None:
     scenario = api.read_scenario(slow)
     flight = _planned(slow)
     told = json.loads(run(f"plan {slow} --out cli --seed 4 --report --json").out)
@@ -78,7 +79,7 @@ def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(r
 
 
 @pytest.mark.parametrize("name", ["sitl"])
-def test_both_doors_fly_the_same_flight(run, slow: Path) -> None:
+def test_both_doors_fly_the_same_flight(run: Run, slow: Path) -> None:
     flight = _planned(slow)
     record = api.fly(flight.mission, log="api.tlog")
     flight.write("api")
@@ -94,7 +95,7 @@ def test_both_doors_fly_the_same_flight(run, slow: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["sitl"])
-def test_what_is_given_goes_before_what_the_mission_carries(run, slow: Path) -> None:
+def test_what_is_given_goes_before_what_the_mission_carries(run: Run, slow: Path) -> None:
     flight = _planned(slow)
     flight.write()
     by_command = json.loads(run("estimate slow.plan --param MPC_LAND_SPEED=0.7 --json").out)["total_s"]
@@ -106,7 +107,7 @@ def test_what_is_given_goes_before_what_the_mission_carries(run, slow: Path) -> 
 
 
 @pytest.mark.parametrize("name", ["sitl"])
-def test_python_refuses_what_the_command_line_refuses(run, slow: Path) -> None:
+def test_python_refuses_what_the_command_line_refuses(run: Run, slow: Path) -> None:
     thirsty = "\n[vehicle.airframe]\nmass_kg = 2.0\nrotor_diameter = 0.25\n[vehicle.battery]\ncapacity_wh = 1.0\n"
     slow.write_text(slow.read_text(encoding="utf-8") + thirsty, encoding="utf-8")
     with pytest.raises(api.NotEnoughBattery) as refused:

@@ -7,6 +7,7 @@ import pytest
 
 from ipoa_mission.link.flight_log import read_flights
 from ipoa_mission.mission.files import write_mission
+from tests.cli.conftest import Run
 
 LOGS = Path(__file__).parents[1] / "logs"
 
@@ -27,7 +28,7 @@ def px4_mission(tmp_path: Path) -> Path:
         ("sitl-px4.tlog", 66.37, "px4"),
     ],
 )
-def test_the_log_alone_will_do(run, name: str, flown_s: float, autopilot: str) -> None:
+def test_the_log_alone_will_do(run: Run, name: str, flown_s: float, autopilot: str) -> None:
     held = json.loads(run(f"compare {LOGS / name} --json").out)
     assert held["flown_s"] == pytest.approx(flown_s, abs=0.3)
     assert held["completed"]
@@ -36,7 +37,7 @@ def test_the_log_alone_will_do(run, name: str, flown_s: float, autopilot: str) -
     assert held["flights"] == [{key: held[key] for key in held["flights"][0]}]
 
 
-def test_each_flight_is_held_against_its_own_estimate(run) -> None:
+def test_each_flight_is_held_against_its_own_estimate(run: Run) -> None:
     held = json.loads(run(f"compare {LOGS / 'twice-ardupilot.bin'} --json").out)
     assert [flight["flight"] for flight in held["flights"]] == [1, 2]
     assert [flight["flown_s"] for flight in held["flights"]] == pytest.approx([54.38, 54.62], abs=0.1)
@@ -48,17 +49,17 @@ def test_each_flight_is_held_against_its_own_estimate(run) -> None:
     assert second["flights"] == held["flights"][1:]
 
 
-def test_px4s_own_log_needs_the_mission_and_says_so(run, px4_mission: Path) -> None:
+def test_px4s_own_log_needs_the_mission_and_says_so(run: Run, px4_mission: Path) -> None:
     ended = run(f"compare {LOGS / 'sitl-px4.ulg'}")
     assert ended.code == 1
     assert "PX4 does not write its mission into its logs" in ended.err
     assert "hint: compare FILE LOG" in ended.err
     held = json.loads(run(f"compare {px4_mission} {LOGS / 'sitl-px4.ulg'} --json").out)
     assert held["flown_s"] == pytest.approx(66.37, abs=0.05)
-    assert held["parameters"] == {"RTL_RETURN_ALT": 30.0, "RTL_DESCEND_ALT": 10.0}
+    assert held["parameters"] == {"RTL_RETURN_ALT": 30.0, "RTL_DESCEND_ALT": 10.0, "MC_ROLL_P": 4.0}
 
 
-def test_parameters_of_the_command_line_go_before_those_of_the_log(run) -> None:
+def test_parameters_of_the_command_line_go_before_those_of_the_log(run: Run) -> None:
     own = json.loads(run(f"compare {LOGS / 'sitl-ardupilot.bin'} --json").out)
     held = json.loads(run(f"compare {LOGS / 'sitl-ardupilot.bin'} --json --param LAND_SPEED=25").out)
     assert own["parameters"] == {}
@@ -66,12 +67,12 @@ def test_parameters_of_the_command_line_go_before_those_of_the_log(run) -> None:
     assert held["estimated_s"] > own["estimated_s"] + 10
 
 
-def test_another_mission_than_the_log_s_is_remarked(run, px4_mission: Path) -> None:
+def test_another_mission_than_the_log_s_is_remarked(run: Run, px4_mission: Path) -> None:
     said = run(f"compare {px4_mission} {LOGS / 'sitl-ardupilot.tlog'}").out
     assert "another mission was flown: number of items: 6 in the log, not 8" in said
 
 
-def test_a_flight_that_began_in_the_middle_is_remarked(run) -> None:
+def test_a_flight_that_began_in_the_middle_is_remarked(run: Run) -> None:
     assert "note: it began at item 6" in run(f"compare {LOGS / 'again-px4.tlog'}").out
 
 
@@ -86,7 +87,9 @@ def test_a_flight_that_began_in_the_middle_is_remarked(run) -> None:
         ("{logs}/twice-ardupilot.bin --picture both.svg", "--picture: expected --flight N too"),
     ],
 )
-def test_what_does_not_go_together_is_bad_input(run, px4_mission: Path, tmp_path: Path, words: str, told: str) -> None:
+def test_what_does_not_go_together_is_bad_input(
+    run: Run, px4_mission: Path, tmp_path: Path, words: str, told: str
+) -> None:
     plan = tmp_path / "sitl.plan"
     mission = read_flights(LOGS / "sitl-ardupilot.tlog").flights[0].mission
     assert mission is not None

@@ -4,16 +4,13 @@ import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-import typer
 
-from ipoa_mission.cli.app import app
+from tests.cli.conftest import Run, verbs
 
 RECORDED = Path(__file__).parent.parent / "mission" / "files" / "hold-px4.waypoints"
-Run = Callable[[str], object]
 
 
 @pytest.fixture
@@ -21,8 +18,8 @@ def mission(tmp_path: Path) -> str:
     return str(shutil.copy(RECORDED, tmp_path / "hold.waypoints"))
 
 
-def test_every_verb_explains_itself_with_an_example(run) -> None:
-    names = set(typer.main.get_command(app).commands)
+def test_every_verb_explains_itself_with_an_example(run: Run) -> None:
+    names = set(verbs())
     assert {"plan", "check", "estimate", "upload", "download", "fly", "mock", "schema", "set-current"} <= names
     for name in names:
         help_text = run(f"{name} --help")
@@ -42,13 +39,13 @@ def test_help_imports_nothing_heavy() -> None:
     assert said.stdout.splitlines()[-1] == "[]"
 
 
-def test_estimate_for_machines_numbers_items_as_in_the_file(run, mission: str) -> None:
+def test_estimate_for_machines_numbers_items_as_in_the_file(run: Run, mission: str) -> None:
     found = json.loads(run(f"estimate {mission} --autopilot px4 --json").out)
     assert [item["seq"] for item in found["items"]] == list(range(1, 18))
     assert found["total_s"] == found["items"][-1]["done_s"] > found["qgroundcontrol_s"] > 0
 
 
-def test_a_parameter_changes_the_estimate(run, mission: str) -> None:
+def test_a_parameter_changes_the_estimate(run: Run, mission: str) -> None:
     slow, usual = (
         json.loads(run(f"estimate {mission} --autopilot ardupilot --json {option}").out)["total_s"]
         for option in ("--param WPNAV_SPEED_UP=50", "")
@@ -56,14 +53,14 @@ def test_a_parameter_changes_the_estimate(run, mission: str) -> None:
     assert slow > usual + 20  # 35 m at 0.5 m/s in place of 2.5 m/s
 
 
-def test_a_parameter_that_no_model_uses_is_said_with_the_one_that_was_meant(run, mission: str) -> None:
+def test_a_parameter_that_no_model_uses_is_said_with_the_one_that_was_meant(run: Run, mission: str) -> None:
     ended = run(f"estimate {mission} --param WPNAV_ACCELL=500")
     assert ended.code == 0
     assert "warning: --param WPNAV_ACCELL changes nothing; did you mean WPNAV_ACCEL?" in ended.err
     assert run(f"estimate {mission} --param WPNAV_ACCEL=500 --param WP_ACC=5 --param MPC_TILTMAX_AIR=40").err == ""
 
 
-def test_wind_comes_from_where_it_is_said_to_and_costs_time(run, mission: str) -> None:
+def test_wind_comes_from_where_it_is_said_to_and_costs_time(run: Run, mission: str) -> None:
     calm, blown = (
         json.loads(run(f"estimate {mission} --autopilot ardupilot --json {option}").out)
         for option in ("", "--wind 7@270")
@@ -76,18 +73,18 @@ def test_wind_comes_from_where_it_is_said_to_and_costs_time(run, mission: str) -
         assert f"--wind {wrong}: expected a speed in m/s and where it blows from" in ended.err
 
 
-def test_the_table_of_an_estimate_fits_a_hundred_columns(run, mission: str) -> None:
+def test_the_table_of_an_estimate_fits_a_hundred_columns(run: Run, mission: str) -> None:
     lines = run(f"estimate {mission} --autopilot ardupilot").out.splitlines()
     assert max(map(len, lines)) <= 100
 
 
-def test_a_parameter_that_is_no_number_is_bad_input(run, mission: str) -> None:
+def test_a_parameter_that_is_no_number_is_bad_input(run: Run, mission: str) -> None:
     ended = run(f"estimate {mission} --param WPNAV_SPEED=fast")
     assert ended.code == 2
     assert "--param WPNAV_SPEED=fast: expected NAME=VALUE with a number" in ended.err
 
 
-def test_a_file_that_is_not_there_is_bad_input_without_a_traceback(run) -> None:
+def test_a_file_that_is_not_there_is_bad_input_without_a_traceback(run: Run) -> None:
     for verb in ("check", "estimate", "show"):
         ended = run(f"{verb} nothing.plan")
         assert (ended.code, ended.out) == (2, "")
@@ -95,13 +92,13 @@ def test_a_file_that_is_not_there_is_bad_input_without_a_traceback(run) -> None:
         assert "Traceback" not in ended.err
 
 
-def test_check_passes_a_mission_that_flew(run, mission: str) -> None:
+def test_check_passes_a_mission_that_flew(run: Run, mission: str) -> None:
     ended = run(f"check {mission} --autopilot px4")
     assert ended.code == 0
     assert "0 errors" in ended.out
 
 
-def test_check_fails_a_mission_that_would_crash(run, mission: str) -> None:
+def test_check_fails_a_mission_that_would_crash(run: Run, mission: str) -> None:
     path = Path(mission)
     path.write_text(path.read_text().replace("39.10110843", "0.00000000").replace("121.82017930", "0.00000000"))
     ended = run(f"check {mission} --json")
@@ -111,7 +108,7 @@ def test_check_fails_a_mission_that_would_crash(run, mission: str) -> None:
     assert 4 in {finding["seq"] for finding in found["findings"] if finding["severity"] == "error"}
 
 
-def test_show_prints_each_item_with_its_leg(run, mission: str) -> None:
+def test_show_prints_each_item_with_its_leg(run: Run, mission: str) -> None:
     rows = json.loads(run(f"show {mission} --json").out)
     assert rows[3]["seq"] == 3
     assert rows[5]["length"] == pytest.approx(19.7, abs=0.1)
@@ -119,17 +116,17 @@ def test_show_prints_each_item_with_its_leg(run, mission: str) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["kml", "geojson", "csv", "gpx", "plan"])
-def test_export_writes_what_the_suffix_says(run, mission: str, suffix: str) -> None:
+def test_export_writes_what_the_suffix_says(run: Run, mission: str, suffix: str) -> None:
     assert run(f"export {mission} out.{suffix}").code == 0
     assert Path(f"out.{suffix}").stat().st_size > 500
 
 
-def test_schema_is_a_json_schema_of_the_scenario(run) -> None:
+def test_schema_is_a_json_schema_of_the_scenario(run: Run) -> None:
     schema = json.loads(run("schema").out)
     assert schema["required"] == ["home", "start", "goal"]
 
 
-def test_new_writes_a_scenario_and_never_over_one(run) -> None:
+def test_new_writes_a_scenario_and_never_over_one(run: Run) -> None:
     words = "new first.toml --yes --answer 'home=47.3977, 8.5456' --answer 'goal=47.3987, 8.5470'"
     assert run(words).code == 0
     ended = run(words)

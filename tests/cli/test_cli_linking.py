@@ -8,18 +8,20 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.link.codec import Heard
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Request
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.world.frame import Geodetic
+from tests.cli.conftest import Planned, Run, Serve
 
 PASSPHRASE = "correct horse battery staple"
 
 
 @pytest.fixture
-def mission(planned) -> Path:
+def mission(planned: Planned) -> Path:
     return planned("sitl")[1] / "sitl.plan"
 
 
@@ -29,7 +31,9 @@ def steps(mission: Path) -> int:
 
 
 @pytest.mark.parametrize("family", Autopilot)
-def test_a_mission_goes_up_comes_down_and_goes_away(run, autopilot, mission: Path, family: Autopilot) -> None:
+def test_a_mission_goes_up_comes_down_and_goes_away(
+    run: Run, autopilot: Serve, mission: Path, family: Autopilot
+) -> None:
     with autopilot(family=family) as link:
         sent = json.loads(run(f"upload {mission} --autopilot {family} --link {link} --log up.tlog --json").out)
         assert sent["items"] == len(read_mission(mission).items)
@@ -47,7 +51,7 @@ def test_a_mission_goes_up_comes_down_and_goes_away(run, autopilot, mission: Pat
 
 
 def test_upload_tells_what_the_mission_was_made_for_and_the_vehicle_has_otherwise(
-    run, autopilot, mission: Path
+    run: Run, autopilot: Serve, mission: Path
 ) -> None:
     own = replace(read_mission(mission), parameters={"MPC_ACC_HOR": 1.5, "MPC_JERK_AUTO": 4.0, "MPC_XY_WARP": 9.0})
     write_mission(own, "slow.plan")
@@ -60,7 +64,7 @@ def test_upload_tells_what_the_mission_was_made_for_and_the_vehicle_has_otherwis
     ]
 
 
-def test_a_mission_made_for_the_other_firmware_is_refused(run, autopilot, mission: Path) -> None:
+def test_a_mission_made_for_the_other_firmware_is_refused(run: Run, autopilot: Serve, mission: Path) -> None:
     with autopilot(family=Autopilot.ARDUPILOT) as link:
         ended = run(f"upload {mission} --link {link}")
         assert ended.code == 1
@@ -70,7 +74,7 @@ def test_a_mission_made_for_the_other_firmware_is_refused(run, autopilot, missio
         assert run(f"upload {whoever} --link {link}").code == 0
 
 
-def test_fly_flies_a_vehicle_at_a_link(run, autopilot, mission: Path, steps: int) -> None:
+def test_fly_flies_a_vehicle_at_a_link(run: Run, autopilot: Serve, mission: Path, steps: int) -> None:
     with autopilot() as link:
         ended = run(f"fly {mission} --out out --link {link} --json")
     assert ended.code == 0, ended.err
@@ -81,7 +85,7 @@ def test_fly_flies_a_vehicle_at_a_link(run, autopilot, mission: Path, steps: int
     assert found["written"] == ["out/sitl.tlog"]
 
 
-def test_a_vehicle_that_stands_somewhere_else_is_not_sent_a_mission(run, autopilot, mission: Path) -> None:
+def test_a_vehicle_that_stands_somewhere_else_is_not_sent_a_mission(run: Run, autopilot: Serve, mission: Path) -> None:
     with autopilot(Geodetic(47.397742, 8.547594, 488.0)) as link:  # 151 m to the east, by PROJ's geodesic
         ended = run(f"upload {mission} --link {link}")
         assert ended.code == 1
@@ -93,14 +97,16 @@ def test_a_vehicle_that_stands_somewhere_else_is_not_sent_a_mission(run, autopil
         assert any("151 m from the mission's" in remark for remark in anyway["remarks"])
 
 
-def test_a_vehicle_that_stands_higher_is_remarked_upon(run, autopilot, mission: Path) -> None:
+def test_a_vehicle_that_stands_higher_is_remarked_upon(run: Run, autopilot: Serve, mission: Path) -> None:
     with autopilot(Geodetic(47.397742, 8.545594, 500.0)) as link:
         ended = run(f"upload {mission} --link {link}")
     assert ended.code == 0
     assert "note: the vehicle's home is 12.0 m higher than the mission's (500.0 m AMSL, not 488.0 m)" in ended.out
 
 
-def test_a_passphrase_signs_is_never_told_and_its_time_only_grows(run, autopilot, mission: Path, monkeypatch) -> None:
+def test_a_passphrase_signs_is_never_told_and_its_time_only_grows(
+    run: Run, autopilot: Serve, mission: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     mark = Path("state/ipoa-mission/signing-station.timestamp")
     with autopilot(passphrase=PASSPHRASE) as link:
         assert run(f"scan --link {link.split()[0]} --seconds 0.3").code == 1  # who does not sign is not answered
@@ -115,7 +121,9 @@ def test_a_passphrase_signs_is_never_told_and_its_time_only_grows(run, autopilot
     assert marks[1] > marks[0]
 
 
-def test_a_key_in_a_file_goes_before_the_passphrase(run, autopilot, mission: Path, monkeypatch) -> None:
+def test_a_key_in_a_file_goes_before_the_passphrase(
+    run: Run, autopilot: Serve, mission: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     Path("key").write_text(PASSPHRASE)
     monkeypatch.setenv("IPOA_MISSION_KEY", "key")
     monkeypatch.setenv("IPOA_MISSION_PASSPHRASE", "another")
@@ -123,13 +131,16 @@ def test_a_key_in_a_file_goes_before_the_passphrase(run, autopilot, mission: Pat
         assert run(f"upload {mission} --link {link} --log up.tlog").code == 0
 
 
-def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(run, autopilot, mission: Path, monkeypatch) -> None:
-    receive, pressed = Line.receive, []
+def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(
+    run: Run, autopilot: Serve, mission: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    receive = Line.receive
+    pressed: list[bool] = []
 
-    def impatient(line: Line, until: float) -> list:
+    def impatient(line: Line, until: float) -> list[Heard]:
         heard = receive(line, until)
         if not pressed and any(isinstance(one.message, Request) and one.message.seq == 2 for one in heard):
-            pressed.append(signal.SIGINT)
+            pressed.append(True)
             signal.raise_signal(signal.SIGINT)
         return heard
 
@@ -142,7 +153,9 @@ def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(run, autopilot, mis
     assert ended.err.startswith("error: cancelled: the vehicle keeps the mission it had")
 
 
-def test_ctrl_c_during_a_flight_says_that_the_vehicle_flies_on(run, autopilot, mission: Path, monkeypatch) -> None:
+def test_ctrl_c_during_a_flight_says_that_the_vehicle_flies_on(
+    run: Run, autopilot: Serve, mission: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def watch(vehicle: Vehicle, progress: object) -> None:
         raise Cancelled("cancelled")
 
@@ -153,7 +166,7 @@ def test_ctrl_c_during_a_flight_says_that_the_vehicle_flies_on(run, autopilot, m
     assert "stopped: nobody watches, and the vehicle flies on" in ended.err
 
 
-def test_a_port_in_use_and_nobody_listening_are_told_with_a_hint(run, autopilot, mission: Path) -> None:
+def test_a_port_in_use_and_nobody_listening_are_told_with_a_hint(run: Run, autopilot: Serve, mission: Path) -> None:
     with autopilot() as link:
         port = link.split()[0].rpartition(":")[2]
         ended = run(f"scan --link udpin:127.0.0.1:{port}")
@@ -176,7 +189,7 @@ def test_a_port_in_use_and_nobody_listening_are_told_with_a_hint(run, autopilot,
         ("clear --link serial:/dev/there-is-none:57600", "there is no such device"),
     ],
 )
-def test_a_link_that_is_none_is_told(run, words: str, told: str) -> None:
+def test_a_link_that_is_none_is_told(run: Run, words: str, told: str) -> None:
     ended = run(words)
     assert ended.code in (1, 2)
     assert told in ended.err

@@ -8,12 +8,13 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item
 from ipoa_mission.mission.files import read_mission
+from tests.cli.conftest import Planned, Run, Serve
 
 REPOSITORY = Path(__file__).parents[2]
 SCENARIOS = sorted(path.stem for path in (REPOSITORY / "missions").glob("*.toml"))
 
 
-def test_fly_plans_writes_uploads_flies_and_compares(run, missions: Path) -> None:
+def test_fly_plans_writes_uploads_flies_and_compares(run: Run, missions: Path) -> None:
     ended = run(f"fly {missions / 'sitl.toml'} --out out --seed 3 --report")
     assert ended.code == 0, ended.err
     assert "least clearance" in ended.out
@@ -26,7 +27,7 @@ def test_fly_plans_writes_uploads_flies_and_compares(run, missions: Path) -> Non
     }
 
 
-def test_fly_tells_machines_when_each_item_was_done(run, planned) -> None:
+def test_fly_tells_machines_when_each_item_was_done(run: Run, planned: Planned) -> None:
     mission = planned("sitl")[1] / "sitl.plan"
     found = json.loads(run(f"fly {mission} --out out --autopilot ardupilot --json").out)
     assert found["completed"]
@@ -35,7 +36,7 @@ def test_fly_tells_machines_when_each_item_was_done(run, planned) -> None:
     assert found["written"] == ["out/sitl.tlog"]
 
 
-def test_a_mission_file_flies_without_its_scenario(run, planned) -> None:
+def test_a_mission_file_flies_without_its_scenario(run: Run, planned: Planned) -> None:
     _, folder = planned("sitl")
     ended = run(f"fly {folder}/sitl.plan --out flown --loss 0.2")
     assert ended.code == 0, ended.err
@@ -43,14 +44,16 @@ def test_a_mission_file_flies_without_its_scenario(run, planned) -> None:
 
 
 @pytest.mark.parametrize("autopilot", Autopilot)
-def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(run, planned, autopilot) -> None:
+def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(
+    run: Run, planned: Planned, autopilot: Serve
+) -> None:
     ended = run(f"fly {planned('sitl')[1]}/sitl.plan --autopilot {autopilot} --nak-at 2 --out refused")
     assert ended.code == 1
     assert "refused the mission at item 2 with ERROR" in ended.err
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
-def test_both_formats_hold_the_same_mission_and_it_passes_the_checks(run, missions: Path, name: str) -> None:
+def test_both_formats_hold_the_same_mission_and_it_passes_the_checks(run: Run, missions: Path, name: str) -> None:
     """The missions that ship beside their scenarios."""
     if name == "oldtown":
         pytest.importorskip("rasterio")
@@ -61,7 +64,7 @@ def test_both_formats_hold_the_same_mission_and_it_passes_the_checks(run, missio
     assert ended.code == 0, ended.out
 
 
-def test_a_goal_inside_a_building_is_refused_and_nothing_is_written(run, missions: Path) -> None:
+def test_a_goal_inside_a_building_is_refused_and_nothing_is_written(run: Run, missions: Path) -> None:
     text = (missions / "sitl.toml").read_text(encoding="utf-8")
     Path("inside.toml").write_text(text.replace("east = 120.0\nnorth = 90.0", "east = 45.0\nnorth = 30.0"))
     ended = run("plan inside.toml --out out")
@@ -70,7 +73,7 @@ def test_a_goal_inside_a_building_is_refused_and_nothing_is_written(run, mission
     assert not Path("out").exists()
 
 
-def test_a_scenario_that_is_wrong_is_told_by_place(run, missions: Path) -> None:
+def test_a_scenario_that_is_wrong_is_told_by_place(run: Run, missions: Path) -> None:
     text = (missions / "sitl.toml").read_text(encoding="utf-8")
     Path("wrong.toml").write_text(text.replace("radius = 6.0", "radius = -6.0"))
     ended = run("fly wrong.toml")
@@ -79,7 +82,7 @@ def test_a_scenario_that_is_wrong_is_told_by_place(run, missions: Path) -> None:
     assert "Traceback" not in ended.err
 
 
-def test_an_unknown_optimiser_is_bad_input(run, missions: Path) -> None:
+def test_an_unknown_optimiser_is_bad_input(run: Run, missions: Path) -> None:
     ended = run(f"plan {missions / 'sitl.toml'} --optimizer ipao")
     assert ended.code == 2
     assert "did you mean 'ipoa'" in ended.err
@@ -89,7 +92,7 @@ def _essence(item: Item) -> tuple[float, ...]:
     return (item.command, item.frame, item.latitude_deg, item.longitude_deg, item.altitude, *item.params[:3])
 
 
-def test_compare_holds_the_log_of_a_flight_against_the_estimate(run, planned) -> None:
+def test_compare_holds_the_log_of_a_flight_against_the_estimate(run: Run, planned: Planned) -> None:
     mission = planned("sitl")[1] / "sitl.plan"
     flown = json.loads(run(f"fly {mission} --out out --json").out)
     held = json.loads(run(f"compare {mission} out/sitl.tlog --json --picture both.svg").out)

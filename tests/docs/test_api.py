@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -41,10 +42,12 @@ def vehicle_at() -> Iterator[str]:
     channel.close()
 
 
-def test_the_examples_run_one_after_the_other(vehicle_at: str, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_the_examples_run_one_after_the_other(
+    vehicle_at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     Path("missions").symlink_to(REPOSITORY / "missions")
-    names: dict[str, object] = {}
+    names: dict[str, Any] = {}
     for example in re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL):
         exec(compile(example.replace(PORT, vehicle_at), "docs/api.md", "exec"), names)
     said = capsys.readouterr().out
@@ -94,9 +97,16 @@ def test_what_a_public_docstring_raises_can_be_caught_by_its_public_name(name: s
             assert is_word or (isinstance(kind, type) and issubclass(kind, Exception)), f"{name} raises {error}"
 
 
-@pytest.mark.parametrize("module", ["mission.items", "timing.estimate", "vehicle", "wind"])
+WITH_EXAMPLES = [
+    path for path in sorted(Path(ipoa_mission.__file__).parent.rglob("*.py")) if ">>> " in path.read_text()
+]
+
+
+@pytest.mark.parametrize(
+    "module", [".".join(path.relative_to(REPOSITORY).with_suffix("").parts) for path in WITH_EXAMPLES]
+)
 def test_the_examples_in_docstrings_run(module: str) -> None:
-    found = doctest.testmod(import_module(f"ipoa_mission.{module}"))
+    found = doctest.testmod(import_module(module))
     assert found.attempted > 0
     assert found.failed == 0
 

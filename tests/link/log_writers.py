@@ -113,7 +113,7 @@ def write_ulog(flown: Flown, path: Path) -> None:
     n = len(flown.times)
     places = zip(flown.times, flown.latitude_deg, flown.longitude_deg, flown.height + flown.home_altitude, strict=True)
     reached = [(0.0, (-1, 0)), *((time, (index, index + 1)) for index, time in flown.done.items())]
-    topics: dict[str, tuple[str, str, list[tuple[object, ...]]]] = {
+    topics: dict[str, tuple[str, str, list[tuple[float, ...]]]] = {
         "vehicle_global_position": (
             "double lat;double lon;float alt;uint8_t[4] _padding0;",
             "<Qddf",

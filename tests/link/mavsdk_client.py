@@ -3,6 +3,7 @@
 import json
 import signal
 import sys
+from typing import Any
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
@@ -25,7 +26,7 @@ def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
     many = [waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 30.0) for n in range(500)]
     spell = vehicle._spell
 
-    def press(seq: int, *rest: object) -> object:
+    def press(seq: int, *rest: Any) -> Any:
         if seq == len(many):
             signal.raise_signal(signal.SIGINT)
         return spell(seq, *rest)
@@ -45,6 +46,7 @@ def main(url: str) -> None:
     legs = [waypoint(Geodetic(47.4 + 0.0002 * n, 8.5), 30.0) for n in (1, 2, 3)]
     fence, rally = (FenceCircle((47.4, 8.5), 500.0),), (Geodetic(47.4005, 8.5, 25.0),)
     with connect(url) as vehicle:
+        assert isinstance(vehicle, MavsdkVehicle)
         told = spoil(vehicle) if vehicle.autopilot is Autopilot.PX4 else {}
         items = (takeoff(HOME, 20.0), *legs, return_to_launch())
         sent = Mission(HOME, items, vehicle.autopilot, fence=fence, rally=rally)

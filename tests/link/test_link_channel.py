@@ -68,7 +68,8 @@ def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
         serial.send(frame, None)
     assert time.monotonic() - began < 5.0
     assert len(serial._unsent) <= MOST_UNSENT
-    framer, got = Framer(), []
+    framer = Framer()
+    got: list[bytes] = []
     while data := (os.read(cable.vehicle, 100_000) if _is_readable(cable.vehicle) else b""):
         got += framer.feed(data)
         serial.receive(serial.now())

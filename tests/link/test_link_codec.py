@@ -5,6 +5,7 @@ import math
 import random
 import time
 from pathlib import Path
+from typing import cast
 
 import pytest
 from hypothesis import given
@@ -41,7 +42,7 @@ def example(kind: type[m.Message]) -> m.Message:
     }
     if kind in special:
         return special[kind]
-    types = {field.name: field.type for field in dataclasses.fields(kind)}
+    types = {field.name: cast(type, field.type) for field in dataclasses.fields(kind)}
     return kind(**{name: FIRST_GUESS.get(hint, False) for name, hint in types.items()})
 
 
@@ -153,7 +154,8 @@ def stream(count: int) -> tuple[bytes, list[bytes]]:
 @given(st.lists(st.integers(1, 40), min_size=1, max_size=30))
 def test_frames_are_cut_from_a_stream_however_it_is_torn(sizes: list[int]) -> None:
     data, sent = stream(20)
-    framer, got, at = Framer(), [], 0
+    framer, at = Framer(), 0
+    got: list[bytes] = []
     while at < len(data):
         for size in sizes:
             got += framer.feed(data[at : at + size])

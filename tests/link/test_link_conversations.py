@@ -1,7 +1,9 @@
 """The client's conversations, message by message, and against the mock's own end."""
 
+from collections.abc import Callable
+from typing import Any
+
 import pytest
-from link_pair import CLIENT, Air, Fate, Vehicle, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
@@ -30,6 +32,7 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
+from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 
 ITEMS = items_of(Autopilot.PX4, 3)
 BEAT = Heartbeat(2, 12)
@@ -296,7 +299,7 @@ def test_a_download_from_one_who_falls_silent_says_how_far_it_came() -> None:
 
 
 @pytest.mark.parametrize("conversation", [download, clear])
-def test_a_refused_list_is_an_error_with_words(conversation: object) -> None:
+def test_a_refused_list_is_an_error_with_words(conversation: Callable[[int], Any]) -> None:
     talk = Talk(conversation(0)).hear(Text(4, "busy"), Ack(Result.ERROR), Ack(Result.DENIED, 1), Ack(Result.DENIED))
     with pytest.raises(MissionRefused, match="DENIED: busy"):
         talk.wait(1.0)

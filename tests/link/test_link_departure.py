@@ -127,7 +127,8 @@ def test_the_older_message_sets_the_current_item_where_the_command_is_unknown() 
 
 
 def test_a_vehicle_without_a_position_is_waited_for() -> None:
-    vehicle, said = Scripted(ARDUPILOT), []
+    vehicle = Scripted(ARDUPILOT)
+    said: list[str] = []
     vehicle.ready_s = 40.0
     vehicle.hold(lambda departure: prepare(replace(departure, report=said.append)))
     assert 40.0 <= vehicle.now < 50.0

@@ -1,6 +1,7 @@
 """The one rule about time: repeat what awaits an answer, adapt, give up."""
 
 import math
+from typing import Any
 
 import pytest
 
@@ -29,7 +30,7 @@ def asking(item: bool = False) -> Dialogue[Message | None]:
     return heard
 
 
-def run_until(exchange: Exchange[object], now: float) -> list[tuple[float, Message]]:
+def run_until(exchange: Exchange[Any], now: float) -> list[tuple[float, Message]]:
     """Let time pass; what was said when."""
     said = [(0.0, message) for message in exchange.outgoing()]
     while exchange.deadline <= now:

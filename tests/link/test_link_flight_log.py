@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from log_writers import WRITERS, Flown, write_dataflash, write_ulog
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
@@ -13,6 +12,7 @@ from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.link.flight_log import read_flight
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.link.log_writers import WRITERS, Flown, write_dataflash, write_ulog
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 FRAME = LocalFrame(HOME)
@@ -54,7 +54,7 @@ def read(name: str, flown: Flown, folder: Path):  # type: ignore[no-untyped-def]
 @pytest.mark.parametrize("name", WRITERS)
 def test_items_are_done_when_they_were(name: str, flown: Flown, tmp_path: Path) -> None:
     flight = read(name, flown, tmp_path)
-    assert flight.item_reached_s == pytest.approx(flown.done | {4: flown.landed_s}, abs=0.002)
+    assert flight.item_reached_s == pytest.approx({**flown.done, 4: flown.landed_s}, abs=0.002)
     assert flight.completed
     assert flight.total_s == pytest.approx(flown.landed_s, abs=0.002)
     assert "Takeoff" in flight.messages

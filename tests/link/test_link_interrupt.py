@@ -5,10 +5,10 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from functools import partial
 from types import FrameType
 
 import pytest
-from link_pair import HOME, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import FenceCircle, Item, Mission, takeoff, waypoint
@@ -24,6 +24,7 @@ from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import HOME, items_of
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 SLOW = Faults(delay_s=0.02)
@@ -39,6 +40,11 @@ def _python_s_own_handler() -> Iterator[None]:
 
 def press() -> None:
     signal.raise_signal(signal.SIGINT)
+
+
+def _press_at(moment: int, number: int) -> None:
+    if number == moment:
+        press()
 
 
 def aboard(family: Autopilot, fast: bool = False) -> tuple[Line, Mock, Callable[[tuple[Item, ...]], None]]:
@@ -85,7 +91,7 @@ def test_at_whatever_instruction_it_comes_a_whole_mission_is_left_and_the_user_i
         line, mock, upload = aboard(family, fast)
         upload(old)
         try:
-            with each_instruction(lambda number, moment=moment: press() if number == moment else None):
+            with each_instruction(partial(_press_at, moment)):
                 upload(new)
         except Cancelled as cancelled:
             words = str(cancelled)
@@ -107,7 +113,12 @@ def test_what_was_cancelled_between_two_lists_says_what_became_of_both() -> None
     line, mock, _ = aboard(PX4)
     vehicle = meet(line)
     listed = mock._listed
-    mock.transfers._changed = lambda kind: (listed(kind), press())  # as soon as the mission is stored
+
+    def store_and_press(kind: int) -> None:
+        listed(kind)
+        press()
+
+    mock.transfers._changed = store_and_press
     items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
     with pytest.raises(Cancelled, match="cancelled too late: the vehicle holds the whole new mission"):
         vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
@@ -127,7 +138,7 @@ class Pressing(Loopback):
         if self._presses and self.now() >= self._presses[0]:
             self._presses.pop(0)
             press()
-        return super().receive(until)  # type: ignore[return-value]
+        return super().receive(until)
 
 
 def pausing() -> Dialogue[str]:

@@ -35,6 +35,7 @@ from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import far_end, line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()))
@@ -157,7 +158,7 @@ class Flock:
 
     def receive(self, data: bytes, peer: object, now: float) -> None:
         for station in self._stations:
-            station.receive(data, peer, now)  # type: ignore[arg-type]
+            station.receive(data, peer, now)
 
     def tick(self, now: float) -> None:
         for station in self._stations:
@@ -174,7 +175,7 @@ class Flock:
 def flock(*systems: int) -> Line:
     families = list(Autopilot)
     stations = [Station(Mock(families[n % 2], HOME), system) for n, system in enumerate(systems)]
-    return Line(Loopback(Flock(*stations)), Codec(245, 190))  # type: ignore[arg-type]
+    return Line(Loopback(Flock(*stations)), Codec(245, 190))
 
 
 def test_a_scan_finds_every_vehicle_on_the_link() -> None:
@@ -193,7 +194,7 @@ def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
     line = flock(1, 2)
     vehicle = meet(line, system=2)
     vehicle.upload(MISSION)
-    held = [station.autopilot.transfers.listed(MissionType.MISSION) for station in line.channel.far._stations]
+    held = [station.autopilot.transfers.listed(MissionType.MISSION) for station in far_end(line)._stations]
     assert [len(items) for items in held] in ([0, 4], [0, 3], [3, 0], [4, 0])
     assert held[0] == ()
 
@@ -202,7 +203,7 @@ def test_ardupilot_is_given_time_to_start_up() -> None:
     station = Station(Mock(Autopilot.ARDUPILOT, HOME, cold=True))
     vehicle = meet(Line(Loopback(station), Codec(245, 190)))
     vehicle.upload(MISSION)
-    assert vehicle.line.channel.now() >= 3.0
+    assert line_of(vehicle).channel.now() >= 3.0
 
 
 # --- signed links ---------------------------------------------------------------------------------------------------
@@ -227,7 +228,7 @@ def test_a_vehicle_with_a_key_does_nothing_for_a_stranger() -> None:
     line = signed_pair(None, KEY)
     with pytest.raises(NoAnswer):
         meet(line).upload(MISSION)
-    assert line.channel.far.autopilot.transfers.listed(MissionType.MISSION) == ()
+    assert far_end(line).autopilot.transfers.listed(MissionType.MISSION) == ()
 
 
 NOW = 1_767_225_600.0
@@ -445,7 +446,7 @@ def test_a_garbled_peer_does_not_disturb_a_session(run_mock: Callable[..., objec
 def test_our_own_heartbeat_goes_out_every_second() -> None:
     line = flock(1)
     heard: list[float] = []
-    line.channel.far._stations[0].autopilot.receive = lambda message, source, now: (  # type: ignore[method-assign]
+    far_end(line)._stations[0].autopilot.receive = lambda message, source, now: (
         heard.append(now) if isinstance(message, Heartbeat) else None
     )
     while line.channel.now() < 5.0:

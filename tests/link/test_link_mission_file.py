@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from link_pair import HOME, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
@@ -17,7 +16,7 @@ from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, NoAnswer,
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
-from ipoa_mission.link.messages import FileTransfer, ItemAt, Message, MissionType
+from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Message, MissionType
 from ipoa_mission.link.mission_file import (
     MISSION_FILE,
     FileRefused,
@@ -34,6 +33,7 @@ from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
 from ipoa_mission.simulator.station import Station
+from tests.link_pair import HOME, items_of, line_of
 
 ARDUPILOT = Autopilot.ARDUPILOT
 CLIENT = Target(245, 190)
@@ -53,7 +53,7 @@ def heard_by(mock: Mock) -> list[object]:
         heard.append(message)
         original(message, source, now)  # type: ignore[arg-type]
 
-    mock.receive = receive  # type: ignore[method-assign, assignment]
+    mock.receive = receive  # type: ignore[method-assign]
     return heard
 
 
@@ -73,9 +73,9 @@ def test_on_a_link_of_200_ms_it_is_several_times_as_quick() -> None:
     took = {}
     for fast in (True, False):
         vehicle, _ = aboard(Faults(delay_s=0.2), fast=fast)
-        begun = vehicle.line.channel.now()
+        begun = line_of(vehicle).channel.now()
         vehicle.upload_items(items_of(ARDUPILOT, 100), MissionType.MISSION)
-        took[fast] = vehicle.line.channel.now() - begun
+        took[fast] = line_of(vehicle).channel.now() - begun
     assert took[True] < took[False] / 3
 
 
@@ -105,7 +105,7 @@ def test_a_vehicle_without_the_file_is_served_the_ordinary_way() -> None:
 def test_a_vehicle_that_does_not_answer_about_files_is_served_the_ordinary_way(mute: str) -> None:
     vehicle, mock = aboard(Faults())
     if mute == "capabilities":
-        mock.can_tell = lambda number: False  # type: ignore[method-assign]
+        mock.can_tell = lambda number: CommandResult.UNSUPPORTED  # type: ignore[method-assign]
     else:
         original = mock.receive
         mock.receive = lambda message, *rest: (  # type: ignore[method-assign]
@@ -121,7 +121,7 @@ def test_px4_has_no_such_file() -> None:
     vehicle.upload_items(items_of(Autopilot.PX4, 5), MissionType.MISSION)
     assert not any(isinstance(message, FileTransfer) for message in heard)
     with pytest.raises(FileRefused, match=r"would not open @MISSION/mission\.dat"):
-        converse(vehicle.line, Target(1, 1), read_file(MISSION_FILE), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), read_file(MISSION_FILE), SPECIFIED)
 
 
 def test_a_file_that_reads_back_differently_is_an_error() -> None:
@@ -129,14 +129,14 @@ def test_a_file_that_reads_back_differently_is_an_error() -> None:
     mock._files = FileService(True, 650, mock.transfers.listed, lambda items: True)
     job = Upload(items_of(ARDUPILOT, 5), ARDUPILOT)
     with pytest.raises(ReadBackDiffers):
-        converse(vehicle.line, Target(1, 1), upload_by_file(job), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), upload_by_file(job), SPECIFIED)
 
 
 def test_silence_says_what_was_asked() -> None:
     vehicle, mock = aboard(Faults())
     mock.receive = lambda *anything: None  # type: ignore[method-assign]
     with pytest.raises(NoAnswer, match="when asked to reset the file service"):
-        converse(vehicle.line, Target(1, 1), write_file("x", b"y"), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), write_file("x", b"y"), SPECIFIED)
 
 
 @pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
@@ -147,10 +147,10 @@ def test_broken_off_the_vehicle_holds_a_whole_mission_and_the_message_says_which
     vehicle, mock = aboard(Faults(delay_s=0.2))
     old, new = items_of(ARDUPILOT, 4, shift=0.1), items_of(ARDUPILOT, 40)
     vehicle.upload_items(old, MissionType.MISSION)
-    until = vehicle.line.channel.now() + moment
-    exchange = Exchange(upload_by_file(Upload(new, ARDUPILOT)), vehicle.line.channel.now(), SPECIFIED)
+    until = line_of(vehicle).channel.now() + moment
+    exchange = Exchange(upload_by_file(Upload(new, ARDUPILOT)), line_of(vehicle).channel.now(), SPECIFIED)
     with pytest.raises(type(error)) as told:
-        drive(exchange, vehicle.line, until, error)
+        drive(exchange, line_of(vehicle), until, error)
     held = mock.transfers.listed(0)
     words = str(told.value)
     if isinstance(error, TimeUp) and moment > 2.0:
@@ -174,10 +174,10 @@ def test_cancelled_while_closing_a_vehicle_that_refuses_or_is_silent(mute: bool,
     mock.receive = receive  # type: ignore[method-assign]
     mock._files = FileService(True, 650, mock.transfers.listed, lambda items: False)
     exchange = Exchange(
-        upload_by_file(Upload(items_of(ARDUPILOT, 4), ARDUPILOT)), vehicle.line.channel.now(), SPECIFIED
+        upload_by_file(Upload(items_of(ARDUPILOT, 4), ARDUPILOT)), line_of(vehicle).channel.now(), SPECIFIED
     )
     with pytest.raises(Cancelled, match=words):
-        drive(exchange, vehicle.line, vehicle.line.channel.now() + 1.3, Cancelled("cancelled"))
+        drive(exchange, line_of(vehicle), line_of(vehicle).channel.now() + 1.3, Cancelled("cancelled"))
 
 
 def drive(exchange: Exchange[None], line: Line, moment: float, error: MissionError) -> None:

@@ -1,6 +1,8 @@
 """Commands, the current item, home, streams, parameters: message by message."""
 
 import struct
+from collections.abc import Sequence
+from typing import TypeVar
 
 import pytest
 
@@ -27,9 +29,10 @@ from ipoa_mission.world.frame import Geodetic
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
 BEAT = Heartbeat(2, 12)
+T = TypeVar("T")
 
 
-def lead(dialogue: Dialogue[object], *answers: list[Message]) -> Exchange[object]:
+def lead(dialogue: Dialogue[T], *answers: Sequence[Message]) -> Exchange[T]:
     """Each thing said gets the next of the answers; then there is silence."""
     exchange, now, script = Exchange(dialogue, 0.0, SPECIFIED), 0.0, list(answers)
     while not exchange.finished:
@@ -102,7 +105,7 @@ def value_of(name: str, value: float, kind: int = 9) -> ParamValue:
 
 def test_parameters_are_read_by_name_and_whole_numbers_as_each_firmware_sends_them() -> None:
     bits = struct.unpack("<f", struct.pack("<i", 4001))[0]
-    answers = [[BEAT, value_of("A", bits, 6)], [value_of("B", 2.5)]]
+    answers: list[list[Message]] = [[BEAT, value_of("A", bits, 6)], [value_of("B", 2.5)]]
     both = lead(orders.parameters([["A"], ["B"]], PX4), *answers).result
     assert {name: one.param_value for name, one in both.items()} == {"A": 4001.0, "B": 2.5}
     as_it_is = lead(orders.parameters([["A"]], ARDUPILOT), [value_of("A", 7.0, 6)]).result

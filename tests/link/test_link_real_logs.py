@@ -1,8 +1,8 @@
 """Logs of real autopilots, and what our own link wrote of the same flights: their times agree, and are the truth.
 
 ArduCopter 4.7.0-dev and PX4 1.17.0 in simulation; `tests/logs` holds the logs trimmed to what is read of them
-(tools/trim_log.py). The truth is what the autopilots' own records say of the same flights, read by others: pymavlink's
-and pyulog's readers, and for campus the vehicle's clock beside every report on the link.
+(tools/fly/trim_log.py). The truth is what the autopilots' own records say of the same flights, read by others:
+pymavlink's and pyulog's readers, and for campus the vehicle's clock beside every report on the link.
 """
 
 from collections.abc import Mapping

@@ -2,7 +2,6 @@
 
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from link_pair import HOME, Air, Fate, Vehicle, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
@@ -11,6 +10,7 @@ from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, home_item
+from tests.link_pair import HOME, Air, Fate, Vehicle, items_of
 
 FATES = st.builds(
     Fate,

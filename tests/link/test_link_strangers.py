@@ -19,6 +19,7 @@ from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), *(waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(30))))
@@ -207,7 +208,7 @@ def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_
         return []
 
     vehicle = meet(line_on(net), fast=False)
-    opened = vehicle.line.codec.encode(Count(31), VEHICLE, 0.0)
+    opened = line_of(vehicle).codec.encode(Count(31), VEHICLE, 0.0)
     net.ends["one"].receive(opened, "us", net.now())
     net.strangers.append(disturb)
     vehicle.upload(MISSION)
@@ -275,7 +276,7 @@ class OldOnly:
 
 
 def test_a_vehicle_of_mavlink_1_only_is_named_within_the_usual_patience() -> None:
-    line = Line(Loopback(OldOnly()), Codec(*US))  # type: ignore[arg-type]
+    line = Line(Loopback(OldOnly()), Codec(*US))
     vehicle = meet(line)
     began = line.channel.now()
     with pytest.raises(SpeaksMavlink1, match="vehicle 1 speaks MAVLink 1 only") as told:
@@ -285,7 +286,7 @@ def test_a_vehicle_of_mavlink_1_only_is_named_within_the_usual_patience() -> Non
 
 
 def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None:
-    line = Line(Loopback(OldOnly(station())), Codec(*US))  # type: ignore[arg-type]
+    line = Line(Loopback(OldOnly(station())), Codec(*US))
     vehicle = meet(line)
     vehicle.upload(MISSION)
     assert vehicle.parameters(["MPC_XY_CRUISE", "NO_SUCH_NAME"]).keys() == {"MPC_XY_CRUISE"}
@@ -304,6 +305,6 @@ def test_a_connection_that_is_closed_in_flight_tells_when_the_vehicle_was_heard_
         vehicle.start()
     with vehicle, pytest.raises(LinkDown, match="the other side closed the connection"):
         vehicle.watch()
-    heard = vehicle.line.heard_s(VEHICLE)
+    heard = line_of(vehicle).heard_s(VEHICLE)
     assert heard is not None
-    assert vehicle.line.channel.now() - heard < 5.0
+    assert line_of(vehicle).channel.now() - heard < 5.0

@@ -1,7 +1,6 @@
 """An upload ends when the vehicle is known to hold what was sent, or with an error that says what it holds."""
 
 import pytest
-from link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
@@ -24,13 +23,14 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload, upload
 from ipoa_mission.mission.firmware import compare
+from tests.link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 RALLY = tuple(Item(5100, 3, (0.0,) * 4, 47.4 + 0.001 * n, 8.5, 20.0) for n in range(3))
 FENCE = (Item(5003, 3, (250.0, 0.0, 0.0, 0.0), 47.4, 8.5),)
 
 
-def interrupt_at(moment: float) -> dict[float, Exception]:
+def interrupt_at(moment: float) -> dict[float, MissionError]:
     return {moment: Cancelled("cancelled")}
 
 
@@ -182,7 +182,7 @@ def test_cancelled_in_mid_upload_px4_keeps_the_mission_it_had() -> None:
     vehicle.store(before)
     air = Air(vehicle, [Fate(1, 0.1)])
     with pytest.raises(Cancelled, match="keeps the mission it had"):
-        air.hold(upload(Upload(items_of(PX4, 30), PX4)), interrupts=interrupt_at(2.0))  # type: ignore[arg-type]
+        air.hold(upload(Upload(items_of(PX4, 30), PX4)), interrupts=interrupt_at(2.0))
     assert compare(before, vehicle.holds(), PX4) is None
     assert vehicle.transfers.deadline > 1e9  # it has ended its transfer, too
 
@@ -191,7 +191,7 @@ def test_a_lost_cancel_is_said_again() -> None:
     vehicle = Vehicle(PX4)
     air = Air(vehicle, [Fate(1, 0.1)] * 20 + [Fate(0)] * 3)
     with pytest.raises(Cancelled):
-        air.hold(upload(Upload(items_of(PX4, 40), PX4)), interrupts=interrupt_at(2.1))  # type: ignore[arg-type]
+        air.hold(upload(Upload(items_of(PX4, 40), PX4)), interrupts=interrupt_at(2.1))
     assert vehicle.holds() == ()
 
 
@@ -201,7 +201,7 @@ def test_cancelled_in_mid_upload_ardupilot_is_given_the_whole_new_mission() -> N
     sent = items_of(ARDUPILOT, 30)
     air = Air(vehicle, [Fate(1, 0.1)])
     with pytest.raises(Cancelled, match="the new one was completed"):
-        air.hold(upload(Upload(sent, ARDUPILOT)), interrupts=interrupt_at(2.0))  # type: ignore[arg-type]
+        air.hold(upload(Upload(sent, ARDUPILOT)), interrupts=interrupt_at(2.0))
     assert compare(sent, vehicle.holds(), ARDUPILOT) is None
 
 
@@ -217,11 +217,11 @@ def test_cancelled_while_it_is_read_back_the_vehicle_is_asked_what_it_holds() ->
     sent = items_of(PX4, 4)
     air = Air(Vehicle(PX4), [Fate(1, 0.1)])
     with pytest.raises(Cancelled, match="too late: the vehicle holds the whole new mission"):
-        air.hold(upload(Upload(sent, PX4)), interrupts=interrupt_at(1.3))  # type: ignore[arg-type]
+        air.hold(upload(Upload(sent, PX4)), interrupts=interrupt_at(1.3))
     fading = Fading(Vehicle(PX4), [Fate(1, 0.1)])
     fading.end = 1.3
     with pytest.raises(Cancelled, match="a whole mission, the old or the new one, but does not answer"):
-        fading.hold(upload(Upload(sent, PX4)), interrupts=interrupt_at(1.3))  # type: ignore[arg-type]
+        fading.hold(upload(Upload(sent, PX4)), interrupts=interrupt_at(1.3))
 
 
 @pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
@@ -328,7 +328,7 @@ def test_what_was_said_before_the_upload_is_no_replacement(words: tuple[Message,
         RequestList: [[Count(1)]] * 2,
         Request: [[ItemAt(0, ONE[0])]] * 2,
     }
-    assert lead(upload(Upload(ONE, PX4)), script).finished  # type: ignore[arg-type]
+    assert lead(upload(Upload(ONE, PX4)), script).finished
     assert len(script[RequestList]) == 2 - readings
 
 

@@ -6,6 +6,7 @@ MAVSDK reads a file for a vehicle it has met: each autopilot is introduced by on
 import json
 import math
 import sys
+from typing import Any
 
 from mavsdk import ComponentType, Configuration, Mavsdk
 from mavsdk.plugins.mission_raw import MissionRaw
@@ -25,7 +26,7 @@ def meet(autopilot: str) -> tuple[Mavsdk, MissionRaw]:
     return mavsdk, MissionRaw(system)
 
 
-def answer(plugin: MissionRaw, kind: str, text: str) -> dict:
+def answer(plugin: MissionRaw, kind: str, text: str) -> dict[str, Any]:
     read = {
         "plan": plugin.import_qgroundcontrol_mission_from_string,
         "waypoints": plugin.import_mission_planner_mission_from_string,

@@ -51,7 +51,7 @@ def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
     vehicle = {{ autopilot = "{autopilot}", cruise_speed = {speed} }}
     route = {{ tolerance = {WITHIN} }}
     """
-    curve = Spline(control)
+    curve = Spline(np.asarray(control, float))
     assert np.abs(curve.points(travelled / travelled[-1]) - points).max() < 0.02
     return curve, parse_scenario(text, Path("ways.toml"))
 

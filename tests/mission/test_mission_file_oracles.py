@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given
-from mission_strategies import missions
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item, Mission
@@ -15,6 +14,7 @@ from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import home_item
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints
+from tests.mission.mission_strategies import missions
 
 mavwp = pytest.importorskip("pymavlink.mavwp")
 
@@ -80,11 +80,16 @@ def test_mavwp_reads_our_waypoints_and_agrees_item_by_item(mission: Mission, tmp
         assert str(got) == str([float(value) for value in ours]), "to the last bit"
 
 
+def _zeroed(item: Item) -> tuple[float, float, float, float]:
+    one, two, three, four = (0.0 if math.isnan(p) else p for p in item.params)
+    return one, two, three, four
+
+
 def _as_written(mission: Mission) -> list[Item]:
     """NaN stands only in a file for PX4: ArduPilot's ground stations cannot read it."""
     if mission.autopilot is Autopilot.PX4:
         return list(mission.items)
-    zeros = (tuple(0.0 if math.isnan(p) else p for p in item.params) for item in mission.items)
+    zeros = (_zeroed(item) for item in mission.items)
     return [
         Item(item.command, item.frame, p, item.latitude_deg, item.longitude_deg, item.altitude, item.autocontinue)
         for item, p in zip(mission.items, zeros, strict=True)

@@ -1,4 +1,4 @@
-"""Whatever a file holds is read, or refused in words that begin with its name; `tools/fuzz_readers.py` runs longer."""
+"""Whatever a file holds is read, or refused in words that begin with its name; `tools/fuzz/readers.py` runs longer."""
 
 import json
 from pathlib import Path

@@ -54,7 +54,7 @@ def test_arducopter_flew_along_the_curve_and_not_along_its_chords(name: str) -> 
     trace = np.loadtxt(folder / "trace.csv", delimiter=",", skiprows=1)
     splines = [n for n, item in enumerate(mission.items, 1) if item.command == Command.NAV_SPLINE_WAYPOINT]
     between = (trace[:, 0] > done[splines[0]]) & (trace[:, 0] < done[splines[-1]])
-    flown = frame.to_local(*trace[between, 1:3].T, mission.home.altitude + trace[between, 3])
+    flown = frame.to_local(trace[between, 1], trace[between, 2], mission.home.altitude + trace[between, 3])
     near, far = (shapely.distance(line, shapely.points(flown[:, :2])).max() for line in (curve, chords))
     assert near < 1.4  # a copter at 10 m/s lags behind its reference
     assert near < 0.6 * far
@@ -93,9 +93,8 @@ def test_where_the_copter_stands_after_a_spline_is_what_the_model_says(end: str)
     mission = build_mission(Route(points, spline=True, brakes_on_curve=end != "straight"), scenario)
     assert [item.command for item in mission.items[2:]] == [82, 82, 82, 16 if end == "straight" else 82, 20]
     flight, predicted = fly(mission), estimate(mission)
-    local = scenario.frame.to_local(
-        *(np.array([getattr(s, k) for s in flight.path]) for k in ("latitude_deg", "longitude_deg")), np.zeros(1)
-    )
+    latitude, longitude = (np.array([getattr(s, k) for s in flight.path]) for k in ("latitude_deg", "longitude_deg"))
+    local = scenario.frame.to_local(latitude, longitude, 0.0)
     times, done = np.array([sample.time_s for sample in flight.path]), [item.done_s for item in predicted.items]
     ahead = (points[-1] - points[-2])[:2] / np.linalg.norm((points[-1] - points[-2])[:2])
     overrun, expected = (

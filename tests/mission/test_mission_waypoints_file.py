@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
-from mission_strategies import missions, same
+from hypothesis import assume, given
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.mission.waypoints_file import read_waypoints, write_waypoints
 from ipoa_mission.world.frame import Geodetic
+from tests.mission.mission_strategies import missions, same
 
 FILES = Path(__file__).parent / "files"
 HOME = Geodetic(39.101, 121.82, 20.0)
@@ -24,6 +24,7 @@ FLIGHT = Mission(HOME, (takeoff(HOME, 40.0), change_speed(15.0), waypoint(Geodet
 @given(mission=missions(frames=(0, 3), fences=False))
 def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "round.waypoints"
+    assume((mission.home.latitude_deg, mission.home.longitude_deg) != (0.0, 0.0))  # which stands for no place
     assert write_waypoints(mission, path) == ()
     back = read_waypoints(path, mission.autopilot)
     if mission.autopilot is Autopilot.ARDUPILOT:

@@ -9,7 +9,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from authors_rules import dbo, hho, ssa
 from scipy.stats import ks_2samp
 
 from ipoa_mission.optimize.dbo import DBO
@@ -17,6 +16,7 @@ from ipoa_mission.optimize.hho import HHO
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.search import Box, Optimizer, minimise
 from ipoa_mission.optimize.ssa import SSA
+from tests.optimize.authors_rules import dbo, hho, ssa
 
 D = 5
 BOX = Box(np.full(D, -10.0), np.full(D, 20.0))

@@ -8,8 +8,10 @@ import pytest
 
 from ipoa_mission.scenario import Scenario
 
+Place = tuple[float, float, float]
 Spot = Sequence[float] | dict[str, float]
 Make = Callable[..., Scenario]
+Town = Callable[[int], Scenario]
 HOME = {"latitude_deg": 39.1, "longitude_deg": 121.82}
 
 
@@ -40,7 +42,7 @@ def scenario() -> Make:
 
 
 @pytest.fixture
-def town(scenario: Make) -> Callable[[int], Scenario]:
+def town(scenario: Make) -> Town:
     """A random town on hills: spheres, masts, houses with courtyards, low start, ceiling, limited climb."""
 
     def make(seed: int) -> Scenario:

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,15 +13,16 @@ from ipoa_mission.geometry import climb_angles, turning_angles
 from ipoa_mission.planning import twins
 from ipoa_mission.planning.chart import Soft, chart_of
 from ipoa_mission.planning.polish import _windows
-from ipoa_mission.planning.problem import PathProblem, pose
+from ipoa_mission.planning.problem import PreparedProblem, pose
 from ipoa_mission.planning.spline import even_basis
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Polygon
+from tests.planning.conftest import Make
 
 Town = Callable[[int], Scenario]
 SOFT = Soft(bend=0.02, reach=0.4, wall=0.1, stiffness=10.0, evenness=0.05, aside=0.1, above=0.2, flatter=0.01)
-LIMITLESS = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
+LIMITLESS: dict[str, Any] = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
 
 
 def curves(seed: int, count: int, control: int = 9) -> np.ndarray:
@@ -32,10 +34,10 @@ def curves(seed: int, count: int, control: int = 9) -> np.ndarray:
     return way + bulge * offsets * rng.uniform(0, 1.5, (count, 1, 1))
 
 
-def fenced(problem: PathProblem) -> tuple[Airspace, PathProblem]:
+def fenced(problem: PreparedProblem) -> tuple[Airspace, PreparedProblem]:
     """The same problem inside a flight area with a bay."""
     area = Polygon(((-45.0, -95.0), (145.0, -80.0), (140.0, 90.0), (60.0, 30.0), (-40.0, 95.0)))
-    airspace = problem.scenario.airspace
+    airspace = problem.task.airspace
     airspace = Airspace(replace(airspace.bounds, footprint=area), airspace.terrain, airspace.obstacles)
     return airspace, replace(problem, chart=chart_of(airspace, problem.limits, problem.chart.reach))
 
@@ -49,7 +51,7 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
     feasible = 0
     for seed in range(8):
         problem = pose(town(seed))
-        airspace, problem = fenced(problem) if fence else (problem.scenario.airspace, problem)
+        airspace, problem = fenced(problem) if fence else (problem.task.airspace, problem)
         rules = problem.rules._replace(per_node=per_node)
         rules = rules if limited else rules._replace(clearance=0.1, height=0.1, **LIMITLESS)
         limits = problem.limits if limited else replace(problem.limits, height_above_ground=0.1, low_zones=())
@@ -62,7 +64,7 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
 
 
 def model(
-    problem: PathProblem, control: np.ndarray, soft: Soft = SOFT, even: float | None = None
+    problem: PreparedProblem, control: np.ndarray, soft: Soft = SOFT, even: float | None = None
 ) -> tuple[float, np.ndarray, np.ndarray]:
     from ipoa_mission.planning._kernels import path_model
 
@@ -78,7 +80,7 @@ def model(
     return found, gradient, lower + np.tril(lower, -1).T
 
 
-def value(problem: PathProblem, airspace: Airspace, control: np.ndarray, even: float) -> float:
+def value(problem: PreparedProblem, airspace: Airspace, control: np.ndarray, even: float) -> float:
     spots = even_basis(len(control), 60) @ control
     return twins.path_model(spots, airspace, problem.rules, problem.limits, SOFT, even)
 
@@ -88,7 +90,7 @@ def value(problem: PathProblem, airspace: Airspace, control: np.ndarray, even: f
 def test_the_model_has_the_value_of_the_twin_and_its_derivative(town: Town, fence: bool, per_node: bool) -> None:
     for seed in range(3):
         problem = pose(town(seed))
-        airspace, problem = fenced(problem) if fence else (problem.scenario.airspace, problem)
+        airspace, problem = fenced(problem) if fence else (problem.task.airspace, problem)
         problem = replace(problem, rules=problem.rules._replace(per_node=per_node))
         for control in curves(seed, 3):
             spots = even_basis(9, 60) @ control
@@ -109,7 +111,7 @@ def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town) -
     """Length alone: the Hessian is the derivative of the gradient."""
     problem = pose(town(1))
     rules = problem.rules._replace(turning=0.0, climbing=0.0, height=-100.0, **LIMITLESS)
-    airspace = Airspace(problem.scenario.airspace.bounds, problem.scenario.airspace.terrain, ())
+    airspace = Airspace(problem.task.airspace.bounds, problem.task.airspace.terrain, ())
     limits = replace(problem.limits, height_above_ground=-100.0, low_zones=())
     problem = replace(problem, rules=rules, chart=chart_of(airspace, limits, 1.0))
     only_length = SOFT._replace(evenness=0.0)
@@ -126,7 +128,7 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
 
     for seed in range(4):
         problem = pose(town(seed))
-        for airspace, posed in ((problem.scenario.airspace, problem), fenced(problem)):
+        for airspace, posed in ((problem.task.airspace, problem), fenced(problem)):
             points = np.random.default_rng(seed).uniform((-60, -110, -5), (160, 110, 110), (3000, 3))
             slack, threat = survey(points, posed.chart, posed.rules)
             expected, danger = twins.survey(points, airspace, posed.rules, posed.limits, posed.chart.reach)
@@ -134,7 +136,7 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
             np.testing.assert_allclose(threat, danger, rtol=1e-9)
 
 
-def test_costs_spread_over_a_lattice_as_in_the_twin(scenario) -> None:
+def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
     from ipoa_mission.planning._dijkstra import spread
 
     anywhere = pose(scenario())
@@ -156,7 +158,7 @@ def test_costs_spread_over_a_lattice_as_in_the_twin(scenario) -> None:
         assert (before[~reached] == -1).all()
 
 
-def test_no_step_leads_through_what_is_between_two_nodes(scenario) -> None:
+def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None:
     """Two nodes on either side of a wall, and one beside each by which it can be passed."""
     from ipoa_mission.planning._dijkstra import spread
 

@@ -4,25 +4,25 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.lattice import _mended, guesses, lay, ways
-from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.problem import pose
 from ipoa_mission.planning.winding import wind
+from tests.planning.conftest import Make
 
 PILLAR = {"kind": "cylinder", "name": "pillar", "east": 50, "north": 0, "radius": 15, "height": 99, "base": 0.0}
 FULL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base": 0.0}
 
 
-def test_a_pillar_is_passed_on_both_sides(scenario) -> None:
+def test_a_pillar_is_passed_on_both_sides(scenario: Make) -> None:
     problem = pose(scenario(obstacles=[PILLAR]))
     found = ways(lay(problem), problem, 8)
     sides = [np.sign(way[np.argmin(np.abs(way[:, 0] - 50)), 1]) for way in found]
     assert {-1.0, 1.0} <= set(sides)
     for way in found:
-        np.testing.assert_array_equal(way[[0, -1]], [problem.scenario.start_point, problem.scenario.goal_point])
-        assert problem.scenario.airspace.obstacle_distance(way[1:-1]).min() >= problem.limits.obstacle_distance
+        np.testing.assert_array_equal(way[[0, -1]], [problem.task.places[0], problem.task.places[-1]])
+        assert problem.task.airspace.obstacle_distance(way[1:-1]).min() >= problem.limits.obstacle_distance
 
 
-def test_the_cheapest_way_comes_first(scenario) -> None:
+def test_the_cheapest_way_comes_first(scenario: Make) -> None:
     problem = pose(scenario(obstacles=[PILLAR | {"north": 8}], cost={"omega": (1, 0, 0)}))
     found = ways(lay(problem), problem, 8)
     lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in found]
@@ -30,23 +30,23 @@ def test_the_cheapest_way_comes_first(scenario) -> None:
     assert found[0][np.argmin(np.abs(found[0][:, 0] - 50)), 1] < 0
 
 
-def test_every_way_passes_all_via_points(scenario) -> None:
+def test_every_way_passes_all_via_points(scenario: Make) -> None:
     problem = pose(scenario(obstacles=[PILLAR], via=[(50, 60, 30), (80, -40, 30)]))
     found = ways(lay(problem), problem, 8)
     assert len(found) > 1
     for way in found:
-        for place in problem.scenario.via_points:
+        for place in problem.task.places[1:-1]:
             assert np.linalg.norm(way - place, axis=1).min() == 0
 
 
-def test_a_wall_from_bound_to_bound_leaves_no_way(scenario) -> None:
+def test_a_wall_from_bound_to_bound_leaves_no_way(scenario: Make) -> None:
     problem = pose(scenario(obstacles=[FULL | {"name": "wall", "depth": 300}]))
     assert ways(lay(problem), problem, 8) == []
     assert len(guesses(problem, 0)) == 1  # the straight one
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.7, 1.3, 2.1, 2.9, 3.6])
-def test_a_door_between_two_nodes_is_found(scenario, aside: float) -> None:
+def test_a_door_between_two_nodes_is_found(scenario: Make, aside: float) -> None:
     """The nodes are 4 m apart; a door of 1.75 m leaves 0.15 m."""
     walls = [
         FULL | {"name": "left", "north": aside + 60.875, "depth": 120},
@@ -58,21 +58,23 @@ def test_a_door_between_two_nodes_is_found(scenario, aside: float) -> None:
     assert door[1] == pytest.approx(aside, abs=0.075)
 
 
-def test_beside_a_way_through_a_gap_that_is_too_narrow_there_are_ways_that_do_without_it(scenario) -> None:
+def test_beside_a_way_through_a_gap_that_is_too_narrow_there_are_ways_that_do_without_it(scenario: Make) -> None:
     pillars = [PILLAR | {"name": f"{side}", "radius": 12, "north": 12.95 * side} for side in (-1, 1)]  # 0.1 m short
     problem = pose(scenario(obstacles=pillars, vehicle={"radius": 0.5}, safety_distance=0.5))
-    lattice, (start, goal) = lay(problem), places(problem.scenario)
+    lattice, (start, goal) = lay(problem), problem.task.places
     before, after = (lattice.places[np.argmin(((lattice.places - (e, 0, 20)) ** 2).sum(axis=1))] for e in (44, 56))
     first, *others = _mended([np.array([start, before, after, goal])], lattice, problem)
     assert first.shape[0] > 4  # it was tried
     assert others
     for way in others:
-        assert problem.scenario.airspace.obstacle_clearance(way).distance > -0.5
+        assert problem.task.airspace.obstacle_clearance(way).distance > -0.5
         assert not (way == before).all(axis=1).any()
 
 
 @pytest.mark.parametrize(("climb", "descent"), [(30, 20), (8, 45)])
-def test_ways_climb_no_steeper_than_allowed_and_in_loops_where_that_is_not_enough(scenario, climb, descent) -> None:
+def test_ways_climb_no_steeper_than_allowed_and_in_loops_where_that_is_not_enough(
+    scenario: Make, climb: float, descent: float
+) -> None:
     limits = {"max_climb_angle_deg": climb, "max_descent_angle_deg": descent}
     low_wall = FULL | {"name": "wall", "depth": 300, "height": 50}
     problem = pose(scenario(obstacles=[low_wall], planning=limits))
@@ -86,11 +88,11 @@ def test_ways_climb_no_steeper_than_allowed_and_in_loops_where_that_is_not_enoug
     too_steep = (rise > 1.3 * np.tan(np.radians(climb)) * level) | (-rise > 1.3 * np.tan(np.radians(descent)) * level)
     assert np.abs(rise[too_steep]).sum() < 3
     legs = np.linspace(guide[:-1], guide[1:], 9).reshape(-1, 3)
-    assert problem.scenario.airspace.obstacle_distance(legs).min() > 0.5 * problem.limits.obstacle_distance
+    assert problem.task.airspace.obstacle_distance(legs).min() > 0.5 * problem.limits.obstacle_distance
 
 
 @pytest.mark.parametrize("fineness", [1.0, 2.0])
-def test_a_lattice_covers_the_bounds_in_even_steps(scenario, fineness: float) -> None:
+def test_a_lattice_covers_the_bounds_in_even_steps(scenario: Make, fineness: float) -> None:
     lattice = lay(pose(scenario(obstacles=[PILLAR])), fineness)
     far = lattice.corner + lattice.spacing * (np.array(lattice.slack.shape) - 1)
     np.testing.assert_allclose(lattice.corner[:2], (-50, -100))

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.planning.limits import limits_of
+from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.obstruction import NoPath, refuse_closed
 from ipoa_mission.planning.plan_view import closure
 from ipoa_mission.planning.problem import pose
+from tests.planning.conftest import Make
 
 
-def walls(gaps, rng) -> list[dict[str, object]]:
+def walls(gaps: Vector, rng: np.random.Generator) -> list[dict[str, object]]:
     """Turned walls across everything, each with a gap of that width [m]."""
     found = []
     for k, gap in enumerate(gaps):
@@ -27,7 +28,7 @@ def walls(gaps, rng) -> list[dict[str, object]]:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_it_is_closed_where_the_narrowest_gap_is_too_narrow(scenario, seed: int) -> None:
+def test_it_is_closed_where_the_narrowest_gap_is_too_narrow(scenario: Make, seed: int) -> None:
     rng = np.random.default_rng(seed)
     gaps = 3.0 * rng.choice([0.5, 0.9, 0.99, 1.01, 1.1, 2.0], rng.integers(1, 3))
     job = scenario(obstacles=walls(gaps, rng))
@@ -37,13 +38,13 @@ def test_it_is_closed_where_the_narrowest_gap_is_too_narrow(scenario, seed: int)
         narrowest = int(np.argmin(gaps))
         assert set(found.names) == {f"{narrowest}1", f"{narrowest}-1"}
         assert found.width == pytest.approx(gaps.min(), abs=1e-6)
-        assert found.needed == pytest.approx(2 * limits_of(job).obstacle_distance)
-        sides = [o.footprint.shape for o in job.airspace.obstacles if o.name in found.names]
+        assert found.needed == pytest.approx(2 * job.limits.obstacle_distance)
+        sides = [o.column.shape for o in job.airspace.obstacles if o.name in found.names and o.column]
         away = shapely.distance(sides, shapely.Point(found.place))
         np.testing.assert_allclose(away, gaps.min() / 2, atol=1e-6)
 
 
-def test_masts_and_the_bounds_leave_gaps_too(scenario) -> None:
+def test_masts_and_the_bounds_leave_gaps_too(scenario: Make) -> None:
     masts = [{"kind": "cylinder", "name": f"{k}", "east": 50, "north": n, "radius": 20, "height": 150, "base": 0.0}
              for k, n in enumerate((-79.0, -36.4, 6.2, 78.9))]  # fmt: skip
     job = scenario(obstacles=masts)
@@ -56,13 +57,13 @@ def test_masts_and_the_bounds_leave_gaps_too(scenario) -> None:
     assert found.width == pytest.approx(2.6)
 
 
-def test_what_can_be_flown_over_closes_nothing(scenario) -> None:
-    low = [wall | {"height": 97.0} for wall in walls([0.1], np.random.default_rng(0))]
+def test_what_can_be_flown_over_closes_nothing(scenario: Make) -> None:
+    low = [wall | {"height": 97.0} for wall in walls(np.array([0.1]), np.random.default_rng(0))]
     job = scenario(obstacles=low)  # 1.5 m are required, the bounds leave 3
     refuse_closed(pose(job))
 
 
-def test_all_that_stands_round_an_end_is_named(scenario) -> None:
+def test_all_that_stands_round_an_end_is_named(scenario: Make) -> None:
     sides = {"west": (-20, 0, 4, 44), "east": (20, 0, 4, 44), "south": (0, -20, 44, 4), "north": (0, 20, 44, 4)}
     wall = {"kind": "box", "base": 0.0, "height": 150}
     ring = [

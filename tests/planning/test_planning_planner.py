@@ -1,5 +1,7 @@
 """Whole plans: safe, repeatable, as good as can be told, or explained."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize.registry import OPTIMIZERS
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
+from tests.planning.conftest import Make, Place, Town
 
 TALL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base": 0.0}
 PILLAR = {"kind": "cylinder", "name": "pillar", "east": 50, "north": 1, "radius": 10, "height": 99, "base": 0.0}
@@ -20,14 +23,14 @@ def fort(height: float) -> dict[str, object]:
     return {"kind": "prism", "name": "fort", "footprint": outer, "holes": (inner,), "height": height, "base": 0.0}
 
 
-def gap(width: float) -> list[dict[str, object]]:
+def gap(width: float) -> list[dict[str, Any]]:
     """A wall across everything with a gap."""
     sides = {"left": 60 + width / 2, "right": -60 - width / 2}
     return [TALL | {"name": f"{name} wall", "north": north, "depth": 120} for name, north in sides.items()]
 
 
 @pytest.mark.parametrize("name", OPTIMIZERS)
-def test_every_optimiser_finds_a_safe_path(scenario, name: str) -> None:
+def test_every_optimiser_finds_a_safe_path(scenario: Make, name: str) -> None:
     job = scenario(obstacles=[PILLAR, BALL], optimizer={"name": name})
     plan = plan_path(job, seed=1)
     assert plan.proof.holds
@@ -38,7 +41,7 @@ def test_every_optimiser_finds_a_safe_path(scenario, name: str) -> None:
 
 
 @pytest.mark.parametrize("tables", [{}, {"planning": {"polish": False}}, {"cost": {"form": "nodes"}}])
-def test_the_same_seed_gives_the_same_plan_to_the_last_bit(scenario, tables) -> None:
+def test_the_same_seed_gives_the_same_plan_to_the_last_bit(scenario: Make, tables: dict[str, Any]) -> None:
     job = scenario(obstacles=[PILLAR], optimizer={"population": 10, "iterations": 20}, **tables)
     one, two, other = plan_path(job, 5), plan_path(job, 5), plan_path(job, 6)
     np.testing.assert_array_equal(one.curve.control, two.curve.control)
@@ -47,13 +50,13 @@ def test_the_same_seed_gives_the_same_plan_to_the_last_bit(scenario, tables) -> 
     assert not np.array_equal(one.curve.control, other.curve.control)
 
 
-def test_with_nothing_in_the_way_it_flies_straight(scenario) -> None:
+def test_with_nothing_in_the_way_it_flies_straight(scenario: Make) -> None:
     plan = plan_path(scenario())
     assert plan.curve.length == pytest.approx(100, abs=1e-3)
     assert plan.cost.total == pytest.approx(70, abs=0.02)
 
 
-def test_history_never_gets_worse_and_counts_evaluations(scenario) -> None:
+def test_history_never_gets_worse_and_counts_evaluations(scenario: Make) -> None:
     told = []
     plan = plan_path(scenario(obstacles=[PILLAR]), progress=lambda done, words: told.append(done))
     assert (np.diff(plan.history) <= 0).all()
@@ -62,7 +65,7 @@ def test_history_never_gets_worse_and_counts_evaluations(scenario) -> None:
     assert 0 <= told[0] < told[-1] < 1
 
 
-def test_via_points_are_passed_in_order(scenario) -> None:
+def test_via_points_are_passed_in_order(scenario: Make) -> None:
     via = [(30, 40, 25), (70, -40, 30)]
     plan = plan_path(scenario(obstacles=[PILLAR, BALL], via=via))
     points = plan.curve.points(np.linspace(0, 1, 40_001))
@@ -72,20 +75,20 @@ def test_via_points_are_passed_in_order(scenario) -> None:
     assert plan.proof.holds
 
 
-def test_a_round_trip_is_a_path_too(scenario) -> None:
+def test_a_round_trip_is_a_path_too(scenario: Make) -> None:
     plan = plan_path(scenario(goal=(0, 0, 20), via=[(80, 0, 20)], obstacles=[PILLAR]))
     assert plan.proof.holds
     assert 160 < plan.cost.length < 190
 
 
-def test_limits_are_kept(town) -> None:
+def test_limits_are_kept(town: Town) -> None:
     plan = plan_path(town(0))
     limits = {check.limit: check for check in plan.proof.checks}
     assert limits.keys() == {"obstacles", "bounds", "ground", "ceiling", "climb", "descent"}
     assert plan.proof.worst.slack >= -1e-3
 
 
-def test_the_papers_planner_searches_once_in_absolute_coordinates(scenario) -> None:
+def test_the_papers_planner_searches_once_in_absolute_coordinates(scenario: Make) -> None:
     job = scenario(obstacles=[BALL], planning={"planner": "paper"})
     plan = plan_path(job, seed=1)
     assert plan.evaluations[-1] == 90_060
@@ -93,7 +96,7 @@ def test_the_papers_planner_searches_once_in_absolute_coordinates(scenario) -> N
     assert plan.proof.holds
 
 
-def test_with_length_only_it_takes_the_shortest_way(scenario) -> None:
+def test_with_length_only_it_takes_the_shortest_way(scenario: Make) -> None:
     """Round a mast in the middle: two tangents and an arc."""
     job = scenario(obstacles=[PILLAR | {"north": 0}], cost={"omega": (1, 0, 0)}, vehicle={"radius": 0.5})
     r = 11.5
@@ -112,7 +115,9 @@ def test_with_length_only_it_takes_the_shortest_way(scenario) -> None:
         ((0, 0, 20), (100, 0, 20), [fort(120)], "every way is walled off: by fort, at east 74.0"),
     ],
 )
-def test_a_place_or_a_wall_that_makes_it_impossible_is_named(scenario, start, goal, obstacles, words) -> None:
+def test_a_place_or_a_wall_that_makes_it_impossible_is_named(
+    scenario: Make, start: Place, goal: Place, obstacles: list[dict[str, Any]], words: str | None
+) -> None:
     job = scenario(start=start, goal=goal, obstacles=obstacles)
     if words is None:
         assert plan_path(job).proof.holds
@@ -122,7 +127,7 @@ def test_a_place_or_a_wall_that_makes_it_impossible_is_named(scenario, start, go
     assert str(refusal.value).startswith(words)
 
 
-def test_a_gap_that_is_too_narrow_is_named_with_its_width(scenario) -> None:
+def test_a_gap_that_is_too_narrow_is_named_with_its_width(scenario: Make) -> None:
     with pytest.raises(NoPath) as refusal:
         plan_path(scenario(obstacles=gap(2.4)))
     words = str(refusal.value)
@@ -131,19 +136,19 @@ def test_a_gap_that_is_too_narrow_is_named_with_its_width(scenario) -> None:
     assert "safety_distance" in str(refusal.value.hint)
 
 
-def test_a_gap_that_is_just_wide_enough_is_flown_through(scenario) -> None:
+def test_a_gap_that_is_just_wide_enough_is_flown_through(scenario: Make) -> None:
     plan = plan_path(scenario(obstacles=gap(3.2)))
     assert plan.proof.holds
     assert plan.proof.clearance.what in ("left wall", "right wall")
 
 
-def test_over_the_wall_where_that_is_the_only_way(scenario) -> None:
+def test_over_the_wall_where_that_is_the_only_way(scenario: Make) -> None:
     plan = plan_path(scenario(obstacles=[fort(60)]))
     assert plan.proof.holds
     assert plan.curve.sample(500)[:, 2].max() > 60
 
 
-def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario) -> None:
+def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario: Make) -> None:
     steep = {"max_climb_angle_deg": 12, "max_descent_angle_deg": 45}
     plan = plan_path(scenario(start=(100, 0, 20), goal=(0, 0, 20), obstacles=[fort(60)], planning=steep))
     assert plan.proof.holds
@@ -151,7 +156,7 @@ def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario) -> None:
 
 
 @pytest.mark.parametrize("thick", [0.3, 7.0])
-def test_a_gap_much_narrower_than_the_lattice_is_flown_through(scenario, thick: float) -> None:
+def test_a_gap_much_narrower_than_the_lattice_is_flown_through(scenario: Make, thick: float) -> None:
     narrow = [wall | {"north": 41.3 + 2 * wall["north"], "width": thick, "depth": 240} for wall in gap(0.22)]
     bounds = {"east": (-50, 150), "north": (-100, 100), "up": (0, 40)}
     plan = plan_path(scenario(obstacles=narrow, bounds=bounds, vehicle={"radius": 0}, safety_distance=0.2))
@@ -159,17 +164,17 @@ def test_a_gap_much_narrower_than_the_lattice_is_flown_through(scenario, thick: 
     assert 41 < plan.curve.sample(2000)[:, 1].max() < 43
 
 
-def test_start_and_goal_in_the_same_place_are_refused(scenario) -> None:
+def test_start_and_goal_in_the_same_place_are_refused(scenario: Make) -> None:
     with pytest.raises(BadInput, match=r"goal: expected a place other than the start"):
         plan_path(scenario(goal=(0, 0, 20)))
 
 
-def test_an_unknown_optimiser_is_bad_input(scenario) -> None:
+def test_an_unknown_optimiser_is_bad_input(scenario: Make) -> None:
     with pytest.raises(BadInput, match=r"optimizer\.name: expected ipoa"):
         plan_path(scenario(optimizer={"name": "ipao"}))
 
 
-def test_settings_of_the_optimiser_are_passed_on(scenario) -> None:
+def test_settings_of_the_optimiser_are_passed_on(scenario: Make) -> None:
     job = scenario(obstacles=[PILLAR], optimizer={"name": "poa", "population": 5, "iterations": 3})
     first, *_ = np.diff(plan_path(job).evaluations)
     assert first == 5

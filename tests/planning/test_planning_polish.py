@@ -4,18 +4,19 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.cost import curve_cost
-from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.polish import polish, settle
 from ipoa_mission.planning.problem import Trail, follow, pose, refine
 from ipoa_mission.planning.spline import Spline
+from ipoa_mission.scenario import Scenario
+from tests.planning.conftest import Make, Town
 
 LENGTH_ONLY = {"omega": (1.0, 0.0, 0.0)}
 VEHICLE = {"radius": 0.5}
 
 
-def bulging(job, aside: float, up: float) -> Trail:
+def bulging(job: Scenario, aside: float, up: float) -> Trail:
     """A curve that bulges out of the straight way."""
-    straight = follow(places(job), 8, job)
+    straight = follow(job.places, 8, job)
     bulge = np.sin(np.linspace(0, np.pi, 10))[:, None] * (0.0, aside, up)
     return Trail(Spline(straight.curve.control + bulge), straight.via_at)
 
@@ -26,7 +27,7 @@ def round_a_cylinder(distance: float, radius: float) -> float:
 
 
 @pytest.mark.parametrize("side", [-1, 1])
-def test_round_a_mast_it_finds_two_tangents_and_an_arc(scenario, side: int) -> None:
+def test_round_a_mast_it_finds_two_tangents_and_an_arc(scenario: Make, side: int) -> None:
     mast = {"kind": "cylinder", "name": "mast", "east": 50, "north": 0, "radius": 10, "height": 95, "base": 0.0}
     job = scenario(obstacles=[mast], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.0)
     rough = polish(bulging(job, 18.0 * side, 0.0), pose(job))
@@ -36,7 +37,7 @@ def test_round_a_mast_it_finds_two_tangents_and_an_arc(scenario, side: int) -> N
     assert side * trail.curve.points(np.array([0.5]))[0, 1] > 11.5
 
 
-def test_over_a_ball_the_way_is_the_same_turned_upright(scenario) -> None:
+def test_over_a_ball_the_way_is_the_same_turned_upright(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 0, "up": 20, "radius": 10}
     job = scenario(obstacles=[ball], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.0)
     trail, proof = settle(refine(polish(bulging(job, 0.0, 18.0), pose(job))), pose(job))
@@ -44,7 +45,7 @@ def test_over_a_ball_the_way_is_the_same_turned_upright(scenario) -> None:
     assert trail.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
 
 
-def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario) -> None:
+def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario: Make) -> None:
     """Over a thin wall of 40 m: two straight legs and an arc of the clearance round its upper edge."""
     wall = {
         "kind": "box",
@@ -64,15 +65,15 @@ def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario) -> None:
     assert trail.curve.length == pytest.approx(2 * tangent + 2 * 2 * angle + 0.2, rel=3e-3)
 
 
-def test_ends_and_via_points_stay(scenario) -> None:
+def test_ends_and_via_points_stay(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 5, "up": 20, "radius": 10}
     job = scenario(via=[(30, 30, 25), (70, -20, 22)], obstacles=[ball])
-    trail = polish(follow(places(job), 15, job), pose(job))
+    trail = polish(follow(job.places, 15, job), pose(job))
     np.testing.assert_allclose(trail.curve.points(trail.via_at), job.via_points, atol=1e-6)
     np.testing.assert_array_equal(trail.curve.control[[0, -1]], [job.start_point, job.goal_point])
 
 
-def test_a_part_is_polished_and_the_rest_stays(scenario) -> None:
+def test_a_part_is_polished_and_the_rest_stays(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 5, "up": 20, "radius": 10}
     job = scenario(obstacles=[ball])
     rough = refine(bulging(job, 30.0, 0.0))
@@ -83,16 +84,16 @@ def test_a_part_is_polished_and_the_rest_stays(scenario) -> None:
     assert pose(job).cost(trail) < pose(job).cost(rough)
 
 
-def test_it_never_makes_a_curve_dearer(town) -> None:
+def test_it_never_makes_a_curve_dearer(town: Town) -> None:
     for seed in range(4):
         job = town(seed)
         problem, rng = pose(job), np.random.default_rng(seed)
-        rough = follow(places(job), 8, job)
+        rough = follow(job.places, 8, job)
         rough = Trail(Spline(rough.curve.control + 10 * np.eye(10)[:, 1:-1] @ rng.normal(size=(8, 3))), rough.via_at)
         assert problem.cost(polish(rough, problem)) <= problem.cost(rough)
 
 
-def test_the_threat_is_kept_out_of_where_that_is_cheap(scenario) -> None:
+def test_the_threat_is_kept_out_of_where_that_is_cheap(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 3, "up": 20, "radius": 5}
     job = scenario(obstacles=[ball], vehicle=VEHICLE)
     trail, _ = settle(refine(polish(bulging(job, -8.0, 0.0), pose(job))), pose(job))

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.limits import places
 from ipoa_mission.planning.problem import encode, follow, freedom, pinned, pose, refine, surround
+from tests.planning.conftest import Make, Place
 
 ENCODINGS = ("absolute", "chord", "sine")
 STRAIGHT = np.array([(0.0, 0.0, 20.0), (100.0, 0.0, 20.0)])
 
 
-def test_a_straight_guide_becomes_a_straight_even_curve(scenario) -> None:
+def test_a_straight_guide_becomes_a_straight_even_curve(scenario: Make) -> None:
     curve = follow(STRAIGHT, 8, scenario()).curve
     u = np.linspace(0, 1, 21)
     expected = np.column_stack([100 * u, 0 * u, np.full(21, 20.0)])
@@ -18,13 +18,13 @@ def test_a_straight_guide_becomes_a_straight_even_curve(scenario) -> None:
 
 
 @pytest.mark.parametrize("name", ["chord", "sine"])
-def test_the_origin_of_the_space_is_the_guide(scenario, name: str) -> None:
+def test_the_origin_of_the_space_is_the_guide(scenario: Make, name: str) -> None:
     encoding = encode(name, STRAIGHT, 8, 30.0, scenario())
     assert encoding.box.dimension == 16
     np.testing.assert_allclose(encoding.curve(np.zeros(16)).control, follow(STRAIGHT, 8, scenario()).curve.control)
 
 
-def test_absolute_coordinates_are_the_inner_control_points(scenario) -> None:
+def test_absolute_coordinates_are_the_inner_control_points(scenario: Make) -> None:
     encoding = encode("absolute", STRAIGHT, 3, 0.0, scenario())
     x = np.arange(9.0)
     control = encoding.curve(x).control
@@ -34,7 +34,7 @@ def test_absolute_coordinates_are_the_inner_control_points(scenario) -> None:
     np.testing.assert_array_equal(encoding.box.upper, np.tile((150.0, 100.0, 100.0), 3))
 
 
-def test_chord_offsets_go_aside_and_upwards(scenario) -> None:
+def test_chord_offsets_go_aside_and_upwards(scenario: Make) -> None:
     encoding = encode("chord", STRAIGHT, 4, 30.0, scenario())
     straight = encoding.origin
     aside, up = encoding.curve(np.eye(8)[2]).control, encoding.curve(np.eye(8)[3]).control
@@ -42,7 +42,7 @@ def test_chord_offsets_go_aside_and_upwards(scenario) -> None:
     np.testing.assert_allclose(up - straight, [[0, 0, 0], [0, 0, 0], [0, 0, 1], [0, 0, 0], [0, 0, 0], [0, 0, 0]])
 
 
-def test_sine_modes_are_waves_that_get_smaller(scenario) -> None:
+def test_sine_modes_are_waves_that_get_smaller(scenario: Make) -> None:
     encoding = encode("sine", STRAIGHT, 8, 30.0, scenario())
     for mode in range(1, 4):
         offset = (encoding.curve(np.eye(16)[2 * (mode - 1)]).control - encoding.origin)[:, 1]
@@ -51,9 +51,9 @@ def test_sine_modes_are_waves_that_get_smaller(scenario) -> None:
 
 
 @pytest.mark.parametrize("name", ENCODINGS)
-def test_every_candidate_passes_the_via_points_in_order(scenario, name: str) -> None:
+def test_every_candidate_passes_the_via_points_in_order(scenario: Make, name: str) -> None:
     job = scenario(via=[(30, 40, 25), (60, -30, 30)])
-    encoding = encode(name, places(job), 15, 30.0, job)
+    encoding = encode(name, job.places, 15, 30.0, job)
     rng = np.random.default_rng(1)
     for x in encoding.box.sample(20, rng):
         curve = encoding.curve(x)
@@ -62,9 +62,9 @@ def test_every_candidate_passes_the_via_points_in_order(scenario, name: str) -> 
     assert (np.diff(encoding.via_at) > 0).all()
 
 
-def test_freedom_moves_everything_but_ends_and_via_points(scenario) -> None:
+def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> None:
     job = scenario(via=[(30, 40, 25), (60, -30, 30)])
-    trail = follow(places(job), 15, job)
+    trail = follow(job.places, 15, job)
     free = freedom(trail, job)
     assert np.linalg.matrix_rank(free) == free.shape[1] == 13
     np.testing.assert_array_equal(free[[0, -1]], 0.0)
@@ -74,7 +74,7 @@ def test_freedom_moves_everything_but_ends_and_via_points(scenario) -> None:
     np.testing.assert_allclose(again.curve.control, moved, atol=1e-9)
 
 
-def test_a_part_is_varied_and_the_rest_stays(scenario) -> None:
+def test_a_part_is_varied_and_the_rest_stays(scenario: Make) -> None:
     around = refine(follow(STRAIGHT, 8, scenario()))
     encoding = surround("sine", around, 10.0, scenario(), slice(4, 9))
     change = encoding.curve(np.ones(10)).control - around.curve.control
@@ -83,14 +83,14 @@ def test_a_part_is_varied_and_the_rest_stays(scenario) -> None:
 
 
 @pytest.mark.parametrize("goal", [(0, 0, 90), (0, 5, 20)])
-def test_a_way_straight_up_has_axes_too(scenario, goal) -> None:
+def test_a_way_straight_up_has_axes_too(scenario: Make, goal: Place) -> None:
     job = scenario(goal=goal)
-    encoding = encode("sine", places(job), 8, 10.0, job)
+    encoding = encode("sine", job.places, 8, 10.0, job)
     assert np.linalg.matrix_rank(encoding.matrix.reshape(16, -1)) == 16
     assert np.isfinite(pose(job).costs(encoding)(encoding.box.sample(10, np.random.default_rng(0)))).all()
 
 
-def test_the_search_looks_closely_enough_not_to_jump_over_what_is_near(scenario) -> None:
+def test_the_search_looks_closely_enough_not_to_jump_over_what_is_near(scenario: Make) -> None:
     long_way = scenario(start=(-45, -95, 20), goal=(145, 95, 20), safety_distance=0.5, vehicle={"radius": 0.5})
     assert pose(long_way).nodes >= np.linalg.norm(long_way.goal_point - long_way.start_point) / 2.0 - 1
     assert pose(scenario(planning={"planner": "paper"})).nodes == 100

@@ -1,24 +1,26 @@
 """Proof: never more than the truth, less by two millimetres at most, and in words."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.limits import limits_of
-from ipoa_mission.planning.proof import prove, prove_curve
+from ipoa_mission.planning.proof import Proof, prove, prove_curve
 from ipoa_mission.planning.spline import Spline
+from tests.planning.conftest import Make, Place, Town
 
 BALL = {"kind": "sphere", "name": "the ball", "east": 50, "north": 0, "up": 20, "radius": 4}
 
 
-def found(proof, limit: str) -> list[float]:
+def found(proof: Proof, limit: str) -> list[float]:
     return [check.found.distance for check in proof.checks if check.limit == limit]
 
 
-def test_a_curve_has_at_least_what_is_proved_and_hardly_more(town) -> None:
+def test_a_curve_has_at_least_what_is_proved_and_hardly_more(town: Town) -> None:
     rng = np.random.default_rng(4)
     for seed in range(8):
         job = town(seed)
-        limits = limits_of(job)
+        limits = job.limits
         control = np.linspace(job.start_point, job.goal_point, 10) + rng.normal(size=(10, 3)) * (5, 15, 5)
         curve = Spline(np.vstack([job.start_point, control[1:-1], job.goal_point]))
         points = curve.points(np.linspace(0, 1, 40_001))
@@ -39,7 +41,7 @@ def test_a_curve_has_at_least_what_is_proved_and_hardly_more(town) -> None:
             assert steepest - 1e-9 <= proved <= steepest + 0.5
 
 
-def test_legs_are_proved_exactly(scenario) -> None:
+def test_legs_are_proved_exactly(scenario: Make) -> None:
     job = scenario(obstacles=[BALL])
     proof = prove(np.array([(0.0, 0, 20), (50, 9, 20), (100, 0, 20)]), job)
     assert found(proof, "obstacles") == [pytest.approx(9 * 50 / np.hypot(50, 9) - 4)]
@@ -47,7 +49,7 @@ def test_legs_are_proved_exactly(scenario) -> None:
     assert proof.clearance.what == "the ball"
 
 
-def test_a_leg_that_cuts_through_does_not_hold_and_says_so(scenario) -> None:
+def test_a_leg_that_cuts_through_does_not_hold_and_says_so(scenario: Make) -> None:
     proof = prove(np.array([(0.0, 0, 20), (100, 0, 20)]), scenario(obstacles=[BALL]))
     assert not proof.holds
     assert proof.words() == "4.00 m inside the ball at east 50.0, north 0.0, up 20.0 m"
@@ -77,17 +79,17 @@ def test_a_leg_that_cuts_through_does_not_hold_and_says_so(scenario) -> None:
         ),
     ],
 )
-def test_each_limit_has_its_words(scenario, points, tables, words: str) -> None:
+def test_each_limit_has_its_words(scenario: Make, points: list[Place], tables: dict[str, Any], words: str) -> None:
     ball = {"kind": "sphere", "name": "the ball", "east": 54, "north": 8, "up": 20, "radius": 4}
     proof = prove(np.array(points, float), scenario(obstacles=[ball], **tables))
     assert not proof.holds
     assert proof.words().startswith(words)
 
 
-def test_a_low_start_may_be_left_but_not_be_hugged(scenario) -> None:
+def test_a_low_start_may_be_left_but_not_be_hugged(scenario: Make) -> None:
     job = scenario(start=(0, 0, 3), goal=(100, 0, 20), planning={"min_height_above_ground": 15})
-    (zone,) = limits_of(job).low_zones
-    assert (zone.east, zone.north, zone.height) == (0, 0, pytest.approx(2.99))
+    (zone,) = job.limits.low_zones
+    assert (zone.east, zone.north, zone.height) == pytest.approx((0, 0, 2.99))
     assert zone.radius == pytest.approx(24.02)
     assert prove(np.array([(0.0, 0, 3), (0, 0, 16), (100, 0, 20)]), job).holds  # straight up, as it takes off
     assert prove(np.array([(0.0, 0, 3), (24, 0, 15.1), (100, 0, 20)]), job).holds
@@ -101,16 +103,16 @@ def test_a_low_start_may_be_left_but_not_be_hugged(scenario) -> None:
     assert under.worst.found.distance == 2
 
 
-def test_a_low_zone_is_wider_where_climbs_are_flat(scenario) -> None:
+def test_a_low_zone_is_wider_where_climbs_are_flat(scenario: Make) -> None:
     flat = scenario(start=(0, 0, 5), planning={"min_height_above_ground": 15, "max_climb_angle_deg": 10})
-    assert limits_of(flat).low_zones[0].radius == pytest.approx(10.01 / np.tan(np.radians(10)))
+    assert flat.limits.low_zones[0].radius == pytest.approx(10.01 / np.tan(np.radians(10)))
 
 
-def test_places_at_the_required_height_need_no_zone(scenario) -> None:
-    assert limits_of(scenario()).low_zones == ()
+def test_places_at_the_required_height_need_no_zone(scenario: Make) -> None:
+    assert scenario().limits.low_zones == ()
 
 
-def test_without_obstacles_there_is_nothing_to_say_about_them(scenario) -> None:
+def test_without_obstacles_there_is_nothing_to_say_about_them(scenario: Make) -> None:
     proof = prove(np.array([(0.0, 0, 20), (100, 0, 20)]), scenario())
     assert found(proof, "obstacles") == []
     assert proof.clearance.what == "terrain"

@@ -16,10 +16,12 @@ from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
 
 Flight = tuple[Scenario, Mission, Estimate]
+Bowed = Callable[[str], Flight]
+Planned = Callable[[str], tuple[Scenario, Plan, Mission, Estimate]]
 
 
 @pytest.fixture
-def bowed(missions: Path) -> Callable[[str], Flight]:
+def bowed(missions: Path) -> Bowed:
     """A mission of nine waypoints on an arc from start to goal, west of the straight line, over the campus's roofs."""
 
     def fly(name: str) -> Flight:
@@ -40,7 +42,7 @@ def bowed(missions: Path) -> Callable[[str], Flight]:
 
 
 @pytest.fixture
-def planned(bowed: Callable[[str], Flight]) -> Callable[[str], tuple[Scenario, Plan, Mission, Estimate]]:
+def planned(bowed: Bowed) -> Planned:
     """The same with a plan: a curve along the arc, and a search that came there."""
 
     def plan(name: str) -> tuple[Scenario, Plan, Mission, Estimate]:

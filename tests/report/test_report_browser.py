@@ -14,6 +14,7 @@ import pytest
 
 from ipoa_mission.report.page import write_report
 from ipoa_mission.simulator.fly import fly
+from tests.report.conftest import Bowed, Planned
 
 sync_api = pytest.importorskip("playwright.sync_api")
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
@@ -30,7 +31,7 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture
-def open_page(browser: Any, planned: Callable[[str], tuple], tmp_path: Path) -> Iterator[Callable[..., Any]]:
+def open_page(browser: Any, planned: Planned, tmp_path: Path) -> Iterator[Callable[..., Any]]:
     """Open the report on a scenario; at the end nothing may have been complained about or asked for."""
     complaints: list[str] = []
 
@@ -40,7 +41,7 @@ def open_page(browser: Any, planned: Callable[[str], tuple], tmp_path: Path) -> 
         page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
         page.on("console", lambda message: complaints.append(message.text))
         page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("request", lambda request: request.url.startswith("file:") or complaints.append(request.url))
+        page.on("request", lambda request: complaints.extend([request.url] * (not request.url.startswith("file:"))))
         page.goto(file.as_uri())
         page.wait_for_function("document.querySelector('.space canvas').dataset.heading !== undefined")
         return page
@@ -154,7 +155,9 @@ def test_the_view_in_space_turns_by_mouse_keys_and_buttons(open_page: Callable[.
     assert painted(page) == first  # the same view gives the same picture
 
 
-def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_on_it(open_page) -> None:
+def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_on_it(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page()
     plan = page.locator("#map")
     plan.scroll_into_view_if_needed()
@@ -269,9 +272,7 @@ def test_it_prints_on_a_few_pages(open_page: Callable[..., Any]) -> None:
     assert 1 <= paper.count(b"/Type /Page\n") <= 4
 
 
-def test_after_a_flight_both_paths_and_times_are_shown(
-    browser: Any, bowed: Callable[[str], tuple], tmp_path: Path
-) -> None:
+def test_after_a_flight_both_paths_and_times_are_shown(browser: Any, bowed: Bowed, tmp_path: Path) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     file = tmp_path / "flown.html"
     write_report(file, scenario, None, mission, timed, fly(mission))

@@ -2,7 +2,6 @@
 
 import json
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -25,8 +24,17 @@ from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.world.obstacles import Prism
+from tests.report.conftest import Bowed, Planned
 
 VOID = {"meta", "br", "i", "path", "rect"}  # elements without an end, and ours that are closed at once
+
+
+def _data(page: str) -> str:
+    """What the page's script is given."""
+    found = re.search(r'id="data">(.*?)</script>', page)
+    assert found is not None
+    return found[1]
 
 
 class Reader(HTMLParser):
@@ -61,7 +69,7 @@ class Reader(HTMLParser):
 
 
 @pytest.mark.parametrize("name", ["campus.toml", "downtown.toml", "sitl.toml"])
-def test_the_page_is_whole_and_asks_for_nothing_from_outside(planned: Callable[[str], tuple], name: str) -> None:
+def test_the_page_is_whole_and_asks_for_nothing_from_outside(planned: Planned, name: str) -> None:
     page = report_html(*planned(name))
     read = Reader(page)
     for _, attrs in read.elements:
@@ -72,13 +80,13 @@ def test_the_page_is_whole_and_asks_for_nothing_from_outside(planned: Callable[[
     assert "Infinity" not in read.texts["body"]
 
 
-def test_the_same_mission_gives_the_same_page(planned: Callable[[str], tuple], tmp_path: Path) -> None:
+def test_the_same_mission_gives_the_same_page(planned: Planned, tmp_path: Path) -> None:
     for name in "ab":
         write_report(tmp_path / name, *planned("sitl.toml"))
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-def test_names_from_files_cannot_become_markup(bowed: Callable[[str], tuple]) -> None:
+def test_names_from_files_cannot_become_markup(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     evil = '</script><script>alert(1)</script><b title="x" on=\''
     text = scenario.model_dump(mode="json")
@@ -88,7 +96,7 @@ def test_names_from_files_cannot_become_markup(bowed: Callable[[str], tuple]) ->
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
 
 
-def test_waypoints_stand_on_the_map_where_they_are(bowed: Callable[[str], tuple]) -> None:
+def test_waypoints_stand_on_the_map_where_they_are(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
     read = Reader(report_html(scenario, None, mission, timed))
     box = read.having("class", "map")[0]
@@ -98,15 +106,15 @@ def test_waypoints_stand_on_the_map_where_they_are(bowed: Callable[[str], tuple]
         left, top = (float(v) / 100 for v in re.findall(r"([\d.]+)%", button["style"]))
         shown.append((west + left * width, south + (1 - top) * height))
     flown_to = [item for item in mission.items if item.has_position]
-    places = scenario.frame.to_local(
-        *(np.array([getattr(item, key) for item in flown_to]) for key in ("latitude_deg", "longitude_deg")),
-        np.full(len(flown_to), mission.home.altitude),
+    latitude, longitude = (
+        np.array([getattr(item, key) for item in flown_to]) for key in ("latitude_deg", "longitude_deg")
     )
+    places = scenario.frame.to_local(latitude, longitude, mission.home.altitude)
     on_the_map = np.array(shown)[: len(places)]
     assert np.abs(on_the_map - places[:, :2]).max() < 1e-4 * width
 
 
-def test_the_table_has_every_item_with_its_own_time(bowed: Callable[[str], tuple]) -> None:
+def test_the_table_has_every_item_with_its_own_time(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
     page = report_html(scenario, None, mission, timed)
     rows = re.findall(r'<tr data-stop="(\d+)".*?<i>(\d+)</i>.*?<b>([\d.]+)</b>', page)
@@ -115,9 +123,9 @@ def test_the_table_has_every_item_with_its_own_time(bowed: Callable[[str], tuple
     ]
 
 
-def test_the_script_is_given_the_world_as_it_is(bowed: Callable[[str], tuple]) -> None:
+def test_the_script_is_given_the_world_as_it_is(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
-    data = json.loads(re.search(r'id="data">(.*?)</script>', report_html(scenario, None, mission, timed))[1])
+    data = json.loads(_data(report_html(scenario, None, mission, timed)))
     mast, hangar, balloon = data["world"]["bodies"]
     assert (mast["round"], mast["base"], mast["top"]) == (True, 0.0, 60.0)
     assert len(hangar["rings"][0]) == 4
@@ -128,7 +136,7 @@ def test_the_script_is_given_the_world_as_it_is(bowed: Callable[[str], tuple]) -
         assert course["times"][stop["index"]] == pytest.approx(item.done_s, abs=0.3)
 
 
-def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Callable[[str], tuple]) -> None:
+def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("downtown.toml")
     found = stops(mission, timed, scenario)
     least = scenario.airspace.polyline_clearance(join(cruise(mission, scenario))[0])
@@ -140,7 +148,7 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Callabl
     assert page.count('<span class="bad" title=') == len(hits) > 3
 
 
-def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Callable[[str], tuple]) -> None:
+def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
     least = scenario.airspace.polyline_clearance(join(cruise(mission, scenario))[0])
     page = report_html(scenario, None, mission, timed)
@@ -149,7 +157,7 @@ def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Callable[[str]
     assert 'class="bad"' not in page
 
 
-def test_a_way_home_through_a_hill_is_a_warning(bowed: Callable[[str], tuple]) -> None:
+def test_a_way_home_through_a_hill_is_a_warning(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
     hill = scenario.model_dump(mode="json") | {
         "obstacles": [],
@@ -161,7 +169,7 @@ def test_a_way_home_through_a_hill_is_a_warning(bowed: Callable[[str], tuple]) -
     assert "Before you fly" not in report_html(scenario, None, mission, timed)
 
 
-def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Callable[[str], tuple]) -> None:
+def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Planned) -> None:
     scenario, plan, mission, timed = planned("campus.toml")
     page = report_html(scenario, plan, mission, timed)
     cells = re.findall(r"<td>([\d.]+)</td><td class=\"words share\">.*?<span>(\d+) %", page)
@@ -171,7 +179,7 @@ def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Callable[[str], tuple
     assert "ipoa, seed 7" in page
 
 
-def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Callable[[str], tuple]) -> None:
+def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
     proof = prove_mission(mission, scenario)
     course = follow(timed.track, scenario.airspace)
@@ -188,7 +196,7 @@ def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Callab
     assert 'class="verdict bad"><b aria-hidden="true">!</b> Clear by' in verdict(proof, danger)
 
 
-def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Callable[[str], tuple]) -> None:
+def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Bowed) -> None:
     scenario, _, timed = bowed("campus.toml")
     course = follow(timed.track, scenario.airspace)
     below = [(body.name, run) for body, run, look in _near(course, scenario.airspace, 2.6) if look == "below"]
@@ -196,10 +204,11 @@ def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Callable[[str]
     for name, (first, last) in below:
         body = next(o for o in scenario.airspace.obstacles if o.name == name)
         inside = (course.along > first) & (course.along < last)
+        assert isinstance(body, Prism)
         assert body.footprint.distance(course.points[inside, :2]).max() < 2.6
 
 
-def test_a_followed_track_keeps_its_length_time_and_speed(bowed: Callable[[str], tuple]) -> None:
+def test_a_followed_track_keeps_its_length_time_and_speed(bowed: Bowed) -> None:
     scenario, _, timed = bowed("campus.toml")
     track = timed.track
     course = follow(track, scenario.airspace)
@@ -239,13 +248,15 @@ def test_numbers_are_written_for_people(words: str, expected: str) -> None:
     assert words.replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
-def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Callable[[str], tuple]) -> None:
+def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     assert "energy" not in report_html(scenario, None, mission, timed)
     text = scenario.model_dump(mode="json")
     text["vehicle"]["airframe"] = {"mass_kg": 2.4, "rotor_diameter": 0.33}
     flown = Scenario.model_validate(text)
-    used = flight_energy(flown, timed.track.times, timed.track.points, timed.track.speeds).energy_wh
+    consumed = flight_energy(flown, timed.track.times, timed.track.points, timed.track.speeds)
+    assert consumed is not None
+    used = consumed.energy_wh
     assert f"{used:.1f}\N{NO-BREAK SPACE}Wh" in report_html(flown, None, mission, timed)
     for capacity, look in ((4 * used, ""), (1.1 * used, "bad")):
         text["vehicle"]["battery"] = {"capacity_wh": capacity, "reserve": 0.25}
@@ -255,13 +266,15 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Ca
         assert f"{left:.0%} of {capacity:g} Wh left, 25% required" in page
 
 
-def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Callable[[str], tuple]) -> None:
+def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     page = report_html(scenario, None, mission, timed).replace("\N{NO-BREAK SPACE}", " ")
     done = {item.seq: item.done_s for item in timed.items}
     last = max(n for n, item in enumerate(mission.items, 1) if item.command == Command.NAV_WAYPOINT)
     card = r"first place to last waypoint</dt><dd>([\d.]+) s<small>([\d.]+) times the least, ([\d.]+) s"
-    route, ratio, least = map(float, re.search(card, page).groups())
+    shown = re.search(card, page)
+    assert shown is not None
+    route, ratio, least = map(float, shown.groups())
     assert route == pytest.approx(done[last] - done[1], abs=0.06)
     assert route == pytest.approx(ratio * least, rel=0.01)
     length = np.linalg.norm(np.diff(join(cruise(mission, scenario))[0], axis=0), axis=1).sum()
@@ -274,7 +287,7 @@ def test_a_zone_is_no_building(missions: Path) -> None:
     pytest.importorskip("rasterio")
     scenario, mission = read_scenario(missions / "oldtown.toml"), read_mission(missions / "oldtown.plan")
     page = report_html(scenario, None, mission, estimate(mission))
-    data = json.loads(re.search(r'id="data">(.*?)</script>', page)[1])["world"]
+    data = json.loads(_data(page))["world"]
     assert len(data["zones"]) == 2
     assert data["highest"] < 80.0  # the mast on its hill; zones have no top
     assert page.count('<path class="zone"') == 2

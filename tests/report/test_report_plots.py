@@ -11,7 +11,6 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.report import palette
 from ipoa_mission.report.plots import draw_convergence, draw_views, write_picture
-from ipoa_mission.report.solids import edges, outline, silhouette, tiles
 from ipoa_mission.report.view3d import visible
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.airspace import Airspace, Bounds
@@ -39,22 +38,22 @@ def area(polygon: Points) -> float:
     ids=lambda x: getattr(x, "name", ""),
 )
 def test_tiles_cover_the_whole_surface_once(body: Obstacle, surface: float, size: float) -> None:
-    found = tiles(body, size)
+    found = body.tiles(size)
     assert sum(area(tile) for tile in found) == pytest.approx(surface, rel=0.02)
     assert np.abs(body.distance(np.vstack(found))).max() < 0.03 * 8
 
 
 @pytest.mark.parametrize("body", [COURTYARD, TOWER, BALL], ids=lambda body: body.name)
 def test_outlines_and_silhouettes_fill_the_obstacles_box(body: Obstacle) -> None:
-    plan = np.vstack(outline(body))
+    plan = np.vstack(body.outline())
     assert np.allclose([plan.min(axis=0), plan.max(axis=0)], body.bounds[:, :2])
     for axis in (0, 1):
-        shadow = silhouette(body, axis)
+        shadow = body.silhouette(axis)
         assert np.allclose([shadow.min(axis=0), shadow.max(axis=0)], body.bounds[:, [axis, 2]])
 
 
 def test_drawn_edges_lie_on_the_surface() -> None:
-    assert np.abs(COURTYARD.distance(np.vstack(edges(COURTYARD)))).max() < 1e-9
+    assert np.abs(COURTYARD.distance(np.vstack(COURTYARD.edges()))).max() < 1e-9
 
 
 def test_a_point_behind_a_wall_is_not_seen_and_one_above_it_is() -> None:
@@ -77,7 +76,7 @@ def test_the_same_scenario_and_paths_give_the_same_bytes(ending: str, missions: 
 def test_a_path_is_drawn_where_it_is() -> None:
     curves = {"IPOA": (np.array([10, 20, 30]), np.array([9.0, 4.0, 1.0])), "POA": (np.array([10, 30]), np.ones(2))}
     axes = draw_convergence(curves, logarithmic=True).axes[0]
-    assert [line.get_xydata().tolist() for line in axes.lines] == [
+    assert [np.asarray(line.get_xydata()).tolist() for line in axes.lines] == [
         [[10, 9], [20, 4], [30, 1]],
         [[10, 1], [30, 1]],
     ]

@@ -1,32 +1,20 @@
 """docs/scenario.md explains every key that there is, and no other."""
 
-import importlib.util
 import re
 import tomllib
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 from ipoa_mission.scenario import Scenario, parse_scenario
+from tools.generate import scenario_reference
 
 REPOSITORY = Path(__file__).parents[2]
 TEXT = (REPOSITORY / "docs" / "scenario.md").read_text(encoding="utf-8")
 
 
-@pytest.fixture(scope="module")
-def tool() -> ModuleType:
-    """The command that writes the tables."""
-    spec = importlib.util.spec_from_file_location("reference", REPOSITORY / "tools" / "make_scenario_reference.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_the_tables_are_those_of_the_schema(tool: ModuleType) -> None:
-    assert tool.refreshed(TEXT) == TEXT, "run python tools/make_scenario_reference.py"
+def test_the_tables_are_those_of_the_schema() -> None:
+    assert scenario_reference.refreshed(TEXT) == TEXT, "run python -m tools.generate.scenario_reference"
 
 
 def test_every_table_of_the_schema_is_explained_once() -> None:

@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-from flown_here import fly_here
-from recorded_flights import FLIGHTS, LANDINGS, read_flight, read_flights
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from tests.flown_here import fly_here
+from tests.recorded_flights import FLIGHTS, LANDINGS, Recorded, read_flight, read_flights
 
 #: PX4's flights differ from one to the next, recorded as flown here: the mean of so many stands for ours.
 SEEDS = range(2)
 
 
 @pytest.mark.parametrize("flight", read_flights(Autopilot.ARDUPILOT), ids=lambda flight: flight.name)
-def test_an_arducopter_mission_takes_as_long_as_it_was_recorded(flight) -> None:  # type: ignore[no-untyped-def]
+def test_an_arducopter_mission_takes_as_long_as_it_was_recorded(flight: Recorded) -> None:
     done, end = fly_here(flight, seed=0)
     assert done[flight.last] - done[flight.first] == pytest.approx(flight.spans.mean(), rel=0.025)
     assert end - done[flight.last] == pytest.approx(flight.end_s - flight.runs[0][flight.last], rel=0.05)
@@ -32,7 +32,7 @@ def test_a_px4_mission_takes_as_long_as_the_mean_of_its_recordings(name: str) ->
 
 
 @pytest.mark.parametrize("flight", read_flights(Autopilot.ARDUPILOT, LANDINGS), ids=lambda flight: flight.name)
-def test_arducopter_leaves_the_ground_and_comes_back_to_it_as_recorded(flight) -> None:  # type: ignore[no-untyped-def]
+def test_arducopter_leaves_the_ground_and_comes_back_to_it_as_recorded(flight: Recorded) -> None:
     """But for the second that a leg of a centimetre before the landing takes, or does not."""
     done, _ = fly_here(flight, seed=0)
     (run,), land = flight.runs, len(flight.mission.items)

@@ -6,7 +6,6 @@ Each is a short session as that client held it; the answers are those of the rea
 from collections.abc import Sequence
 
 import pytest
-from link_pair import CLIENT, HOME, STRANGER
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item, land, takeoff, waypoint
@@ -34,6 +33,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.mission.firmware import home_item
 from ipoa_mission.simulator.autopilot import Autopilot as BuiltIn
 from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import CLIENT, HOME, STRANGER
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 AWAY = Geodetic(47.4002, 8.5)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from recorded_flights import Recorded, read_flights
 
 from ipoa_mission.autopilots.px4 import Px4Return
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -12,6 +11,7 @@ from ipoa_mission.itinerary.legs import Phase, flown_legs
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.recorded_flights import Recorded, read_flights
 
 RETURNING = [f for f in read_flights(Autopilot.PX4) if f.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH]
 HOME_JUMPS = 2.0  # [m] how far off PX4 may believe home's height to be when it decides

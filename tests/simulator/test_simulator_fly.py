@@ -14,6 +14,7 @@ from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, fly
 from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import far_end, line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 BAD_RADIO = Faults(loss=0.3, duplicate=0.1, delay_s=0.3, reorder=0.1)
@@ -55,7 +56,7 @@ def test_two_hundred_items_arrive_exactly_over_a_bad_radio(autopilot: Autopilot)
     sent = mission(autopilot, 200)
     with board(sent, seed=5, faults=BAD_RADIO) as vehicle:
         vehicle.upload(sent)
-        stored = vehicle.line.channel.far.autopilot.transfers.stores[MissionType.MISSION].items
+        stored = far_end(line_of(vehicle)).autopilot.transfers.stores[MissionType.MISSION].items
     assert compare(to_wire(sent), stored, autopilot) is None
 
 

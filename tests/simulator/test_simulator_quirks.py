@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import pytest
-from link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
@@ -33,6 +32,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.flight import FlightMode
 from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 WAYPOINT = Item(16, 3, (0.0, 0.0, 0.0, 0.0), 47.4, 8.5, 30.0)

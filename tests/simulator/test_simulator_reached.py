@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from link_pair import CLIENT
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission
@@ -16,6 +15,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.firmware import to_wire
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.link_pair import CLIENT
 
 FLIGHTS = Path(__file__).parent.parent / "flights"
 

@@ -58,7 +58,7 @@ def _carry(
                 near.sendto(data, client)
             elif ready is near and (is_stream or vehicle is None):
                 far.send(data) if is_stream or _is_connected(far) else None
-            elif ready is near:
+            elif ready is near and vehicle is not None:
                 far.sendto(data, vehicle)
 
 

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from simulated import Sitl
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import MissionType
+from tests.sitl.simulated import Sitl
 
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 

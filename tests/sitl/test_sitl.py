@@ -3,8 +3,6 @@
 from dataclasses import replace
 
 import pytest
-from bad_radio import bad_radio
-from simulated import Sitl, interrupt
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
@@ -13,6 +11,8 @@ from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import until
 from ipoa_mission.link.messages import CommandResult
 from ipoa_mission.world.frame import LocalFrame, apart
+from tests.sitl.bad_radio import bad_radio
+from tests.sitl.simulated import Sitl, interrupt
 
 pytestmark = pytest.mark.sitl
 RADIO_LOSS = 0.3
@@ -114,7 +114,7 @@ def test_a_vehicle_that_stands_elsewhere_is_not_armed(sitl: Sitl) -> None:
 def test_mavsdk_flies_it_with_the_same_result(sitl: Sitl) -> None:
     pytest.importorskip("mavsdk")
     ours, theirs = flown(sitl), flown(sitl, "--backend mavsdk")
-    assert theirs["flown_s"] == pytest.approx(ours["flown_s"], rel=0.06)  # type: ignore[arg-type]
+    assert theirs["flown_s"] == pytest.approx(ours["flown_s"], rel=0.06)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -6,10 +6,10 @@ models.
 
 import numpy as np
 import pytest
-from recorded_flights import LANDINGS, Recorded, read_flights
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.timing.estimate import Estimate, estimate
+from tests.recorded_flights import LANDINGS, Recorded, read_flights
 
 COPTER = read_flights(Autopilot.ARDUPILOT, LANDINGS)
 PX4 = read_flights(Autopilot.PX4, LANDINGS)

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
-from test_timing_models import BOTH, HOME, lasted, place
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.timing.estimate import Estimate, estimate
+from tests.timing.test_timing_models import BOTH, HOME, lasted, place
 
 
 def at(command: Command, east: float, north: float, height: float = 30.0, *params: float) -> Item:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from recorded_flights import FLIGHTS, read_flight
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.itinerary.itinerary import itinerary
 from ipoa_mission.timing.bound import Kinematics, least_time
+from tests.recorded_flights import FLIGHTS, read_flight
 
 PLAIN = Kinematics(speed=12.0, climb=3.0, descent=2.0, accel=2.5)
 

@@ -1,6 +1,7 @@
 """What missions ask of the models beside legs: speeds, parameters, turns, wind, endings, things they do not know."""
 
 import math
+from typing import Any
 
 import pytest
 
@@ -99,12 +100,12 @@ def test_arducopters_new_names_mean_the_same_as_the_old(new: str, old: str) -> N
 def test_a_parameter_without_sense_is_named(autopilot: Autopilot, value: float) -> None:
     name = {Autopilot.ARDUPILOT: "WPNAV_JERK", Autopilot.PX4: "MPC_JERK_AUTO"}[autopilot]
     with pytest.raises(BadInput, match=f"{name}: expected more than 0"):
-        fly(autopilot, waypoint(place(0, 50), 30.0), **{name: value})
+        fly(autopilot, waypoint(place(0, 50), 30.0), **{name: value})  # type: ignore[arg-type]
 
 
 @BOTH
 def test_the_greatest_lean_and_drag_limit_what_can_be_asked_for(autopilot: Autopilot) -> None:
-    fast = {"MPC_XY_VEL_MAX": 20.0} if autopilot is Autopilot.PX4 else {}
+    fast: dict[str, Any] = {"MPC_XY_VEL_MAX": 20.0} if autopilot is Autopilot.PX4 else {}
     found = fly(autopilot, change_speed(18.0), waypoint(place(0, 600), 30.0), **fast)
     assert 9.0 < found.items[2].peak_speed < 11.5
     if autopilot is Autopilot.ARDUPILOT:

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.wind import CALM, Wind
+from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
 
 FLOWN = read_flights(Autopilot.ARDUPILOT, IN_WIND)
 CALM_FLIGHT = read_flight(FLIGHTS / "straight-ardupilot")

@@ -1,4 +1,4 @@
-"""The local frame against a table made by another library (tools/make_frame_reference.py)."""
+"""The local frame against a table made by another library (tools/generate/frame_reference.py)."""
 
 from pathlib import Path
 

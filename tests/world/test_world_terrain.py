@@ -19,16 +19,17 @@ def flat(rng: Rng) -> Terrain:
 
 def grid(rng: Rng) -> Terrain:
     shape = rng.integers(2, 30, 2)
-    return Grid(*rng.uniform(-10, 10, 2), rng.uniform(1, 9), rng.uniform(0, 20, shape))
+    return Grid(rng.uniform(-10, 10), rng.uniform(-10, 10), rng.uniform(1, 9), rng.uniform(0, 20, shape))
 
 
 def analytic(rng: Rng) -> Terrain:
     peaks = tuple(Peak(h, *rng.uniform(0, 100, 2), *rng.uniform(5, 30, 2)) for h in rng.uniform(-20, 80, 6))
-    return Analytic(*rng.uniform(-2, 2, 7), peaks, rng.uniform(0, 5))
+    a, b, c, d, e, f, g = rng.uniform(-2, 2, 7).tolist()
+    return Analytic(a, b, c, d, e, f, g, peaks, rng.uniform(0, 5))
 
 
 def sea_level(rng: Rng) -> Terrain:
-    return SeaLevel(rng.uniform(-10, 10), *rng.uniform(0, 0.1, 2), 200.0)
+    return SeaLevel(rng.uniform(-10, 10), rng.uniform(0, 0.1), rng.uniform(0, 0.1), 200.0)
 
 
 KINDS: dict[str, Callable[[Rng], Terrain]] = {"flat": flat, "sea level": sea_level, "grid": grid, "analytic": analytic}

@@ -12,10 +12,10 @@ from contourpy import FillType, LineType, contour_generator
 from ipoa_mission.geometry import Points
 from ipoa_mission.report.course import Course
 from ipoa_mission.report.extent import Extent
-from ipoa_mission.report.solids import ground_mesh_over, outline
+from ipoa_mission.report.ground_mesh import ground_mesh_over
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.obstacles import Obstacle, Zone
+from ipoa_mission.world.obstacles import Obstacle
 
 TINTS = 8  # of the ground, from low to high
 SHADES = 5  # of the roofs, from low to high
@@ -102,12 +102,12 @@ def _relief(east: Points, north: Points, up: Points) -> str:
 
 
 def _footprint(body: Obstacle, highest: float) -> str:
-    if isinstance(body, Zone):
-        rings = "".join(_ring(ring) for ring in outline(body))
+    if not body.solid:
+        rings = "".join(_ring(ring) for ring in body.outline())
         return f'<path class="zone" d="{rings}"><title>{escape(body.name)}: no-fly zone</title></path>'
     base, top = body.bounds[:, 2]
     shade = min(SHADES - 1, int(SHADES * max(top, 0.0) / max(highest, 1e-9)))
-    rings = "".join(_ring(ring) for ring in outline(body))
+    rings = "".join(_ring(ring) for ring in body.outline())
     words = f"{escape(body.name)}: {base:.0f} to {top:.0f} m above home"
     return f'<path class="roof{shade}" d="{rings}"><title>{words}</title></path>'
 

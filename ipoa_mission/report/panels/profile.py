@@ -10,7 +10,7 @@ from ipoa_mission.report.chart import Axis, Chart, axis_over
 from ipoa_mission.report.course import Course
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Obstacle, Zone
+from ipoa_mission.world.obstacles import Obstacle
 
 BESIDE = 15.0  # obstacles this near beside the path are shown too [m]
 NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
@@ -113,7 +113,7 @@ def _near(course: Course, airspace: Airspace, required: float) -> Iterator[tuple
 
 
 def _look(body: Obstacle, look: str) -> str:
-    return "zone" if isinstance(body, Zone) else look
+    return look if body.solid else "zone"
 
 
 def _runs(mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
@@ -126,7 +126,7 @@ def _block(chart: Chart, body: Obstacle, run: tuple[float, float], look: str) ->
     least = NARROWEST * (chart.x.high - chart.x.low)
     middle, half = sum(run) / 2, max(run[1] - run[0], least) / 2
     base, top = (float(up) for up in body.bounds[:, 2])
-    words = f"{body.name}: no-fly zone" if isinstance(body, Zone) else f"{body.name}: {base:.0f} to {top:.0f} m"
+    words = f"{body.name}: {base:.0f} to {top:.0f} m" if body.solid else f"{body.name}: no-fly zone"
     return chart.block((middle - half, middle + half), (max(base, chart.y.low), min(top, chart.y.high)), look, words)
 
 

@@ -1,0 +1,39 @@
+"""Markdown with lines of an even length."""
+
+import re
+import textwrap
+
+WIDTH = 120  # columns
+_KEPT = ("|", "#", "!")  # tables, headings and pictures stay as they are
+_GLUED = "\N{NO-BREAK SPACE}"
+
+
+def filled(text: str) -> str:
+    """The same text, its paragraphs and list items filled to `WIDTH`; blank lines are where they were.
+
+    >>> print(filled("* one\\n  and\\n* two"), end="")
+    * one and
+    * two
+    """
+    return "\n\n".join(_filled(block) for block in re.split(r"\n\n+", text.strip("\n"))) + "\n"
+
+
+def _filled(block: str) -> str:
+    if block.startswith(_KEPT):
+        return block
+    if block.startswith("* "):
+        items = re.split(r"(?m)^\* ", block)[1:]
+        return "\n".join(f"* {_paragraph(item, '  ')}" for item in items)
+    return _paragraph(block, "")
+
+
+def _paragraph(words: str, indent: str) -> str:
+    # a sign that would begin a list or a heading must not begin a line
+    glued = re.sub(r" (?=([-+*=#>]|\d+[.)]) )", _GLUED, " ".join(words.split(" ")).replace("\n", " "))
+    lines = textwrap.wrap(
+        re.sub(" +", " ", glued),
+        WIDTH - len(indent),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return f"\n{indent}".join(lines).replace(_GLUED, " ")

@@ -1,0 +1,76 @@
+"""What the planner is asked: an airspace, limits, places to pass, and how a path is judged; no file is needed."""
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from ipoa_mission.geometry import Points
+from ipoa_mission.scenario.limits import Limits
+from ipoa_mission.scenario.model import CostSection, OptimizerSection, PlanningSection
+from ipoa_mission.world.airspace import Airspace
+
+
+class PathTask(Protocol):
+    """What the planner looks at: a `PathProblem`, or a `Scenario`, which has the same and more."""
+
+    @property
+    def airspace(self) -> Airspace:
+        """Bounds, terrain and obstacles."""
+        ...
+
+    @property
+    def limits(self) -> Limits:
+        """What the path must keep."""
+        ...
+
+    @property
+    def places(self) -> Points:
+        """Start, places to pass, goal, (k, 3) [m]."""
+        ...
+
+    @property
+    def radius(self) -> float:
+        """Radius of the vehicle's hull [m]."""
+        ...
+
+    @property
+    def cost(self) -> CostSection:
+        """How a path is judged."""
+        ...
+
+    @property
+    def planning(self) -> PlanningSection:
+        """How the path is sought."""
+        ...
+
+    @property
+    def optimizer(self) -> OptimizerSection:
+        """The search algorithm."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class PathProblem:
+    """A path to be planned, from arrays and shapes: `plan_path` takes it as it takes a scenario.
+
+    `places` (k, 3) [m] are start, places to pass and goal, two at least. `radius` [m] is that of the vehicle's hull:
+    the threat of obstacles is counted from it, and it is part of `limits.obstacle_distance`.
+
+    >>> import numpy as np
+    >>> from ipoa_mission import Airspace, Bounds, Limits, plan_path
+    >>> from ipoa_mission.world.obstacles import Sphere
+    >>> from ipoa_mission.world.terrain import Flat
+    >>> ball = Sphere("ball", (50.0, 0.0, 30.0), 10.0)
+    >>> airspace = Airspace(Bounds((0.0, -50.0, 0.0), (100.0, 50.0, 60.0)), Flat(), (ball,))
+    >>> places = np.array([[5.0, 0.0, 30.0], [95.0, 0.0, 30.0]])
+    >>> plan = plan_path(PathProblem(airspace, Limits(obstacle_distance=2.0, height_above_ground=5.0), places))
+    >>> plan.proof.holds
+    True
+    """
+
+    airspace: Airspace
+    limits: Limits
+    places: Points
+    radius: float = 0.0
+    cost: CostSection = field(default_factory=CostSection)
+    planning: PlanningSection = field(default_factory=PlanningSection)
+    optimizer: OptimizerSection = field(default_factory=OptimizerSection)

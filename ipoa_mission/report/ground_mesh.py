@@ -1,0 +1,25 @@
+"""The ground as a mesh."""
+
+import numpy as np
+
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.polygon import Plane
+
+
+def ground_mesh(airspace: Airspace, across: int) -> tuple[Plane, Plane, Plane]:
+    """East, north and height of the ground at the nodes of a grid over the bounds, each (rows, columns) [m].
+
+    `across` cells on the longer side, and square ones.
+    """
+    return ground_mesh_over(airspace, airspace.bounds.lower[:2], airspace.bounds.upper[:2], across)
+
+
+def ground_mesh_over(
+    airspace: Airspace, lower: tuple[float, float], upper: tuple[float, float], across: int
+) -> tuple[Plane, Plane, Plane]:
+    """The same over another rectangle, from `lower` to `upper` (east, north)."""
+    sides = np.subtract(upper, lower)
+    counts = np.maximum(np.rint(sides / sides.max() * across), 1).astype(int) + 1
+    east, north = np.meshgrid(*(np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True)))
+    up = airspace.ground(np.column_stack([east.ravel(), north.ravel()]))
+    return east, north, up.reshape(east.shape)

@@ -1,0 +1,69 @@
+"""What a path must keep: distance to obstacles, height above ground, climb angles, bounds.
+
+Start, goal and via points may lie lower than the least height above ground: the scenario puts them there, and the
+vehicle takes off and lands vertically. Round such a place the requirement is relaxed to the place's own height, over
+a circle wide enough to climb out of at 1 in 2 (or at the climb limit, if that is flatter).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.world.airspace import Airspace
+
+SLACK = 0.01  # a place that is lower by less than this is not lower [m]
+CLIMB_OUT = 0.5  # height over distance
+SAME = 1e-3  # places as near as this are one [m]
+
+
+@dataclass(frozen=True)
+class LowZone:
+    """A circle in which the ground may be as near as `height` [m]."""
+
+    east: float
+    north: float
+    radius: float
+    height: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a path must keep; infinite where there is no limit. Angles in radians above and below the horizontal."""
+
+    obstacle_distance: float
+    height_above_ground: float
+    ceiling_above_ground: float = np.inf
+    climb_angle: float = np.inf
+    descent_angle: float = np.inf
+    low_zones: tuple[LowZone, ...] = ()
+
+    def required_height(self, points: Points) -> Vector:
+        """The height above ground that is required at points (n, 2 or 3), (n,) [m]."""
+        required = np.full(len(points), self.height_above_ground)
+        for zone in self.low_zones:
+            within = np.hypot(points[:, 0] - zone.east, points[:, 1] - zone.north) <= zone.radius
+            required[within] = np.minimum(required[within], zone.height)
+        return required
+
+
+def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
+    """Start, via points and goal, in this order, (k, 3); a via point where the way already is counts once."""
+    stops = [start]
+    for place in via:
+        if np.linalg.norm(place - stops[-1]) > SAME:
+            stops.append(place)
+    if len(stops) > 1 and np.linalg.norm(goal - stops[-1]) <= SAME:
+        stops.pop()
+    return np.vstack([*stops, goal])
+
+
+def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:
+    """The circles round places (k, 3) that lie lower than `least` above the ground [m]; `angle` limits the climb."""
+    heights = spots[:, 2] - airspace.ground(spots)
+    slope = min(CLIMB_OUT, float(np.tan(min(angle, 1.5))))
+    return tuple(
+        LowZone(float(spot[0]), float(spot[1]), float(least - height + SLACK) / slope, float(height) - SLACK)
+        for spot, height in zip(spots, heights, strict=True)
+        if height < least + SLACK
+    )

@@ -1,0 +1,95 @@
+"""A vertical, closed cylinder: a tower, a mast, a tree."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.world.obstacles.nearest import derivative, foot, least, levels, roots, straightened
+from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, ChartRow, Column, expect_positive
+from ipoa_mission.world.obstacles.surface import circle
+from ipoa_mission.world.obstacles.upright import Upright, upright_distance
+from ipoa_mission.world.polygon import Plane, quadratic_roots
+
+
+@dataclass(frozen=True)
+class Cylinder(Upright):
+    """A vertical, closed cylinder from `base` to `top` around (`east`, `north`)."""
+
+    name: str
+    east: float
+    north: float
+    radius: float
+    base: float
+    top: float
+
+    def __post_init__(self) -> None:
+        expect_positive(self.name, "radius", self.radius)
+        expect_positive(self.name, "top - base", self.top - self.base)
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """The box around it, (2, 3)."""
+        r = self.radius
+        return np.array([[self.east - r, self.north - r, self.base], [self.east + r, self.north + r, self.top]])
+
+    @property
+    def convex(self) -> bool:
+        """It is."""
+        return True
+
+    @property
+    def column(self) -> Column:
+        """Its axis, larger by its radius."""
+        return Column(shapely.Point(self.east, self.north), self.radius, self.base, self.top)
+
+    @property
+    def parts(self) -> tuple["Cylinder"]:
+        """Itself."""
+        return (self,)
+
+    def distance(self, points: Points) -> Vector:
+        """Signed distance of points (n, 3), (n,)."""
+        aside = np.hypot(points[:, 0] - self.east, points[:, 1] - self.north) - self.radius
+        return upright_distance(aside, points[:, 2], self.base, self.top)
+
+    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
+        """Least signed distance of the leg, and where.
+
+        With q(t) the squared distance to the axis and w(t) the height over a cap, the rim is nearest where
+        (q' + (w^2)')^2 q = r^2 q'^2, a quartic; deep inside, side and cap balance where q = (r + w)^2.
+        """
+        b = straightened(a, b)
+        axis = np.array([self.east, self.north])
+        away, step = a[:2] - axis, (b - a)[:2]
+        q = np.array([away @ away, 2 * away @ step, step @ step])
+        candidates = [foot(a[:2], b[:2], axis), quadratic_roots(*(q - [self.radius**2, 0, 0])[:, None])]
+        for height, climb in ((a[2] - self.top, b[2] - a[2]), (self.base - a[2], a[2] - b[2])):
+            w_squared = np.array([height**2, 2 * height * climb, climb**2])
+            slope, both = derivative(q), derivative(q + w_squared)
+            quartic = np.convolve(np.convolve(both, both), q) - self.radius**2 * np.pad(
+                np.convolve(slope, slope), (0, 2)
+            )
+            balance = q - w_squared - 2 * self.radius * np.array([height, climb, 0]) - [self.radius**2, 0, 0]
+            candidates += [roots(quartic), quadratic_roots(*balance[:, None])]
+        return least(self, a, b, np.concatenate([*candidates, levels(a, b, self.base, self.top)]))
+
+    def outline(self) -> tuple[Plane, ...]:
+        """One ring, a circle."""
+        return (circle(self.east, self.north, self.radius),)
+
+    @property
+    def plan_radius(self) -> float:
+        """Its radius."""
+        return self.radius
+
+    def chart_row(self) -> ChartRow:
+        """East, north, radius, base, top."""
+        return ChartRow(CYLINDER, (self.east, self.north, self.radius, self.base, self.top), NO_EDGES)
+
+    def page_shape(self) -> dict[str, Any]:
+        """A ring whose corners are not drawn as edges."""
+        return {"rings": self.outline(), "base": self.base, "top": self.top, "round": True}

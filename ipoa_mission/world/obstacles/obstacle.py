@@ -1,0 +1,178 @@
+"""What everyone asks of an obstacle; a new kind is one file that answers, mostly by inheriting from `Body`.
+
+Compiled code (the planner's kernels, the page's script) cannot ask objects. It knows three elementary bodies, and
+every kind says by which `parts` it is to be stood for there: a sphere by itself, a cone perhaps by a pile of
+cylinders. Proofs and checks ask the obstacle itself, and so they are exact.
+"""
+
+from abc import ABC, abstractmethod
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.world.polygon import Plane
+
+
+class Column(NamedTuple):
+    """An upright body: the ground plan `shape` (of shapely), larger by `radius` [m] all round, from `base` to `top`."""
+
+    shape: Any
+    radius: float
+    base: float
+    top: float
+
+
+class Obstacle(Protocol):
+    """A closed body with a name."""
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+        ...
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """The box around it, (2, 3): lower and upper corner [m]."""
+        ...
+
+    @property
+    def convex(self) -> bool:
+        """Whether it is convex; then distance along a straight leg is a convex function."""
+        ...
+
+    @property
+    def solid(self) -> bool:
+        """Whether something stands there; a zone is air that may not be entered."""
+        ...
+
+    @property
+    def column(self) -> Column | None:
+        """Itself as an upright body, if it is one."""
+        ...
+
+    @property
+    def parts(self) -> "tuple[Part, ...]":
+        """Elementary bodies that cover it closely; the cost of a path counts each as a threat of its own."""
+        ...
+
+    def distance(self, points: Points) -> Vector:
+        """Euclidean distance of points (n, 3) to the surface, (n,) [m]: negative inside."""
+        ...
+
+    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
+        """Least signed distance [m] of the straight leg from a to b, and the fraction of the leg where it is."""
+        ...
+
+    def outline(self) -> tuple[Plane, ...]:
+        """Rings of the ground plan, each (n, 2) and open: the outer one, then the holes."""
+        ...
+
+    def tiles(self, size: float) -> list[Points]:
+        """The surface without its underside as flat polygons (n, 3), cut so that few are larger than `size` [m].
+
+        Small polygons can be painted from the far ones to the near ones without knowing which hides which.
+        """
+        ...
+
+    def edges(self) -> list[Points]:
+        """The lines that a draftsman would draw, each (n, 3)."""
+        ...
+
+    def silhouette(self, axis: int) -> Plane:
+        """Its shadow on the upright plane through `axis` (0: east, 1: north) and up, (n, 2): its front view."""
+        ...
+
+
+class ChartRow(NamedTuple):
+    """An elementary body as the planner's kernels have it: see `planning.chart.Chart` for what the numbers are.
+
+    Where there are `edges` (m, 4), of east, north, east, north, the first two numbers say which they are on the chart.
+    """
+
+    kind: int
+    numbers: tuple[float, float, float, float, float]
+    edges: NDArray[np.float64]
+
+
+SPHERE, CYLINDER, PRISM = range(3)  # kinds of rows
+NO_EDGES = np.zeros((0, 4))
+
+
+class Part(Obstacle, Protocol):
+    """An elementary body, which compiled code knows."""
+
+    @property
+    def plan_radius(self) -> float:
+        """Radius [m] of a circle round its outline, about the middle of its box."""
+        ...
+
+    def chart_row(self) -> ChartRow:
+        """Itself for the planner's kernels."""
+        ...
+
+    def page_shape(self) -> dict[str, Any]:
+        """Itself for the page's script: numbers and arrays by name."""
+        ...
+
+
+class Body(ABC):
+    """What a kind need not say: it is a solid that is drawn as its parts, and as its box from above and the side."""
+
+    @property
+    @abstractmethod
+    def bounds(self) -> NDArray[np.float64]:
+        """The box around it, (2, 3)."""
+
+    @property
+    @abstractmethod
+    def parts(self) -> tuple[Part, ...]:
+        """Elementary bodies that cover it closely."""
+
+    @property
+    def convex(self) -> bool:
+        """Nobody knows."""
+        return False
+
+    @property
+    def solid(self) -> bool:
+        """It is."""
+        return True
+
+    @property
+    def column(self) -> Column | None:
+        """It is not upright."""
+        return None
+
+    def outline(self) -> tuple[Plane, ...]:
+        """One ring, (4, 2): the box."""
+        return (_rectangle(self.bounds[:, :2]),)
+
+    def tiles(self, size: float) -> list[Points]:
+        """Those of its parts."""
+        return [tile for part in self.parts for tile in part.tiles(size)]
+
+    def edges(self) -> list[Points]:
+        """None."""
+        return []
+
+    def silhouette(self, axis: int) -> Plane:
+        """The box, (4, 2)."""
+        return _rectangle(self.bounds[:, [axis, 2]])
+
+
+def _rectangle(corners: NDArray[np.float64]) -> Plane:
+    (left, low), (right, high) = corners
+    return np.array([(left, low), (right, low), (right, high), (left, high)])
+
+
+def expect_positive(name: str, what: str, value: float) -> None:
+    """Refuse an extent that is none.
+
+    Raises:
+        BadInput: naming the obstacle and what of it.
+    """
+    if not value > 0:
+        raise BadInput(f"{name}.{what}: expected a positive number of metres, not {value:g}")

@@ -1,0 +1,120 @@
+"""A polygon that is extruded: a building with its courtyards, a box, a zone."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.world.obstacles.nearest import closest_approach, foot, least, levels, straightened
+from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Column, expect_positive
+from ipoa_mission.world.obstacles.upright import Upright, upright_distance
+from ipoa_mission.world.polygon import Plane, Polygon, Ring
+
+TOUCHING = 1e-6  # a leg that goes through may have been tried at the walls only [m]
+
+
+@dataclass(frozen=True)
+class Prism(Upright):
+    """A polygon footprint with holes, extruded from `base` to `top`: a building with its courtyards. A box is one."""
+
+    name: str
+    outer: Ring
+    holes: tuple[Ring, ...]
+    base: float
+    top: float
+
+    def __post_init__(self) -> None:
+        expect_positive(self.name, "top - base", self.top - self.base)
+        _ = self.footprint  # built now, so that a wrong one is refused now
+
+    @cached_property
+    def footprint(self) -> Polygon:
+        """The ground plan."""
+        try:
+            return Polygon(self.outer, self.holes)
+        except BadInput as error:
+            raise BadInput(f"{self.name}: {error}") from None
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """The box around it, (2, 3)."""
+        corners = self.footprint.starts
+        return np.array([[*corners.min(axis=0), self.base], [*corners.max(axis=0), self.top]])
+
+    @property
+    def convex(self) -> bool:
+        """Whether the footprint is, and has no holes."""
+        return self.footprint.convex
+
+    @property
+    def column(self) -> Column:
+        """Its footprint."""
+        return Column(self.footprint.shape, 0.0, self.base, self.top)
+
+    @property
+    def parts(self) -> tuple["Prism"]:
+        """Itself."""
+        return (self,)
+
+    def distance(self, points: Points) -> Vector:
+        """Signed distance of points (n, 3), (n,)."""
+        return upright_distance(self.footprint.distance(points[:, :2]), points[:, 2], self.base, self.top)
+
+    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
+        """Least signed distance of the leg, and where."""
+        b = straightened(a, b)
+        corners, edges = self.footprint.starts, self.footprint.ends - self.footprint.starts
+        candidates = [self.footprint.break_parameters(a[:2], b[:2]), levels(a, b, self.base, self.top)]
+        for level in (self.base, self.top):
+            rim = np.column_stack([corners, np.full(len(corners), level)])
+            candidates += [foot(a, b, rim), closest_approach(a, b, rim, np.pad(edges, ((0, 0), (0, 1))))]
+        found, where = least(self, a, b, np.concatenate(candidates))
+        if found > TOUCHING:
+            return found, where
+        height, climb = a[2] - np.array([self.base, self.top]), b[2] - a[2]
+        caps = np.column_stack([height**2, 2 * height * climb, np.full(2, climb**2)])
+        inner = self.footprint.balance_parameters(a[:2], b[:2], caps, inside=True)
+        return min((found, where), least(self, a, b, inner))
+
+    def outline(self) -> tuple[Plane, ...]:
+        """The footprint and its holes."""
+        return tuple(np.asarray(ring, float) for ring in (self.outer, *self.holes))
+
+    def edges(self) -> list[Points]:
+        """Roof and foot, and the corners between."""
+        corners = [np.array([(e, n, self.base), (e, n, self.top)]) for ring in self.outline() for e, n in ring]
+        return super().edges() + corners
+
+    @property
+    def plan_radius(self) -> float:
+        """Half the diagonal of its box."""
+        lower, upper = self.bounds
+        return float(np.hypot(*(upper - lower)[:2])) / 2
+
+    def chart_row(self) -> ChartRow:
+        """The edges, base and top."""
+        edges = np.hstack([self.footprint.starts, self.footprint.ends])
+        return ChartRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), edges)
+
+    def page_shape(self) -> dict[str, Any]:
+        """Rings and heights."""
+        return {"rings": self.outline(), "base": self.base, "top": self.top, "round": False}
+
+
+class Zone(Prism):
+    """A prism of air that may not be entered, in which nothing stands."""
+
+    @property
+    def solid(self) -> bool:
+        """It is not."""
+        return False
+
+
+def box(name: str, lower: tuple[float, float, float], upper: tuple[float, float, float]) -> Prism:
+    """A box along the axes, as a prism."""
+    (e0, n0, base), (e1, n1, top) = lower, upper
+    return Prism(name, ((e0, n0), (e1, n0), (e1, n1), (e0, n1)), (), base, top)

@@ -1,0 +1,82 @@
+"""A ball."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.world.obstacles.nearest import foot, least, straightened
+from ipoa_mission.world.obstacles.obstacle import NO_EDGES, SPHERE, Body, ChartRow, expect_positive
+from ipoa_mission.world.obstacles.surface import CIRCLE, circle
+from ipoa_mission.world.polygon import Plane
+
+
+@dataclass(frozen=True)
+class Sphere(Body):
+    """A ball."""
+
+    name: str
+    center: tuple[float, float, float]
+    radius: float
+
+    def __post_init__(self) -> None:
+        expect_positive(self.name, "radius", self.radius)
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """The box around it, (2, 3)."""
+        return np.array([np.subtract(self.center, self.radius), np.add(self.center, self.radius)])
+
+    @property
+    def convex(self) -> bool:
+        """It is."""
+        return True
+
+    @property
+    def parts(self) -> tuple["Sphere"]:
+        """Itself."""
+        return (self,)
+
+    def distance(self, points: Points) -> Vector:
+        """Signed distance of points (n, 3), (n,)."""
+        return np.asarray(np.linalg.norm(points - np.asarray(self.center), axis=1) - self.radius)
+
+    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
+        """Least signed distance of the leg, and where."""
+        b = straightened(a, b)
+        return least(self, a, b, foot(a, b, np.asarray(self.center)))
+
+    def outline(self) -> tuple[Plane, ...]:
+        """One ring, a circle."""
+        return (circle(*self.center[:2], self.radius),)
+
+    def silhouette(self, axis: int) -> Plane:
+        """A circle."""
+        return circle(self.center[axis], self.center[2], self.radius)
+
+    def tiles(self, size: float) -> list[Points]:
+        """Facets between meridians and parallels, as many whatever `size` is."""
+        around = np.arange(CIRCLE + 1) * 2 * np.pi / CIRCLE
+        height = np.linspace(-np.pi / 2, np.pi / 2, CIRCLE // 2 + 1)
+        turn, rise = np.meshgrid(around, height)
+        unit = np.stack([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)], axis=-1)
+        nodes = np.asarray(self.center) + self.radius * unit
+        return [
+            nodes[[i, i, i + 1, i + 1], [j, j + 1, j + 1, j]] for i in range(len(height) - 1) for j in range(CIRCLE)
+        ]
+
+    @property
+    def plan_radius(self) -> float:
+        """Its radius."""
+        return self.radius
+
+    def chart_row(self) -> ChartRow:
+        """East, north, up, radius."""
+        east, north, up = self.center
+        return ChartRow(SPHERE, (east, north, up, self.radius, 0.0), NO_EDGES)
+
+    def page_shape(self) -> dict[str, Any]:
+        """Center and radius."""
+        return {"centre": np.array(self.center), "radius": self.radius}

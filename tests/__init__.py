@@ -1,0 +1,1 @@
+"""What is held to be true of the package, and what the tests share."""

@@ -1,0 +1,93 @@
+"""A kind of obstacle that the package does not have, in one class: it is proved, planned round and drawn."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.report.plots import draw_views, write_picture
+from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.world.obstacles import Obstacle, Sphere
+from ipoa_mission.world.obstacles.obstacle import Body
+
+Place = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Cable(Body):
+    """A straight tube with round ends between two places."""
+
+    name: str
+    start: Place
+    end: Place
+    radius: float
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        ends = np.array([self.start, self.end])
+        return np.array([ends.min(axis=0) - self.radius, ends.max(axis=0) + self.radius])
+
+    @property
+    def parts(self) -> tuple[Sphere, ...]:
+        """Balls half as far apart as the tube is thick, and as much larger as covers it."""
+        start, step = np.array(self.start), np.subtract(self.end, self.start)
+        count = int(np.ceil(np.linalg.norm(step) / self.radius)) + 1
+        places = start + np.linspace(0, 1, count)[:, None] * step
+        return tuple(Sphere(self.name, (e, n, u), 1.16 * self.radius) for e, n, u in places.tolist())
+
+    def distance(self, points: Points) -> Vector:
+        start, step = np.array(self.start), np.subtract(self.end, self.start)
+        share = np.clip((points - start) @ step / (step @ step), 0, 1)
+        return np.asarray(np.linalg.norm(points - start - share[:, None] * step, axis=1) - self.radius)
+
+    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
+        """By thirds: the distance along a leg is convex."""
+        low, high = 0.0, 1.0
+        for _ in range(80):
+            third = (high - low) / 3
+            one, other = self.distance(a + np.array([[low + third], [high - third]]) * (b - a))
+            low, high = (low, high - third) if one < other else (low + third, high)
+        return float(self.distance((a + low * (b - a))[None])[0]), low
+
+
+CABLE = Cable("cable", (0.0, 60.0, 25.0), (160.0, 60.0, 35.0), 2.0)
+
+
+@pytest.fixture
+def strung(missions: Path) -> Scenario:
+    """A mission with the cable strung across it."""
+    scenario = read_scenario(missions / "sitl.toml")
+    middle = (scenario.start_point + scenario.goal_point) / 2
+    way = scenario.goal_point - scenario.start_point
+    across = np.array([-way[1], way[0], 0.0]) / np.hypot(way[0], way[1]) * 25.0
+    cable = Cable("cable", tuple((middle - across).tolist()), tuple((middle + across).tolist()), 2.0)
+    strung = replace(scenario.airspace, obstacles=(*scenario.airspace.obstacles, cable))
+    scenario.__dict__["_surroundings"] = replace(scenario.__dict__["_surroundings"], airspace=strung)
+    return scenario
+
+
+def test_its_parts_cover_it() -> None:
+    rng = np.random.default_rng(5)
+    points = rng.uniform(CABLE.bounds[0], CABLE.bounds[1], (20_000, 3))
+    inside = points[CABLE.distance(points) <= 0]
+    assert len(inside) > 20
+    assert np.min([part.distance(inside) for part in CABLE.parts], axis=0).max() <= 0
+
+
+def test_it_is_planned_round_and_kept_away_from(strung: Scenario) -> None:
+    cable: Obstacle = strung.airspace.obstacles[-1]
+    assert cable.leg_clearance(strung.start_point, strung.goal_point) == pytest.approx((-2.0, 0.5), abs=1e-6)
+    plan = plan_path(strung, seed=1)
+    required = strung.vehicle.radius + strung.safety_distance
+    assert cable.distance(plan.curve.sample(4000)).min() >= required
+
+
+def test_it_is_drawn(strung: Scenario, missions: Path, tmp_path: Path) -> None:
+    path = np.array([strung.start_point, strung.goal_point])
+    for name, scenario in (("with", strung), ("without", read_scenario(missions / "sitl.toml"))):
+        write_picture(draw_views(scenario, {"way": path}, views=("space", "top", "front")), tmp_path / f"{name}.svg")
+    assert (tmp_path / "with.svg").read_bytes() != (tmp_path / "without.svg").read_bytes()

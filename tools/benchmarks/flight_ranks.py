@@ -1,0 +1,68 @@
+"""Where PX4's recorded flights rank among the model's own runs: is it off, or does PX4 only differ from itself?
+
+python -m tools.benchmarks.flight_ranks [RUNS]     print what docs/flight-time.md says of it (by default 200 runs each)
+
+Of a model that is right every rank is as likely as any other, so that the ranks of all flights are uniform.
+"""
+
+import sys
+
+import numpy as np
+from scipy.stats import kstest
+
+from ipoa_mission.autopilots.px4 import px4_limits
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.dynamics.compiled import compiled
+from ipoa_mission.itinerary.itinerary import itinerary
+from ipoa_mission.timing import _px4_steps
+from ipoa_mission.timing.body import PX4_SIMULATOR
+from ipoa_mission.timing.px4 import _Flight, _Plan
+from ipoa_mission.wind import CALM
+from tests.recorded_flights import Recorded, read_flights
+
+
+def model_runs(flight: Recorded, runs: int) -> list[dict[int, float]]:
+    """The mission flown so often by the model: when each item was done [s]."""
+    parameters = {name: float(value) for name, value in flight.parameters.items()}
+    plan = _Plan(itinerary(flight.mission), px4_limits(parameters), CALM, PX4_SIMULATOR)
+    done = []
+    for seed in range(1001, 1001 + runs):
+        one = _Flight(plan, compiled(_px4_steps), seed)
+        one.run()
+        done.append({visit.seq: at for visit, at in zip(plan.route.visits, one.done, strict=True)})
+    return done
+
+
+def rank(value: float, among: np.ndarray) -> float:
+    """The share of `among` that is less."""
+    return (float((among < value).sum()) + 0.5) / (len(among) + 1)
+
+
+def main() -> None:
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    ranks: dict[str, list[float]] = {"take-off": [], "mission": [], "single flights": []}
+    off, kept = [], []
+    for flight in read_flights(Autopilot.PX4):
+        model = model_runs(flight, runs)
+        spans = np.array([done[flight.last] - done[flight.first] for done in model])
+        begun = np.array([done[flight.first] for done in model])
+        for run in flight.runs:
+            span = run[flight.last] - run[flight.first]
+            ranks["take-off"].append(rank(run[flight.first], begun))
+            ranks["mission"].append(rank(span, spans))
+            if len(flight.runs) == 1:
+                ranks["single flights"].append(rank(span, spans))
+            off.append((span - spans.mean()) / spans.std())
+            kept.append(np.quantile(spans, 0.05) <= span <= np.quantile(spans, 0.95))
+    for name, found in ranks.items():
+        counts = " ".join(map(str, np.histogram(found, 5, (0.0, 1.0))[0]))
+        print(
+            f"{name}: {len(found)} flights, mean rank {np.mean(found):.2f}, by fifths {counts}, "
+            f"Kolmogorov-Smirnov p {kstest(found, 'uniform').pvalue:.2f}"
+        )
+    print(f"off by {np.mean(off):+.2f} standard deviations of the model's runs on average, spread {np.std(off):.2f}")
+    print(f"{100 * np.mean(kept):.0f} % of the flights lie between the 5 and the 95 in 100 of the runs")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,74 @@
+"""Upload one mission over bad radios with our client, MAVSDK and MAVProxy, side by side, to the built-in autopilot.
+
+    python -m tools.benchmarks.link                        what the rows of docs/link/uploads.csv still lack
+    python -m tools.benchmarks.link --table                the tables of docs/link.md, from those rows
+    python -m tools.benchmarks.link --fast-path            ArduPilot's mission file against items, on a virtual clock
+    python -m tools.benchmarks.link --clean                ours and MAVSDK by turns, 200 items over a perfect link
+    python -m tools.benchmarks.link --runs 5 --loss 0 30 --rows new.csv
+
+Each upload has an autopilot, a UDP socket and a radio of its own, in real time. Several run at once, for they mostly
+wait; those over a perfect link run alone. A run is exact when the client says "done" within its time limit AND the
+autopilot holds every item to the last 1e-7 degree; those that are off by one such unit are "near"; anything else that
+was called done is false. Times are from the order to upload until the client has the final MISSION_ACK; ours is given
+a second time with reading back and comparing, which the others leave out. Bytes are those of mission messages, both
+ways, until the vehicle's first MISSION_ACK. Every client has a process of its own (over a perfect link a
+new one for each upload); connecting is not counted. Rows are written as they come, and a rerun goes on where the last
+one stopped.
+"""
+
+import argparse
+import importlib.util
+import itertools
+from pathlib import Path
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from tools import REPOSITORY
+from tools.benchmarks.link_benchmark.measure import clean, complete, fast_path
+from tools.benchmarks.link_benchmark.rows import CLIENTS, Cell, read_rows
+from tools.benchmarks.link_benchmark.tell import table
+
+ROWS = REPOSITORY / "docs" / "link" / "uploads.csv"
+
+
+def main() -> None:
+    """Run what is missing, or print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=50)
+    parser.add_argument("--mavproxy-runs", type=int, default=10)
+    parser.add_argument("--at-once", type=int, default=10)
+    parser.add_argument("--delay", type=float, nargs="+", default=[0, 50, 200], help="one way, ms")
+    parser.add_argument("--loss", type=float, nargs="+", default=[0, 5, 20, 30], help="each way, per cent")
+    parser.add_argument("--clients", nargs="+", choices=CLIENTS, default=list(CLIENTS))
+    parser.add_argument("--autopilots", nargs="+", type=Autopilot, default=list(Autopilot))
+    parser.add_argument("--rows", type=Path, default=ROWS)
+    parser.add_argument("--table", action="store_true")
+    parser.add_argument("--fast-path", action="store_true")
+    parser.add_argument("--clean", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.clean:
+        print("| autopilot | ours | by-file | mavsdk |\n|---|---|---|---|")
+        for autopilot in arguments.autopilots:
+            print(clean(autopilot, arguments.runs), flush=True)
+        return
+    if arguments.fast_path:
+        print("| delay, ms | loss, % | item by item, s | as one file, s | times as quick |\n|---|---|---|---|---|")
+        for delay_ms, loss in itertools.product((50, 200), arguments.loss):
+            print(fast_path(delay_ms, loss, arguments.runs), flush=True)
+        return
+    if arguments.table:
+        for autopilot in arguments.autopilots:
+            print(f"{autopilot}:\n\n{table(read_rows(arguments.rows), autopilot)}\n")
+        return
+    needs = {"mavsdk": "mavsdk", "mavproxy": "MAVProxy"}
+    clients = [one for one in arguments.clients if one not in needs or importlib.util.find_spec(needs[one])]
+    for autopilot, delay_ms, loss, client in itertools.product(
+        arguments.autopilots, arguments.delay, arguments.loss, clients
+    ):
+        if client == "by-file" and autopilot is not Autopilot.ARDUPILOT:
+            continue
+        runs = arguments.mavproxy_runs if client == "mavproxy" else arguments.runs
+        complete(Cell(autopilot, float(delay_ms), float(loss), client), runs, arguments.at_once, arguments.rows)
+
+
+if __name__ == "__main__":
+    main()

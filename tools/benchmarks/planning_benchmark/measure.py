@@ -1,0 +1,175 @@
+"""Measuring: each part is a generator of rows, made one after the other in one process on one core."""
+
+import itertools
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from importlib.metadata import version
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import polyline_length
+from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.proof import prove_curve
+from ipoa_mission.scenario import Scenario
+from tools import REPOSITORY
+from tools.benchmarks.planning_benchmark.maps import FIELDS, MAPS, SIDES, benchmark_map, weighing
+from tools.benchmarks.planning_benchmark.metaheuristics import mealpy_poa, search
+from tools.benchmarks.planning_benchmark.rows import Row, today
+
+SCENARIO = REPOSITORY / "missions" / "mountains.toml"
+SECONDS = (1.0, 5.0)  # that OMPL is given
+CONTROL_POINTS = (4, 6, 8, 12, 16, 24, 32)
+LENGTH_ONLY = (1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is to be measured, and how much of it."""
+
+    maps: tuple[str, ...]
+    seeds: int
+    starts: int  # of the reference's searches
+    mealpy: str  # an interpreter that has mealpy; empty for none
+
+
+def planner(work: Work) -> Iterator[Row]:
+    """Our planner, the first run of all not counted."""
+    yield from _planned(work, "planner", work.maps)
+
+
+def printed(work: Work) -> Iterator[Row]:
+    """IPOA and POA as printed, and mealpy's POA, on the maps of the paper's size."""
+    maps = [name for name in work.maps if name.startswith(("spheres", "cylinders"))]
+    row = partial(_row, "printed", versions=_versions("numba"))
+    for name in ("ipoa", "poa"):
+        search(name, benchmark_map(MAPS[0]), 0)
+    for map_ in maps:
+        scenario = benchmark_map(map_)
+        for name, seed in itertools.product(("ipoa", "poa"), range(work.seeds)):
+            curve, seconds, evaluations = search(name, scenario, seed)
+            safe, cost = prove_curve(curve, scenario).holds, curve_cost(curve, scenario)
+            yield row(map_, name, f"{evaluations} evaluations", seed, cost.total, cost.length, safe, seconds)
+    for map_ in maps[:: max(len(maps) // 2, 1)] if work.mealpy else []:
+        scenario = benchmark_map(map_)
+        curve, seconds, evaluations = mealpy_poa(scenario, work.mealpy)
+        safe, cost = prove_curve(curve, scenario).holds, curve_cost(curve, scenario)
+        yield row(map_, "mealpy poa", f"{evaluations} evaluations", 0, cost.total, cost.length, safe, seconds)
+
+
+def ompl(work: Work) -> Iterator[Row]:
+    """Each of OMPL's planners, and what it has after each time."""
+    from tools.benchmarks.planning_benchmark.ompl_peers import PLANNERS, best_paths
+
+    row = partial(_row, "ompl", versions=_versions("ompl"))
+    for map_, name in itertools.product(work.maps, PLANNERS):
+        scenario = benchmark_map(map_)
+        for seconds, found in zip(SECONDS, best_paths(name, scenario, SECONDS), strict=True):
+            if found is None:
+                yield row(map_, name, f"{seconds:g} s", 0, None, None, False, seconds)
+            else:
+                cost, points = found
+                yield row(map_, name, f"{seconds:g} s", 0, cost, polyline_length(points), True, seconds)
+
+
+def reference(work: Work) -> Iterator[Row]:
+    """The reference optimum; it may begin from what the planner and OMPL find, too."""
+    yield from _referred(work, "reference", work.maps)
+
+
+def length(work: Work) -> Iterator[Row]:
+    """The planner where only length counts, and the reference for it."""
+    maps = tuple(f"{name}/length" for name in work.maps)
+    yield from _planned(work, "length", maps)
+    yield from _referred(work, "length", maps)
+
+
+def scaling(work: Work) -> Iterator[Row]:
+    """The planner on fields of masts: more of them, more control points, the same number on a larger map."""
+    yield from _planned(work, "obstacles", tuple(f"field-{n}-1" for n in FIELDS))
+    yield from _planned(work, "map size", tuple(f"side-100-{side}" for side in SIDES))
+    yield from _planned(work, "control points", tuple(f"cylinders-8-2/{n}" for n in CONTROL_POINTS))
+
+
+def start(_work: Work) -> Iterator[Row]:
+    """`ipoa-mission plan` as a user runs it: with nothing compiled yet, and again."""
+    row = partial(_row, "start", versions=_versions("numba"))
+    with tempfile.TemporaryDirectory() as folder:
+        environment = os.environ | {"NUMBA_CACHE_DIR": folder}
+        command = [sys.executable, "-m", "ipoa_mission.cli.app", "plan", str(SCENARIO), "--out", folder]
+        for setting in ("cold", "second"):
+            started, before = time.perf_counter(), os.times()
+            subprocess.run(command, env=environment, check=True, capture_output=True)
+            wall, after = time.perf_counter() - started, os.times()
+            spent = after.children_user + after.children_system - before.children_user - before.children_system
+            for clock, seconds in (("wall time", wall), ("CPU", spent)):
+                yield row(SCENARIO.stem, "ipoa-mission plan", f"{setting}, {clock}", 0, None, None, True, seconds)
+
+
+PARTS = {each.__name__: each for each in (planner, printed, ompl, reference, length, scaling, start)}
+
+
+def _planned(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:
+    row = partial(_row, part, versions=_versions("ipoa-mission"))
+    plan_path(benchmark_map(MAPS[0]))
+    for map_, seed in itertools.product(maps, range(work.seeds)):
+        scenario, started = _scenario(map_), time.process_time()
+        try:
+            plan = plan_path(scenario, seed=seed)
+        except MissionError:
+            yield row(map_, "planner", "", seed, None, None, False, time.process_time() - started)
+            continue
+        spent, cost = time.process_time() - started, plan.cost
+        safe = prove_curve(plan.curve, scenario).holds
+        yield row(map_, "planner", "", seed, cost.total, cost.length, safe, spent)
+
+
+def _referred(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:
+    from tools.benchmarks.planning_benchmark.ompl_peers import best_paths
+    from tools.benchmarks.planning_benchmark.reference import reference
+
+    row = partial(_row, part, versions=_versions("cma", "ompl"))
+    for map_ in maps:
+        scenario, started = _scenario(map_), time.process_time()
+        given = [plan_path(scenario, seed=100 + k).curve.sample(200) for k in range(2)]
+        given += [found[1] for found in best_paths("BIT*", scenario, (2.0,)) if found is not None]
+        cost, trail = reference(scenario, 1, work.starts, given)
+        spent = time.process_time() - started
+        yield row(map_, "reference", "", 1, cost, trail.curve.length, True, spent)
+
+
+def _scenario(name: str) -> Scenario:
+    """A map, or one under other conditions: "cylinders-8-2/length" or, with that many control points, ".../16"."""
+    name, _, condition = name.partition("/")
+    scenario = benchmark_map(name)
+    if condition == "length":
+        return weighing(scenario, LENGTH_ONLY)
+    if condition:
+        planning = scenario.planning.model_copy(update={"control_points": int(condition)})
+        return scenario.model_copy(update={"planning": planning})
+    return scenario
+
+
+def _row(
+    part: str,
+    map_: str,
+    method: str,
+    setting: str,
+    seed: int,
+    cost: float | None,
+    length_m: float | None,
+    safe: bool,
+    cpu_s: float,
+    *,
+    versions: str,
+) -> Row:
+    return Row(part, map_, method, setting, seed, cost, length_m, safe, cpu_s, versions, today())
+
+
+def _versions(*packages: str) -> str:
+    return ", ".join(f"{name} {version(name)}" for name in dict.fromkeys(("numpy", *packages)))

@@ -1,0 +1,1 @@
+"""What flies on real autopilots, and trims their logs."""

@@ -1,0 +1,1 @@
+"""Spoiled input for as long as one likes."""

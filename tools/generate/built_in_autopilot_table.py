@@ -1,0 +1,78 @@
+"""Fly every recorded mission on the built-in autopilot: prints the table of docs/built-in-autopilot.md, or writes it.
+
+python -m tools.generate.built_in_autopilot_table            print
+python -m tools.generate.built_in_autopilot_table --write    put it between the markers of docs/built-in-autopilot.md
+"""
+
+import sys
+
+import numpy as np
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from tests.flown_here import fly_here
+from tests.recorded_flights import Recorded, read_flights
+from tools import REPOSITORY
+
+DOCUMENT = REPOSITORY / "docs" / "built-in-autopilot.md"
+BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
+NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
+SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(8)}  # ArduCopter's flights do not depend on it
+
+
+def row(flight: Recorded) -> tuple[str, float]:
+    """A flight's line of the table, and by which share its flown time is off."""
+    flown = [fly_here(flight, seed) for seed in SEEDS[flight.mission.autopilot]]
+    spans = np.array([done[flight.last] - done[flight.first] for done, _ in flown])
+    ending = float(np.mean([end - done[flight.last] for done, end in flown]))
+    recorded_ending = flight.end_s - flight.runs[0][flight.last]
+    error = float(spans.mean() / flight.spans.mean() - 1)
+    cells = (
+        flight.name.rsplit("-", 1)[0],
+        spread(flight.spans),
+        spread(spans),
+        f"{100 * error:+.1f} %",
+        f"{recorded_ending:.1f}",
+        f"{ending:.1f}",
+        f"{100 * (ending / recorded_ending - 1):+.1f} %",
+    )
+    return f"| {' | '.join(cells)} |", error
+
+
+def spread(spans: np.ndarray) -> str:
+    """Mean, and standard deviation where there are several."""
+    return f"{spans.mean():.1f}" + (f" ± {spans.std(ddof=1):.1f} ({len(spans)})" if len(spans) > 1 else "")
+
+
+def table(autopilot: Autopilot) -> str:
+    """All flights of one autopilot in Markdown, and what they come to."""
+    flights = read_flights(autopilot)
+    rows = [row(flight) for flight in flights]
+    errors = np.abs([100 * error for _, error in rows])
+    lines = [
+        "| flight | recorded, s | flown here, s | error | RTL or LAND recorded, s | here, s | error |",
+        "|---|--:|--:|--:|--:|--:|--:|",
+        *(line for line, _ in rows),
+        "",
+        f"Median error {np.median(errors):.1f} %, largest {errors.max():.1f} %; {(errors <= 5).sum()} of {len(errors)} "
+        "within 5 %.",
+    ]
+    repeated = [error for error, flight in zip(errors, flights, strict=True) if len(flight.runs) > 1]
+    if repeated:
+        lines.append(
+            f"Of the missions that were recorded four times: median error {np.median(repeated):.1f} %, largest "
+            f"{max(repeated):.1f} %."
+        )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    text = "\n\n".join(f"### {name}\n\n{table(autopilot)}" for autopilot, name in NAMES.items())
+    if "--write" not in sys.argv[1:]:
+        print(text)
+        return
+    before, rest = DOCUMENT.read_text(encoding="utf-8").split(BEGIN)
+    DOCUMENT.write_text(f"{before}{BEGIN}\n{text}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,193 @@
+"""Hold the estimates against the recorded flights: prints the table of docs/flight-time.md, or writes it there.
+
+python -m tools.generate.flight_table            print
+python -m tools.generate.flight_table --write    put the table between the two markers of docs/flight-time.md
+"""
+
+import sys
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.geometry import Points
+from ipoa_mission.items import Mission
+from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.wind import CALM
+from ipoa_mission.world.frame import LocalFrame
+from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights
+from tools import REPOSITORY
+
+DOCUMENT = REPOSITORY / "docs" / "flight-time.md"
+BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
+NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One flight and its estimate: times [s] over the judged span, the take-off and the ending; the path's miss [m]."""
+
+    flight: Recorded
+    flown: float
+    estimated: float
+    quoted: float
+    take_off: tuple[float, float]
+    ending: tuple[float, float]
+    miss: float
+    kept: float
+
+    @property
+    def error(self) -> float:
+        """Of the estimate, as a share of what was flown."""
+        return self.estimated / self.flown - 1
+
+
+def compare(flight: Recorded) -> Row:
+    """Estimate the mission of a flight and hold the two together."""
+    found = estimate(flight.mission, flight.parameters, flight.wind, fast=True)
+    done = {item.seq: item.done_s for item in found.items}
+    main = flight.runs[0]
+    return Row(
+        flight,
+        float(flight.spans.mean()),
+        done[flight.last] - done[flight.first],
+        _quoted(flight.mission, flight.last) - _quoted(flight.mission, flight.first),
+        (float(np.mean([run[flight.first] for run in flight.runs])), done[flight.first]),
+        (flight.end_s - main[flight.last], found.total_s - done[flight.last]),
+        _miss(flight, found),
+        _kept(flight, found),
+    )
+
+
+def _quoted(mission: Mission, items: int) -> float:
+    return qgroundcontrol_time(replace(mission, items=mission.items[:items]))
+
+
+def _miss(flight: Recorded, found: Estimate) -> float:
+    """How far the flown places lie beside the predicted path, level, in 95 of 100 cases [m]."""
+    trace, done = flight.trace, {item.seq: item.done_s for item in found.items}
+    inside = (trace[:, 0] > flight.runs[0][flight.first]) & (trace[:, 0] < flight.runs[0][flight.last])
+    flown = LocalFrame(flight.mission.home).to_local(trace[inside, 1], trace[inside, 2], flight.mission.home.altitude)
+    track = found.track
+    meant = track.points[(track.times >= done[flight.first] - 1) & (track.times <= done[flight.last] + 1)]
+    return float(np.quantile(_beside(flown, meant), 0.95))
+
+
+def _beside(places: Points, path: Points) -> np.ndarray:
+    begin, leg = path[:-1, :2], np.diff(path[:, :2], axis=0)
+    square = np.maximum((leg**2).sum(axis=1), 1e-12)
+    out = []
+    for place in places[:, :2]:
+        share = np.clip(((place - begin) * leg).sum(axis=1) / square, 0, 1)
+        out.append(np.linalg.norm(begin + share[:, None] * leg - place, axis=1).min())
+    return np.array(out)
+
+
+def _kept(flight: Recorded, found: Estimate) -> float:
+    """The share of the times flown that lie in the interval of the estimate."""
+    inside = [
+        item.low_s <= run[item.seq] <= item.high_s for item in found.items for run in flight.runs if item.seq in run
+    ]
+    return float(np.mean(inside))
+
+
+def table(rows: list[Row]) -> str:
+    """The rows of one autopilot in Markdown, and what they come to."""
+    lines = [
+        "| flight | flown, s | estimated, s | error | QGroundControl | take-off | RTL or LAND | path |",
+        "|---|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for row in rows:
+        flown = f"{row.flown:.1f}"
+        if len(row.flight.runs) > 1:
+            flown += f" ± {row.flight.spans.std(ddof=1):.1f} ({len(row.flight.runs)})"
+        ends = [f"{100 * (estimated / flown_s - 1):+.1f} %" for flown_s, estimated in (row.take_off, row.ending)]
+        quoted = f"{100 * (row.quoted / row.flown - 1):+.0f} %"
+        cells = (flown, f"{row.estimated:.1f}", f"{100 * row.error:+.1f} %", quoted, *ends, f"{row.miss:.1f} m")
+        lines.append(f"| {row.flight.name.rsplit('-', 1)[0]} | " + " | ".join(cells) + " |")
+    errors = np.abs([100 * row.error for row in rows])
+    off = np.abs([100 * (row.quoted / row.flown - 1) for row in rows])
+    kept = np.mean([row.kept for row in rows])
+    lines.append("")
+    lines.append(
+        f"Median error {np.median(errors):.2f} %, largest {errors.max():.1f} % (QGroundControl: median "
+        f"{np.median(off):.0f} %, largest {off.max():.0f} %). {100 * kept:.0f} % of all items were done within "
+        "the interval given for them."
+    )
+    repeated = [abs(100 * row.error) for row in rows if len(row.flight.runs) > 1]
+    if repeated:
+        lines.append(
+            f"Of the missions that were flown four times: median error {np.median(repeated):.2f} %, "
+            f"largest {max(repeated):.1f} %."
+        )
+    return "\n".join(lines)
+
+
+def wind_table() -> str:
+    """The flights in wind in Markdown, with what the estimate is off by and would be without the wind."""
+    lines = [
+        "| flight | wind | flown, s | estimated, s | error | without wind | RTL or LAND |",
+        "|---|---|--:|--:|--:|--:|--:|",
+    ]
+    errors, calm_errors = [], []
+    for flight in read_flights(Autopilot.ARDUPILOT, IN_WIND):
+        row, calm = compare(flight), compare(replace(flight, wind=CALM))
+        errors.append(abs(100 * row.error))
+        calm_errors.append(abs(100 * calm.error))
+        gusty = ", gusty" if flight.turbulence else ""
+        cells = (
+            f"{flight.wind.speed:g} m/s from {flight.wind.from_deg:g}°{gusty}",
+            f"{row.flown:.1f}",
+            f"{row.estimated:.1f}",
+            f"{100 * row.error:+.1f} %",
+            f"{100 * calm.error:+.0f} %",
+            f"{100 * (row.ending[1] / row.ending[0] - 1):+.1f} %",
+        )
+        lines.append(f"| {flight.name.rsplit('_w', 1)[0]} | {' | '.join(cells)} |")
+    lines.append("")
+    lines.append(
+        f"Median error {np.median(errors):.2f} %, largest {max(errors):.1f} % (without the wind: median "
+        f"{np.median(calm_errors):.0f} %, largest {max(calm_errors):.0f} %)."
+    )
+    return "\n".join(lines)
+
+
+def landing_table() -> str:
+    """Take-off and landing of the flights that were armed as `fly` arms, in Markdown."""
+    lines = [
+        "| flight | take-off flown, s | estimated, s | error | LAND flown, s | estimated, s | error |",
+        "|---|--:|--:|--:|--:|--:|--:|",
+    ]
+    for autopilot in NAMES:
+        for flight in read_flights(autopilot, LANDINGS):
+            done = {item.seq: item.done_s for item in estimate(flight.mission, flight.parameters, fast=True).items}
+            land = len(flight.mission.items)
+            cells = [flight.name]
+            for begin, end in ((0, flight.first), (flight.last, land)):
+                flown = np.array([run[end] - run.get(begin, 0.0) for run in flight.runs if end in run])
+                ours = done[end] - done.get(begin, 0.0)
+                spread = f" ± {flown.std(ddof=1):.1f} ({len(flown)})" if len(flown) > 1 else ""
+                cells += [f"{flown.mean():.1f}{spread}", f"{ours:.1f}", f"{100 * (ours / flown.mean() - 1):+.1f} %"]
+            lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parts = []
+    for autopilot, name in NAMES.items():
+        rows = [compare(flight) for flight in read_flights(autopilot)]
+        parts.append(f"### {name}\n\n{table(rows)}")
+    parts.append(f"### ArduCopter 4.7 in wind\n\n{wind_table()}")
+    parts.append(f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}")
+    text = "\n\n".join(parts)
+    if "--write" not in sys.argv[1:]:
+        print(text)
+        return
+    document = DOCUMENT.read_text(encoding="utf-8")
+    before, rest = document.split(BEGIN)
+    DOCUMENT.write_text(f"{before}{BEGIN}\n{text}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

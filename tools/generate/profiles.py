@@ -1,0 +1,118 @@
+"""Plan three maps under each profile, and bring docs/profiles.md and docs/profiles.svg up to date.
+
+    python -m tools.generate.profiles [--seeds 2] [--show]
+
+Of several seeds the plan of least cost counts. `--show` prints the tables and writes nothing.
+"""
+
+import argparse
+import re
+import tomllib
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.geometry import Points
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import NoPath, plan_path
+from ipoa_mission.report.plots import draw_views, write_picture
+from ipoa_mission.routing.assemble import assemble
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.budget import flight_energy
+from ipoa_mission.scenario.profiles import PROFILES
+from ipoa_mission.timing.estimate import estimate
+from tools import REPOSITORY
+
+DOCUMENT = REPOSITORY / "docs" / "profiles.md"
+MAPS = ("campus", "downtown", "oldtown")  # the first is shown in full
+AIRFRAME = {"mass_kg": 2.4, "rotors": 4, "rotor_diameter": 0.33}
+HEAD = "| profile | length | turns | climb changes | climbed | least clearance | mean clearance | flight | energy |"
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A plan under one profile, and what flying it takes."""
+
+    path: Points
+    row: str
+    summary: str
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--show", action="store_true", help="print the tables, write nothing")
+    wanted = parser.parse_args()
+    names: list[str | None] = [None, *PROFILES]
+    found = {map_: {name or "none": fly(map_, name, wanted.seeds) for name in names} for map_ in MAPS}
+    whole = "\n".join([HEAD, "|" + "---|" * HEAD[1:].count("|"), *(flight.row for flight in found[MAPS[0]].values())])
+    short = "\n".join(["| profile | " + " | ".join(MAPS) + " |", "|" + "---|" * (len(MAPS) + 1), *compared(found)])
+    print(whole, short, sep="\n\n")
+    if wanted.show:
+        return
+    paths = {name: flight.path for name, flight in found[MAPS[0]].items()}
+    picture = draw_views(under(MAPS[0], None), paths, views=("top", "front"))
+    write_picture(picture, DOCUMENT.with_name("profiles.svg"))
+    text = read_text(DOCUMENT)
+    for mark, table in (("one map", whole), ("all maps", short)):
+        text = re.sub(rf"(<!-- {mark} -->\n).*?(<!-- end -->)", rf"\g<1>{table}\n\g<2>", text, count=1, flags=re.DOTALL)
+    write_atomically(DOCUMENT, text)
+
+
+def compared(found: dict[str, dict[str, "Flight"]]) -> list[str]:
+    """Length, time and energy of each profile on every map."""
+    return [f"| {name} | " + " | ".join(found[map_][name].summary for map_ in MAPS) + " |" for name in found[MAPS[0]]]
+
+
+def under(map_: str, profile: str | None) -> Scenario:
+    """The scenario with a profile; its own weights and distances give way, the airframe is the same for all."""
+    path = REPOSITORY / "missions" / f"{map_}.toml"
+    table = tomllib.loads(read_text(path))
+    table.pop("safety_distance", None)
+    table.pop("cost", None)
+    table["route"] = {"ending": table.get("route", {}).get("ending", "rtl")}
+    table["vehicle"] = {**table.get("vehicle", {}), "airframe": AIRFRAME}
+    table["vehicle"].pop("battery", None)
+    named = {"profile": profile} if profile else {}
+    return Scenario.model_validate({"name": path.stem} | table | named, context={"folder": str(path.parent)})
+
+
+def attempt(scenario: Scenario, seed: int) -> Plan | None:
+    """The plan of one seed, or None if it found no way."""
+    try:
+        return plan_path(scenario, seed=seed)
+    except NoPath:
+        return None
+
+
+def fly(map_: str, profile: str | None, seeds: int) -> Flight:
+    scenario = under(map_, profile)
+    plans = [plan for seed in range(seeds) if (plan := attempt(scenario, seed)) is not None]
+    if not plans:
+        raise SystemExit(f"{map_}, profile {profile}: no path by any of {seeds} seeds")
+    plan = min(plans, key=lambda each: each.cost.total)
+    terms = plan.cost
+    predicted = estimate(assemble(plan, scenario))
+    used = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
+    assert used is not None
+    nodes = plan.curve.sample(2000)
+    clear = scenario.airspace.obstacle_distance(nodes) - scenario.vehicle.radius
+    climbed = float(np.maximum(np.diff(nodes[:, 2]), 0).sum())
+    cells = (
+        profile or "none",
+        f"{terms.length:.1f} m",
+        f"{terms.turning_deg:.0f}°",
+        f"{terms.climbing_deg:.0f}°",
+        f"{climbed:.1f} m",
+        f"{clear.min():.1f} m",
+        f"{clear.mean():.1f} m",
+        f"{predicted.total_s:.0f} s",
+        f"{used.energy_wh:.2f} Wh",
+    )
+    summary = f"{terms.length:.0f} m, {predicted.total_s:.0f} s, {used.energy_wh:.2f} Wh"
+    return Flight(nodes[::4], "| " + " | ".join(cells) + " |", summary)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""Bring docs/scenario.md up to date: its tables of keys are made from the models that read a scenario.
+
+    python -m tools.generate.scenario_reference
+
+A table stands between `<!-- keys of NAME -->` and `<!-- end -->`, NAME being a table of the schema; all else in the
+file is written by hand and stays.
+"""
+
+import json
+import re
+from typing import Any
+
+from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.scenario import Scenario
+from tools import REPOSITORY
+
+DOCUMENT = REPOSITORY / "docs" / "scenario.md"
+TABLE = re.compile(r"(<!-- keys of (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def main() -> None:
+    write_atomically(DOCUMENT, refreshed(read_text(DOCUMENT)))
+
+
+def refreshed(text: str) -> str:
+    """The document with every table of keys as the schema has it now."""
+    schema = Scenario.model_json_schema()
+    tables = {"Scenario": schema, **schema["$defs"]}
+    return TABLE.sub(lambda found: f"{found[1]}{table_of_keys(tables[found[2]], tables)}{found[3]}", text)
+
+
+def table_of_keys(section: dict[str, Any], tables: dict[str, Any]) -> str:
+    rows = ["| key | value | left out | meaning |", "|---|---|---|---|"]
+    for key, said in section["properties"].items():
+        meaning = said.get("description") or what_it_is(said, tables)
+        left_out = "needed" if key in section.get("required", ()) else shown(said.get("default"))
+        cells = (f"`{key}`", value(said, tables), left_out, " ".join(meaning.split()))
+        rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(rows) + "\n"
+
+
+def what_it_is(said: dict[str, Any], tables: dict[str, Any]) -> str:
+    """The meaning of a key that has none of its own: that of the table it holds, or that it tells tables apart."""
+    return str(tables[said["$ref"].rsplit("/", 1)[-1]]["description"]) if "$ref" in said else "Says which table it is."
+
+
+def value(said: dict[str, Any], tables: dict[str, Any]) -> str:
+    """What may stand there, in words."""
+    match said:
+        case {"$ref": str(ref)}:
+            target = tables[ref.rsplit("/", 1)[-1]]
+            return value(target, tables) if "enum" in target else "a table"
+        case {"const": str(word)}:
+            return f'`"{word}"`'
+        case {"enum": list(words)}:
+            return " or ".join(f'`"{word}"`' for word in words)
+        case {"anyOf": list(options)}:
+            return " or ".join(value(option, tables) for option in options if option.get("type") != "null")
+        case {"oneOf": _}:
+            return "a table with a `kind`"
+        case {"type": "array", "prefixItems": list(items)}:
+            return "[" + ", ".join(value(item, tables) for item in items) + "]"
+        case {"type": "array", "items": dict(items)}:
+            return f"a list: {value(items, tables)}, ..."
+        case {"type": "string", "format": "path"}:
+            return "a file"
+        case {"type": "string"}:
+            return "a word" if "pattern" in said else "a text"
+        case {"type": "boolean"}:
+            return "true or false"
+        case {"type": "object"}:
+            return "a table"
+    limits = {"exclusiveMinimum": "> ", "minimum": "≥ ", "exclusiveMaximum": "< ", "maximum": "≤ "}
+    words = [sign + f"{said[limit]:.4g}" for limit, sign in limits.items() if limit in said]
+    return " ".join(["a whole number" if said["type"] == "integer" else "a number", ", ".join(words)]).strip()
+
+
+def shown(default: Any) -> str:
+    if default is None or default in ([], {}) or isinstance(default, dict):
+        return "—"
+    return f"`{json.dumps(default)}`"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,128 @@
+"""Run every command of docs/tutorial.md in a folder of its own, and write its output where it stands.
+
+    python -m tools.generate.tutorial
+
+Output that stands there as a whole is replaced as a whole. Where `...` stands for lines that are left out, each of the
+others is found again by its words and gets its numbers anew; one that is not printed any more has to be mended by hand.
+"""
+
+import os
+import re
+import socket
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from tools import REPOSITORY
+
+TUTORIAL = REPOSITORY / "docs" / "tutorial.md"
+PORT = "14550"
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?![\w.]*\w)")
+MARK = "@@@ command"
+LEFT_OUT = "..."
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command, and the lines of output that stand below it."""
+
+    command: str
+    shown: tuple[str, ...]
+
+
+def steps(text: str) -> list[Step]:
+    """The commands of the `console` blocks, in order."""
+    found: list[Step] = []
+    for block in re.findall(r"^```console\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+            command, _, rest = part.partition("\n")
+            if here := re.search(r"<<'(\w+)'", command):
+                body, _, rest = rest.partition(f"\n{here[1]}\n")
+                command = f"{command}\n{body}\n{here[1]}"
+            found.append(Step(command, tuple(rest.splitlines())))
+    return found
+
+
+def run(commands: list[str], folder: Path) -> list[list[str]]:
+    """What each command prints, run by one shell in `folder`, with `missions` beside it; the port is a free one."""
+    (folder / "missions").symlink_to(REPOSITORY / "missions")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = str(free.getsockname()[1])
+    script = "exec 2>&1\n" + "".join(f"{command}\necho '{MARK}'\n" for command in commands)
+    script += "jobs -p | xargs -r kill\n"
+    environment = os.environ | {
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "COLUMNS": "100",
+        "NO_COLOR": "1",
+        "XDG_STATE_HOME": str(folder),
+    }
+    ended = subprocess.run(
+        ["bash", "-c", script.replace(PORT, port)],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    said = ended.stdout.replace(port, PORT).split(f"{MARK}\n")
+    return [part.splitlines() for part in said[:-1]]
+
+
+def words(line: str) -> str:
+    """A line without its numbers and the width of its columns."""
+    return re.sub(r"[\s─▇]+", " ", NUMBER.sub("#", line)).strip()
+
+
+def numbers(line: str) -> list[float]:
+    """The numbers of a line."""
+    return [float(number) for number in NUMBER.findall(line)]
+
+
+def matched(step: Step, printed: list[str]) -> list[tuple[str, str]]:
+    """Each line that stands below a command, with the line that was printed.
+
+    Raises:
+        LookupError: a line is not printed, or not in this order.
+    """
+    pairs: list[tuple[str, str]] = []
+    at = 0
+    anywhere = False
+    for line in step.shown:
+        if line == LEFT_OUT:
+            anywhere = True
+            continue
+        there = next((k for k in range(at, len(printed)) if words(printed[k]) == words(line)), None)
+        if there is None or (there != at and not anywhere):
+            got = "\n".join(printed)
+            raise LookupError(f"$ {step.command}\ndoes not print, where it stands: {line}\nbut:\n{got}")
+        pairs.append((line, printed[there]))
+        at, anywhere = there + 1, False
+    if not anywhere and at != len(printed) and step.shown:
+        raise LookupError(f"$ {step.command}\nprints more: {printed[at]}")
+    return pairs
+
+
+def main() -> None:
+    """Write the page anew."""
+    text = TUTORIAL.read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        tutorial = steps(text)
+        outputs = run([step.command for step in tutorial], Path(folder))
+    position = 0
+    for step, printed in zip(tutorial, outputs, strict=True):
+        position = text.index(f"$ {step.command}\n", position) + len(step.command) + 3
+        whole = [("\n".join(step.shown), "\n".join(printed))] if step.shown else []
+        for old, new in matched(step, printed) if LEFT_OUT in step.shown else whole:
+            start = text.index(f"{old}\n", position)
+            text = text[:start] + new + text[start + len(old) :]
+            position = start + len(new) + 1
+    TUTORIAL.write_text(text, encoding="utf-8")
+    print(f"written: {TUTORIAL}")
+
+
+if __name__ == "__main__":
+    main()

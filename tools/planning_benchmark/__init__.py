@@ -1,1 +1,0 @@
-"""The parts of `tools/benchmark_planning.py`: its maps, its rivals, the reference, measuring and telling."""
