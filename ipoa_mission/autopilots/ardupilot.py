@@ -62,6 +62,8 @@ ARDUCOPTER_DEFAULTS: Parameters = MappingProxyType(
     }
 )
 
+EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the nose follows the way, but for RTL, where it keeps its heading
+
 POSITIVE = (
     "WPNAV_SPEED",
     "WPNAV_SPEED_UP",
@@ -119,6 +121,7 @@ class CopterLimits:
     velocity_filter: float
     p_height: float
     yaw_rate: float
+    rtl_turns: bool
 
 
 def copter_limits(parameters: Parameters) -> CopterLimits:
@@ -174,5 +177,6 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
         d_velocity=p["PSC_VELXY_D"],
         velocity_filter=p["PSC_VELXY_FLTE"],
         p_height=p["PSC_POSZ_P"],
+        rtl_turns=p["WP_YAW_BEHAVIOR"] != EXCEPT_RTL,
         yaw_rate=math.radians(p["ATC_SLEW_YAW"] / 100) if p["WP_YAW_BEHAVIOR"] > 0 else 0.0,
     )

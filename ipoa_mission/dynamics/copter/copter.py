@@ -92,7 +92,6 @@ class Copter:
         self._steps = stepping(plain_steps, fast, 0.0)
         self._compiled = self._steps is not plain_steps
         self.state = _at_rest(here, 0.0)
-        self._packed_tuning = packed(self._tuning) if self._compiled else [self._tuning]
         self._flat: dict[int, tuple[Leg, Any]] = {}
         self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
         self.passed = True
@@ -142,7 +141,7 @@ class Copter:
             self._flat = {id(leg): self._flat.get(id(leg)) or (leg, flat(leg)) for leg in legs}
             legs = packed_legs([self._flat[id(leg)][1] for leg in legs])
         state = packed(self.state) if self._compiled else [self.state]
-        used = self._steps.fly_leg(state, legs, self._packed_tuning, samples)
+        used = self._steps.fly_leg(state, legs, packed(self._tuning) if self._compiled else [self._tuning], samples)
         self.state = unpacked(state) if self._compiled else self.state
         if used < 0:
             raise MissionError(self._lost(used), hint=TOO_WINDY)
@@ -179,6 +178,13 @@ class Copter:
 
         With a stop `following` the copter does not come to rest at this one.
         """
+        self._follow_with_nose(True)
+        self._fly_to(stop, following)
+
+    def _follow_with_nose(self, follows: bool) -> None:
+        self._tuning = self._tuning._replace(slew=self.limits.yaw_rate * STEP if follows else 0.0)
+
+    def _fly_to(self, stop: Stop, following: Stop | None = None) -> None:
         planned, state = self.following, self.state
         if self.passed and planned is not NO_LEG and planned.target == stop.place:
             straight = self.this.kind == STRAIGHT
@@ -283,18 +289,19 @@ class Copter:
         if limits.rtl_cone >= LEAST_CONE:
             height = min(height, max(math.hypot(x, y) * limits.rtl_cone, least))
         self.speeds = Bounds(limits.rtl_speed, limits.climb, limits.descent)
+        self._follow_with_nose(limits.rtl_turns)
         height = max(z + RETURN_ROUNDING, height)
         top, home = Stop((x, y, height)), Stop((0.0, 0.0, height))
         away = math.hypot(x, y) > SAME_PLACE
-        self.fly_to(top, home if away else None)
+        self._fly_to(top, home if away else None)
         yield
         if away:
-            self.fly_to(home)
+            self._fly_to(home)
             yield
         self.hold(limits.rtl_loiter)
         yield
         if limits.rtl_final > 0:
-            self.fly_to(Stop((0.0, 0.0, limits.rtl_final)))
+            self._fly_to(Stop((0.0, 0.0, limits.rtl_final)))
         else:
             self.descend()
         yield
