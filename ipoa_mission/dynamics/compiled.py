@@ -44,7 +44,7 @@ def compiled(plain: ModuleType) -> ModuleType:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    module.jit = numba.njit(cache=True, error_model="numpy")  # type: ignore[attr-defined]
+    module.jit = numba.njit(cache=True)  # type: ignore[attr-defined]
     sys.modules[full] = module  # numba's cache looks functions up by the name of their module
     spec.loader.exec_module(module)
     return module

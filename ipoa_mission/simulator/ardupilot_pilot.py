@@ -37,7 +37,7 @@ class ArduPilotPilot:
         self._then: Callable[[], None] | None = None
         self._flying = False
         self._touched_s: float | None = None
-        self._copter.state.yaw = body.yaw
+        self._copter.face(body.yaw)
         self._lift_s = ARMING_DELAY_S + 2.0 * limits.spool_up + LIFT_S
         self._spool_up = limits.spool_up
 

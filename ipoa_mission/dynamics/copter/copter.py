@@ -6,7 +6,6 @@ one after the other: their methods yield whenever one more is to be flown.
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ipoa_mission.autopilots.ardupilot import CENTIMETRE, CopterLimits
@@ -169,7 +168,12 @@ class Copter:
     def stand(self, seconds: float) -> None:
         """Let time pass on the ground, without any motion."""
         x, y, z = self.place
-        self.state = replace(_at_rest((x, y, max(z, 0.0)), self.state.time + seconds), yaw=self.state.yaw)
+        yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, 0.0)), self.state.time + seconds)
+        self.face(yaw)
+
+    def face(self, yaw: float) -> None:
+        """Turn the nose, clockwise from north [rad]."""
+        self.state.yaw, self.state.nose_x, self.state.nose_y = yaw, math.sin(yaw), math.cos(yaw)
 
     # --- what to fly ------------------------------------------------------------------------------------------------
 

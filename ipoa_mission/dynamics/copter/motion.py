@@ -159,6 +159,8 @@ class State:
     lean_y: float = 0.0
     load: float = 1.0  # what the rotors carry of the weight; the air the rest
     yaw: float = 0.0  # clockwise from north
+    nose_x: float = 0.0  # its unit vector
+    nose_y: float = 1.0
     error_x: float = 0.0  # filtered error of velocity, and its integral
     error_y: float = 0.0
     integral_x: float = 0.0

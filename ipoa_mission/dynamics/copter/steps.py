@@ -291,9 +291,15 @@ def move(state: State, tuning: Tuning) -> None:
 @jit
 def turn_nose(state: State, tuning: Tuning) -> None:
     """Turn the nose to where the target moves, once it moves, as quickly as the autopilot does."""
-    if tuning.slew > 0.0 and state.aim_x**2 + state.aim_y**2 > tuning.turning_from**2:
-        error = (math.atan2(state.aim_x, state.aim_y) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
-        state.yaw += min(max(error, -tuning.slew), tuning.slew)
+    fast = state.aim_x**2 + state.aim_y**2
+    if tuning.slew <= 0.0 or fast <= tuning.turning_from**2:
+        return
+    onward = state.nose_x * state.aim_x + state.nose_y * state.aim_y
+    if onward > 0.0 and fast - onward * onward < 1e-12 * fast:  # it looks there
+        return
+    error = (math.atan2(state.aim_x, state.aim_y) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
+    state.yaw += min(max(error, -tuning.slew), tuning.slew)
+    state.nose_x, state.nose_y = math.sin(state.yaw), math.cos(state.yaw)
 
 
 @jit
@@ -305,7 +311,7 @@ def drag(state: State, tuning: Tuning) -> Triple:
     x, y, z = state.vx - gust * tuning.wind_east, state.vy - gust * tuning.wind_north, state.vz
     size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
     nx, ny, nz = state.lean_x / size, state.lean_y / size, GRAVITY / size  # up, forward and left along the body
-    fx, fy = math.sin(state.yaw), math.cos(state.yaw)
+    fx, fy = state.nose_x, state.nose_y
     tilt = fx * nx + fy * ny
     size = math.sqrt(1.0 - tilt * tilt)
     fx, fy, fz = (fx - tilt * nx) / size, (fy - tilt * ny) / size, -tilt * nz / size
