@@ -1,4 +1,4 @@
-"""A constant wind, as it is given: a speed, and the direction that it comes from."""
+"""A steady wind, as it is given: a speed, the direction that it comes from, and how it grows with height."""
 
 import math
 from dataclasses import dataclass
@@ -8,13 +8,25 @@ from dataclasses import dataclass
 class Wind:
     """Wind of `speed` [m/s] from `from_deg` (0 north, 90 east); it blows everywhere and at all times alike.
 
+    Below the `gradient_height` [m over home] it follows a power law: speed (height / gradient height)^`exponent`.
+
     >>> west = Wind(6.0, from_deg=270.0)
     >>> round(west.east, 3), round(abs(west.north), 3)
     (6.0, 0.0)
+    >>> Wind(6.0, 270.0, exponent=0.5, gradient_height=20.0).at(5.0)
+    3.0
     """
 
     speed: float = 0.0
     from_deg: float = 0.0
+    exponent: float = 0.0
+    gradient_height: float = 0.0
+
+    def at(self, height: float) -> float:
+        """Its speed at a height over home [m/s]."""
+        if height >= self.gradient_height:
+            return self.speed
+        return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
 
     @property
     def east(self) -> float:

@@ -3,7 +3,7 @@
 A flight is judged from the first item that its autopilot reports done (the take-off, or the waypoint over it) to its
 last waypoint; what follows (RTL, LAND) apart. PX4 was flown several times where it is noisy: its truth is the mean.
 `LANDINGS` are flights armed as `fly` arms, from 8 to 60 m high, slow and fast: take-off and landing are judged by them,
-and nothing of them was fitted.
+and nothing of them was fitted. `IN_WIND` are ArduCopter's in wind, steady and gusty: nothing of them was fitted either.
 """
 
 import json
@@ -18,9 +18,12 @@ from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.waypoints_file import read_waypoints
+from ipoa_mission.wind import CALM, Wind
 
 HERE = Path(__file__).resolve().parent
-FLIGHTS, LANDINGS = HERE / "flights", HERE / "landings"
+FLIGHTS, LANDINGS, IN_WIND = HERE / "flights", HERE / "landings", HERE / "flights_wind"
+#: Of the wind in ArduPilot's simulator, as it was set: it grows with the square root of the height up to 5 m.
+SIMULATED_PROFILE = 0.5, 5.0
 WAYPOINTS = (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
 
 
@@ -33,6 +36,8 @@ class Recorded:
     parameters: Parameters
     runs: tuple[dict[int, float], ...]
     end_s: float
+    wind: Wind = CALM
+    turbulence: float = 0.0  # of ArduPilot's simulator: its standard deviation [m/s]
 
     @property
     def name(self) -> str:
@@ -70,7 +75,9 @@ def read_flight(folder: Path) -> Recorded:
         flight.get("repeats_item_done_s", ()), flight.get("repeats_complete_s", ()), strict=True
     ):
         runs.append(_run(items, complete, mission, last))
-    return Recorded(folder, mission, flight["params"], tuple(runs), flight["end_s"])
+    air = flight.get("wind", {"speed_m_s": 0.0, "from_deg": 0.0, "turbulence": 0.0})
+    wind = Wind(air["speed_m_s"], air["from_deg"], *(SIMULATED_PROFILE if air["speed_m_s"] else ()))
+    return Recorded(folder, mission, flight["params"], tuple(runs), flight["end_s"], wind, air["turbulence"])
 
 
 def read_flights(autopilot: Autopilot, folder: Path = FLIGHTS) -> tuple[Recorded, ...]:

@@ -32,6 +32,13 @@ ARDUCOPTER_DEFAULTS: Parameters = MappingProxyType(
         "WP_YAW_BEHAVIOR": 2.0,
         "PSC_JERK_XY": 5.0,
         "PSC_JERK_Z": 5.0,
+        "PSC_POSXY_P": 1.0,
+        "PSC_VELXY_P": 2.0,
+        "PSC_VELXY_I": 1.0,
+        "PSC_VELXY_D": 0.25,
+        "PSC_VELXY_FLTE": 5.0,
+        "PSC_POSZ_P": 1.0,
+        "ATC_SLEW_YAW": 6000.0,
         "ANGLE_MAX": 3000.0,
         "LAND_SPEED": 50.0,
         "LAND_SPEED_HIGH": 0.0,
@@ -55,6 +62,8 @@ ARDUCOPTER_DEFAULTS: Parameters = MappingProxyType(
     }
 )
 
+EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the nose follows the way, but for RTL, where it keeps its heading
+
 POSITIVE = (
     "WPNAV_SPEED",
     "WPNAV_SPEED_UP",
@@ -64,14 +73,22 @@ POSITIVE = (
     "WPNAV_JERK",
     "WPNAV_RADIUS",
     "PSC_JERK_Z",
+    "PSC_POSXY_P",
+    "PSC_VELXY_FLTE",
+    "PSC_POSZ_P",
     "ANGLE_MAX",
     "LAND_SPEED",
 )
 
 
+def usable(parameters: Parameters) -> Parameters:
+    """The same without values that ArduCopter would not fly with: those that must be positive and are not."""
+    return {name: value for name, value in parameters.items() if name not in POSITIVE or value > 0}
+
+
 @dataclass(frozen=True)
 class CopterLimits:
-    """What moves an ArduCopter along a mission: m, s, m/s, m/s^2, m/s^3, m/s^4, rad."""
+    """What moves an ArduCopter along a mission: m, s, m/s, m/s^2, m/s^3, m/s^4, rad; gains in 1/s; a filter in Hz."""
 
     speed: float
     climb: float
@@ -97,6 +114,14 @@ class CopterLimits:
     rtl_final: float
     circle_radius: float
     circle_rate: float
+    p_position: float
+    p_velocity: float
+    i_velocity: float
+    d_velocity: float
+    velocity_filter: float
+    p_height: float
+    yaw_rate: float
+    rtl_turns: bool
 
 
 def copter_limits(parameters: Parameters) -> CopterLimits:
@@ -146,4 +171,12 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
         rtl_final=p["RTL_ALT_FINAL"] / 100,
         circle_radius=p["CIRCLE_RADIUS"] / 100,
         circle_rate=math.radians(abs(p["CIRCLE_RATE"])),
+        p_position=p["PSC_POSXY_P"],
+        p_velocity=p["PSC_VELXY_P"],
+        i_velocity=p["PSC_VELXY_I"],
+        d_velocity=p["PSC_VELXY_D"],
+        velocity_filter=p["PSC_VELXY_FLTE"],
+        p_height=p["PSC_POSZ_P"],
+        rtl_turns=p["WP_YAW_BEHAVIOR"] != EXCEPT_RTL,
+        yaw_rate=math.radians(p["ATC_SLEW_YAW"] / 100) if p["WP_YAW_BEHAVIOR"] > 0 else 0.0,
     )

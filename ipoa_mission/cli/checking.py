@@ -12,6 +12,7 @@ from ipoa_mission.cli.options import (
     ParameterFileOption,
     ParameterOption,
     WindOption,
+    WindProfileOption,
     read_parameter_options,
     read_wind_option,
 )
@@ -67,6 +68,7 @@ def estimate(
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
+    wind_profile: WindProfileOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
@@ -80,7 +82,7 @@ def estimate(
     from ipoa_mission.timing.estimate import estimate as predict
 
     mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
-    found = predict(mission, wind=read_wind_option(wind))
+    found = predict(mission, wind=read_wind_option(wind, wind_profile))
     remarks += found.remarks
     if as_json:
         tell_json(estimate_as_json(found) | {"remarks": list(remarks)})

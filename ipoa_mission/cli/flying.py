@@ -34,6 +34,7 @@ from ipoa_mission.cli.options import (
     TimeoutOption,
     VehicleOption,
     WindOption,
+    WindProfileOption,
     read_parameter_options,
     read_wind_option,
 )
@@ -54,6 +55,7 @@ def fly(
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
+    wind_profile: WindProfileOption = None,
     report: ReportOption = False,
     as_json: JsonOption = False,
     link: VehicleOption = None,
@@ -99,7 +101,7 @@ def fly(
     if link is not None and not (faults.is_none and nak_at is None):
         raise BadInput("--link: expected without --loss, --duplicate, --delay, --reorder and --nak-at")
     expect_folder(out)
-    air = read_wind_option(wind)
+    air = read_wind_option(wind, wind_profile)
     parameters = read_parameter_options(param, param_file)
     job = prepare(source, seed, autopilot, optimizer, parameters, air)
     if nak_at is not None and nak_at >= (sent := len(to_wire(job.mission))):

@@ -2,6 +2,7 @@
 
 import logging
 import math
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
@@ -99,6 +100,14 @@ WindOption: TypeAlias = Annotated[
         "--wind",
         metavar="M/S@DEG",
         help="A steady wind: its speed, and where it blows from, like 6@270 (from the west).",
+    ),
+]
+WindProfileOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--wind-profile",
+        metavar="EXPONENT@M",
+        help="How the wind grows with height: by a power law up to the gradient height, like 0.14@60.",
     ),
 ]
 LinkOption: TypeAlias = Annotated[
@@ -238,8 +247,10 @@ def _known(name: str) -> str:
     return name
 
 
-def read_wind_option(given: str | None) -> "Wind":
+def read_wind_option(given: str | None, profile: str | None = None) -> "Wind":
     """The wind as it was given: a speed [m/s], an @, and the direction that it comes from [deg].
+
+    Its `profile` is an exponent, an @, and the gradient height [m].
 
     Raises:
         BadInput: what is not such a pair of numbers.
@@ -247,6 +258,8 @@ def read_wind_option(given: str | None) -> "Wind":
     from ipoa_mission.wind import CALM, Wind
 
     if given is None:
+        if profile is not None:
+            raise BadInput(f"--wind-profile {profile}: expected a --wind that it belongs to")
         return CALM
     speed, at, direction = given.partition("@")
     try:
@@ -255,6 +268,15 @@ def read_wind_option(given: str | None) -> "Wind":
         wind = Wind(math.nan)
     if not (at and 0 <= wind.speed < math.inf and math.isfinite(wind.from_deg)):
         raise BadInput(f"--wind {given}: expected a speed in m/s and where it blows from in degrees, like 6@270")
+    if profile is None:
+        return wind
+    exponent, at, height = profile.partition("@")
+    try:
+        wind = replace(wind, exponent=float(exponent), gradient_height=float(height))
+    except ValueError:
+        wind = replace(wind, exponent=math.nan)
+    if not (at and 0 <= wind.exponent < math.inf and 0 < wind.gradient_height < math.inf):
+        raise BadInput(f"--wind-profile {profile}: expected an exponent and the gradient height in m, like 0.14@60")
     return wind
 
 

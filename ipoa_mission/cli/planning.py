@@ -15,6 +15,7 @@ from ipoa_mission.cli.options import (
     ScenarioArgument,
     SeedOption,
     WindOption,
+    WindProfileOption,
     read_parameter_options,
     read_wind_option,
 )
@@ -32,6 +33,7 @@ def plan(
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
+    wind_profile: WindProfileOption = None,
     report: ReportOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -45,7 +47,7 @@ def plan(
     from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
 
     expect_folder(out)
-    parameters, air = read_parameter_options(param, param_file), read_wind_option(wind)
+    parameters, air = read_parameter_options(param, param_file), read_wind_option(wind, wind_profile)
     flight = plan_it(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters), seed, air)
     files = [*flight.write(out)]
     if report:

@@ -20,12 +20,19 @@ NO_TANGENT = (0.0, 0.0, 0.0)
 SHORTEST_TANGENT = 0.01  # a leg before that is shorter gives a spline no direction [m]
 
 #: After a waypoint the copter flies on into these; before everything else it stops.
-FLOWN_ON_INTO = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
+FLOWN_ON_INTO = frozenset(
+    {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}
+)
+
+
+def is_passed(item: Item) -> bool:
+    """Whether the copter does not wait at this item."""
+    return item.command in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT) and item.params[0] < 1
 
 
 def flies_on_to(items: Sequence[Item], n: int) -> int | None:
     """The item that the copter flies on to without stopping at item n; those that do not move it are no hindrance."""
-    if items[n].command not in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT) or items[n].params[0] >= 1:
+    if not is_passed(items[n]):
         return None
     for later in range(n + 1, len(items)):
         command = items[later].command
@@ -51,24 +58,23 @@ def spline_tangents(
     return begin, end
 
 
-def cubic(origin: Place, target: Place, tangents: tuple[Place, Place]) -> list[float]:
-    """The vectors a, b, c, d of a + b u + c u^2 + d u^3 for u from 0 to 1, as twelve numbers.
+def cubic(origin: Place, target: Place, tangents: tuple[Place, Place]) -> tuple[Place, Place, Place, Place]:
+    """The vectors a, b, c, d of a + b u + c u^2 + d u^3 for u from 0 to 1.
 
     Tangents that are together longer than four chords are scaled down to that.
     """
     begin, end = tangents
     size = math.hypot(*begin) + math.hypot(*end)
     scale = min(1.0, 4 * math.dist(origin, target) / size) if size > 0 else 0.0
-    first, last = [scale * x for x in begin], [scale * x for x in end]
-    ways = list(zip(origin, target, first, last, strict=True))
-    square = [3 * (b - a) - 2 * m - k for a, b, m, k in ways]
-    cube = [2 * (a - b) + m + k for a, b, m, k in ways]
-    return [*origin, *first, *square, *cube]
+    axes = [(a, b, scale * m, scale * k) for a, b, m, k in zip(origin, target, begin, end, strict=True)]
+    rows = [(a, m, 3 * (b - a) - 2 * m - k, 2 * (a - b) + m + k) for a, b, m, k in axes]
+    places, slopes, squares, cubes = zip(*rows, strict=True)
+    return places, slopes, squares, cubes
 
 
 def spline_chords(origin: Place, target: Place, tangents: tuple[Place, Place], tolerance: float) -> Points:
     """Points on the curve, ends included, (n, 3) [m]: it leaves the lines between them by no more than `tolerance`."""
-    a, b, c, d = np.array(cubic(origin, target, tangents)).reshape(4, 3)
+    a, b, c, d = np.array(cubic(origin, target, tangents))
     bend = max(float(np.linalg.norm(2 * c)), float(np.linalg.norm(2 * c + 6 * d)))  # the second derivative is linear
     u = np.linspace(0.0, 1.0, math.ceil(math.sqrt(bend / (8 * tolerance))) + 2)[:, None]
     return np.asarray(a + u * (b + u * (c + u * d)))

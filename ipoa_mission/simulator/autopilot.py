@@ -20,6 +20,7 @@ from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import PERSONALITIES
 from ipoa_mission.simulator.reporting import CRITICAL
 from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
 
 ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
@@ -42,7 +43,7 @@ class Autopilot(Commander):
         cold: bool = False,
         nak_at: int | None = None,
         seed: int = 0,
-        wind: tuple[float, float] = (0.0, 0.0),
+        wind: Wind = CALM,
     ) -> None:
         """`cold`: it is powered up now, and has no position for a while; else it has stood there for long.
 

@@ -5,10 +5,12 @@ Lean is kept as the horizontal acceleration that it gives at a thrust of one g: 
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.wind import CALM, Wind
 
 GRAVITY = 9.80665
+Triple: TypeAlias = tuple[float, float, float]  # east, north, up
 
 
 @dataclass(frozen=True)
@@ -16,29 +18,26 @@ class Airframe:
     """What the makers of a simulated vehicle say of it; accelerations for each kilogram."""
 
     linear_drag: float  # for each m/s, in any direction [1/s]
-    rotor_drag: float  # of rotors that turn the air, across their axis, for each m/s at a thrust of one g [1/s]
-    body_drag: float  # for each (m/s)^2, across the rotors' axis and along it [1/m]
     most_thrust: float  # [m/s^2]
     motor_s: float  # lag of the thrust
     rate_loop_s: float  # lag of the lean behind what the attitude controller asks of the rates
 
 
-#: ArduPilot's default quadrotor: 45 degrees of lean hold 15.08 m/s; of that drag, 0.2 v sqrt(T rho A) is the rotors'
-#: (disc area 0.385 m^2, 3 kg) and the rest the body's, at air density 1.12 kg/m^3 there and 1.22 near sea level.
 #: PX4's SIH: 1 kg, 1 N for each m/s in any direction, four rotors of 5 N with 50 ms.
-AIRFRAMES = {
-    Autopilot.ARDUPILOT: Airframe(0.0, 0.248, 0.0369, 25.0, 0.05, 0.1),
-    Autopilot.PX4: Airframe(1.0, 0.0, 0.0, 20.0, 0.05, 0.05),
-}
+PX4_AIRFRAME = Airframe(linear_drag=1.0, most_thrust=20.0, motor_s=0.05, rate_loop_s=0.05)
 
 
 class Body:
-    """Place and motion, east, north, up [m, m/s]; stands on the ground at height 0 until thrust lifts it."""
+    """Place and motion, east, north, up [m, m/s]; stands on the ground at height 0 until thrust lifts it.
 
-    def __init__(self, airframe: Airframe, wind: tuple[float, float] = (0.0, 0.0)) -> None:
+    PX4's pilot lets it `step`; ArduCopter's writes down where its own model has it.
+    """
+
+    def __init__(self, air: Wind = CALM, airframe: Airframe = PX4_AIRFRAME) -> None:
         self.airframe = airframe
         self.attitude_s = 0.15  # lag of the attitude that is asked for behind what the position controller wants
-        self.wind = wind  # towards, east and north [m/s]
+        self.air = air
+        self.wind = air.east, air.north  # towards [m/s]
         self.x = self.y = self.z = 0.0
         self.vx = self.vy = self.vz = 0.0
         self.ax = self.ay = self.az = 0.0
@@ -82,16 +81,6 @@ class Body:
         ax = self.lean_x * self.thrust / GRAVITY - frame.linear_drag * wx
         ay = self.lean_y * self.thrust / GRAVITY - frame.linear_drag * wy
         az = self.thrust - GRAVITY - frame.linear_drag * wz
-        if frame.rotor_drag or frame.body_drag:
-            nx, ny, nz = self.lean_x / GRAVITY / slope, self.lean_y / GRAVITY / slope, 1.0 / slope
-            along = wx * nx + wy * ny + wz * nz
-            cx, cy, cz = wx - along * nx, wy - along * ny, wz - along * nz
-            k = frame.rotor_drag * math.sqrt(self.thrust * slope / GRAVITY)
-            k += frame.body_drag * math.sqrt(cx * cx + cy * cy + cz * cz)
-            m = frame.body_drag * abs(along) * along
-            ax -= k * cx + m * nx
-            ay -= k * cy + m * ny
-            az -= k * cz + m * nz
         if self.z <= 0.0 and self.thrust <= GRAVITY:
             self.z = 0.0
             self.vx = self.vy = self.vz = self.ax = self.ay = self.az = 0.0

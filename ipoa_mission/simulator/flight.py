@@ -17,10 +17,11 @@ from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Item
 from ipoa_mission.simulator.ardupilot_pilot import ArduPilotPilot
-from ipoa_mission.simulator.body import AIRFRAMES, GRAVITY, Body
+from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.program import Program
 from ipoa_mission.simulator.px4_pilot import PX4Pilot
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Reached, Situation
+from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["Flight", "FlightMode", "MissionState", "Reached"]
@@ -55,10 +56,10 @@ class Flight:
         autopilot: Autopilot,
         home: Geodetic,
         parameters: Parameters,
-        wind: tuple[float, float] = (0.0, 0.0),
+        wind: Wind = CALM,
         seed: int = 0,
     ) -> None:
-        """`wind` blows towards east and north [m/s]; `parameters` are read again whenever the vehicle is armed.
+        """`parameters` are read again whenever the vehicle is armed.
 
         `seed` picks the errors of the sensors.
         """
@@ -68,7 +69,7 @@ class Flight:
         self._given = parameters
         self._now = Situation(Program((), self.frame, autopilot), mission=MissionState.NO_MISSION)
         self._chance = random.Random(seed)
-        self._body = Body(AIRFRAMES[autopilot], wind)
+        self._body = Body(wind)
         self._pilot: Pilot = PILOTS[autopilot](self._body, self._now, self.parameters, self._chance)
 
     # --- what it is like --------------------------------------------------------------------------------------------

@@ -3,9 +3,8 @@
 import math
 
 from ipoa_mission.autopilots.vehicle import Parameters
-from ipoa_mission.simulator.body import GRAVITY, Body
+from ipoa_mission.simulator.body import GRAVITY, Body, Triple
 from ipoa_mission.simulator.px4_hover import HoverThrust
-from ipoa_mission.simulator.scurve import Triple
 
 DERIVATIVE_S = 1.0 / (2.0 * math.pi * 5.0)  # MPC_VELD_LP
 

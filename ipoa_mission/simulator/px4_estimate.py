@@ -11,7 +11,7 @@ north, vertical 0.13; correlations after 1, 2, 3, 5 s: 0.87, 0.68, 0.47, 0.09 le
 import math
 import random
 
-from ipoa_mission.simulator.scurve import Triple
+from ipoa_mission.simulator.body import Triple
 
 #: Standard deviation [m/s] and tau [s]: level, vertical.
 LEVEL = (0.21, 1.6)

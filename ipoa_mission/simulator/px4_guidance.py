@@ -3,8 +3,8 @@
 import math
 
 from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.simulator.body import Triple
 from ipoa_mission.simulator.px4_smoothing import Axis, aim_together
-from ipoa_mission.simulator.scurve import Triple
 
 AT_GOAL = 1e-5  # nearer than this nothing is aimed at [m]
 STANDING = 1e-6  # a target slower than this has stopped [m/s]

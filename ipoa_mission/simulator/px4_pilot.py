@@ -8,13 +8,12 @@ from ipoa_mission.autopilots.px4 import RANGE_LAG_S, STAGES, Px4Return, Px4Touch
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Item
-from ipoa_mission.simulator.body import GRAVITY, Body
+from ipoa_mission.simulator.body import GRAVITY, Body, Triple
 from ipoa_mission.simulator.program import NAVIGATED
 from ipoa_mission.simulator.px4_control import PositionControl
 from ipoa_mission.simulator.px4_estimate import MotionEstimate
 from ipoa_mission.simulator.px4_guidance import PathFollower
 from ipoa_mission.simulator.px4_home import HomeHeight
-from ipoa_mission.simulator.scurve import Triple
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
 
 ON_GROUND_SINK = 0.7  # before taking off the target sinks at this rate [m/s]

@@ -6,11 +6,12 @@ from types import MappingProxyType
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.ardupilot import fly_arducopter
-from ipoa_mission.timing.body import ARDUPILOT_SIMULATOR, PX4_SIMULATOR
+from ipoa_mission.timing.body import PX4_SIMULATOR
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
@@ -19,8 +20,6 @@ from ipoa_mission.wind import CALM, Wind
 
 NO_PARAMETERS: Parameters = MappingProxyType({})
 EARTH_RADIUS = 6_371_000.0  # [m]
-MODELS = MappingProxyType({Autopilot.ARDUPILOT: fly_arducopter, Autopilot.PX4: fly_px4})
-BODIES = MappingProxyType({Autopilot.ARDUPILOT: ARDUPILOT_SIMULATOR, Autopilot.PX4: PX4_SIMULATOR})
 
 
 @dataclass(frozen=True)
@@ -124,9 +123,12 @@ def predict(
     """
     if mission.other_vehicle:
         raise MissionError(f"the mission is for {mission.other_vehicle}, and only multicopters have a time model")
-    route, body = itinerary(mission), BODIES[mission.autopilot]
-    body = replace(body, senses=None) if sure else body
-    return route, MODELS[mission.autopilot](route, mission.parameters, wind, fast, body)
+    route = itinerary(mission)
+    if mission.autopilot is Autopilot.ARDUPILOT:
+        airframe = ARDUPILOT_SIMULATOR.at_altitude(mission.home.altitude)
+        return route, fly_arducopter(route, mission.parameters, wind, fast, airframe)
+    body = replace(PX4_SIMULATOR, senses=None) if sure else PX4_SIMULATOR
+    return route, fly_px4(route, mission.parameters, wind, fast, body)
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:

@@ -17,10 +17,10 @@ import numpy as np
 from ipoa_mission.autopilots.px4 import RANGE_LAG_S, Px4Limits, Px4Touchdown, px4_limits
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
+from ipoa_mission.dynamics.compiled import stepping
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.itinerary.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
 from ipoa_mission.timing import _px4_steps
-from ipoa_mission.timing._compiled import stepping
 from ipoa_mission.timing.body import GRAVITY, PX4_SIMULATOR, Body, Senses
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
@@ -62,14 +62,14 @@ def fly_px4(
     """
     limits = px4_limits(parameters)
     plan = _Plan(route, limits, wind, body)
-    smooth = _Flight(plan, _px4_steps if fast is None else stepping("_px4_steps", fast, 0.0), seed=0)
+    smooth = _Flight(plan, _px4_steps if fast is None else stepping(_px4_steps, fast, 0.0), seed=0)
     smooth.run()
     samples = np.array(smooth.samples, dtype=np.float64).reshape(-1, 7)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
     times = [smooth.done]
     if body.senses is not None and route.visits:
         times = []
-        steps = stepping("_px4_steps", fast, RUNS * smooth.now / STEP)
+        steps = stepping(_px4_steps, fast, RUNS * smooth.now / STEP)
         for seed in range(1, RUNS + 1):
             if (seed - 1) % SOME_RUNS == 0 and _known(times):
                 break

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.autopilots.ardupilot import copter_limits
-from ipoa_mission.timing._ardupilot_steps import along
-from ipoa_mission.timing.copter_legs import Speeds, as_numbers, straight_leg
-from ipoa_mission.timing.scurve import Limits, Profile, change, profile, ramp_for
+from ipoa_mission.dynamics.copter.legs import limits_along, straight_leg
+from ipoa_mission.dynamics.copter.motion import NO_LEG, Bounds
+from ipoa_mission.dynamics.copter.scurve import Limits, Profile, change, profile, ramp_for
+from ipoa_mission.dynamics.copter.steps import along
 
 lengths = st.floats(0.01, 500.0)
 limits = st.builds(Limits, st.floats(0.5, 20.0), st.floats(0.5, 6.0), st.floats(0.5, 10.0), st.floats(2.0, 60.0))
@@ -18,10 +19,8 @@ limits = st.builds(Limits, st.floats(0.5, 20.0), st.floats(0.5, 6.0), st.floats(
 
 def sampled(shape: Profile, length: float, count: int = 400) -> np.ndarray:
     """Acceleration, speed and way at evenly spaced moments, by the code that flies the leg."""
-    head = [0.0] * 20
-    head[7], head[8], head[11] = length, shape.lasts, float(len(shape.segments))
-    numbers = head + [x for s in shape.segments for x in (s.begin, s.lasts, s.shape, s.jerk, s.accel, s.speed, s.way)]
-    return np.array([along(numbers, t) for t in np.linspace(1e-9, shape.lasts * (1 - 1e-9), count)])
+    leg = NO_LEG._replace(length=length, profile=shape)
+    return np.array([along(leg, t) for t in np.linspace(1e-9, shape.lasts * (1 - 1e-9), count)])
 
 
 @settings(max_examples=50)
@@ -95,6 +94,6 @@ def test_a_speed_changed_on_the_way_still_ends_where_it_should(speed: float, sha
 
 def test_a_climbing_leg_keeps_the_climb_rate() -> None:
     copter = copter_limits({})
-    leg = straight_leg((0.0, 0.0, 10.0), (30.0, 40.0, 60.0), Speeds(10.0, 2.5, 1.5), copter)
-    assert leg.limits.speed == pytest.approx(2.5 * math.sqrt(2))
-    assert as_numbers(leg)[7] == pytest.approx(math.hypot(50.0, 50.0))
+    ends, speeds = ((0.0, 0.0, 10.0), (30.0, 40.0, 60.0)), Bounds(10.0, 2.5, 1.5)
+    assert limits_along(*ends, speeds, copter).speed == pytest.approx(2.5 * math.sqrt(2))
+    assert straight_leg(*ends, speeds, copter).length == pytest.approx(math.hypot(50.0, 50.0))

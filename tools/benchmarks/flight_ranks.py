@@ -12,8 +12,9 @@ from scipy.stats import kstest
 
 from ipoa_mission.autopilots.px4 import px4_limits
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.dynamics.compiled import compiled
 from ipoa_mission.itinerary.itinerary import itinerary
-from ipoa_mission.timing._compiled import compiled
+from ipoa_mission.timing import _px4_steps
 from ipoa_mission.timing.body import PX4_SIMULATOR
 from ipoa_mission.timing.px4 import _Flight, _Plan
 from ipoa_mission.wind import CALM
@@ -26,7 +27,7 @@ def model_runs(flight: Recorded, runs: int) -> list[dict[int, float]]:
     plan = _Plan(itinerary(flight.mission), px4_limits(parameters), CALM, PX4_SIMULATOR)
     done = []
     for seed in range(1001, 1001 + runs):
-        one = _Flight(plan, compiled("_px4_steps"), seed)
+        one = _Flight(plan, compiled(_px4_steps), seed)
         one.run()
         done.append({visit.seq: at for visit, at in zip(plan.route.visits, one.done, strict=True)})
     return done

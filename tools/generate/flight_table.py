@@ -15,8 +15,9 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame
-from tests.recorded_flights import LANDINGS, Recorded, read_flights
+from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights
 from tools import REPOSITORY
 
 DOCUMENT = REPOSITORY / "docs" / "flight-time.md"
@@ -45,7 +46,7 @@ class Row:
 
 def compare(flight: Recorded) -> Row:
     """Estimate the mission of a flight and hold the two together."""
-    found = estimate(flight.mission, flight.parameters, fast=True)
+    found = estimate(flight.mission, flight.parameters, flight.wind, fast=True)
     done = {item.seq: item.done_s for item in found.items}
     main = flight.runs[0]
     return Row(
@@ -124,6 +125,35 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
+def wind_table() -> str:
+    """The flights in wind in Markdown, with what the estimate is off by and would be without the wind."""
+    lines = [
+        "| flight | wind | flown, s | estimated, s | error | without wind | RTL or LAND |",
+        "|---|---|--:|--:|--:|--:|--:|",
+    ]
+    errors, calm_errors = [], []
+    for flight in read_flights(Autopilot.ARDUPILOT, IN_WIND):
+        row, calm = compare(flight), compare(replace(flight, wind=CALM))
+        errors.append(abs(100 * row.error))
+        calm_errors.append(abs(100 * calm.error))
+        gusty = ", gusty" if flight.turbulence else ""
+        cells = (
+            f"{flight.wind.speed:g} m/s from {flight.wind.from_deg:g}°{gusty}",
+            f"{row.flown:.1f}",
+            f"{row.estimated:.1f}",
+            f"{100 * row.error:+.1f} %",
+            f"{100 * calm.error:+.0f} %",
+            f"{100 * (row.ending[1] / row.ending[0] - 1):+.1f} %",
+        )
+        lines.append(f"| {flight.name.rsplit('_w', 1)[0]} | {' | '.join(cells)} |")
+    lines.append("")
+    lines.append(
+        f"Median error {np.median(errors):.2f} %, largest {max(errors):.1f} % (without the wind: median "
+        f"{np.median(calm_errors):.0f} %, largest {max(calm_errors):.0f} %)."
+    )
+    return "\n".join(lines)
+
+
 def landing_table() -> str:
     """Take-off and landing of the flights that were armed as `fly` arms, in Markdown."""
     lines = [
@@ -149,6 +179,7 @@ def main() -> None:
     for autopilot, name in NAMES.items():
         rows = [compare(flight) for flight in read_flights(autopilot)]
         parts.append(f"### {name}\n\n{table(rows)}")
+    parts.append(f"### ArduCopter 4.7 in wind\n\n{wind_table()}")
     parts.append(f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}")
     text = "\n\n".join(parts)
     if "--write" not in sys.argv[1:]:

@@ -11,33 +11,36 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
-HERE = Path(__file__).parent
 
-
-def stepping(name: str, fast: bool | None, steps: float) -> ModuleType:
-    """The module `name`: compiled if `fast`, plain if not; None takes whichever is sooner ready with so many steps.
+def stepping(plain: ModuleType, fast: bool | None, steps: float) -> ModuleType:
+    """The module itself, or compiled if `fast`; None takes whichever is sooner ready with so many steps.
 
     Plain code does some thirty steps a millisecond; to load numba and what it has kept takes a second.
     """
-    loaded = f"{__package__}.{name}_compiled" in sys.modules
     if fast is None:
-        fast = loaded or (steps > 50_000 and _is_kept(name))
-    return compiled(name) if fast else importlib.import_module(f"{__package__}.{name}")
+        fast = f"{plain.__name__}_compiled" in sys.modules or (steps > 50_000 and _is_kept(_source(plain)))
+    return compiled(plain) if fast else plain
 
 
-def _is_kept(name: str) -> bool:
+def _source(module: ModuleType) -> Path:
+    assert module.__file__ is not None
+    return Path(module.__file__)
+
+
+def _is_kept(source: Path) -> bool:
     """Whether numba has kept the compiled module beside its source, and the source has not changed since."""
-    written = (HERE / f"{name}.py").stat().st_mtime
-    return any(index.stat().st_mtime > written for index in (HERE / "__pycache__").glob(f"{name}.fly_*.nbi"))
+    written = source.stat().st_mtime
+    kept = (source.parent / "__pycache__").glob(f"{source.stem}.fly_*.nbi")
+    return any(index.stat().st_mtime > written for index in kept)
 
 
 @lru_cache(maxsize=4)
-def compiled(name: str) -> ModuleType:
-    """The module `name` of this room, its `@jit` functions compiled."""
+def compiled(plain: ModuleType) -> ModuleType:
+    """The module with its `@jit` functions compiled."""
     import numba
 
-    full = f"{__package__}.{name}_compiled"
-    spec = importlib.util.spec_from_file_location(full, HERE / f"{name}.py")
+    full = f"{plain.__name__}_compiled"
+    spec = importlib.util.spec_from_file_location(full, _source(plain))
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)

@@ -6,8 +6,10 @@ time t_j as (J/2)(1 - cos(pi t/t_j)), may stay at J, and falls again; S = pi J /
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # shapes of jerk over a segment
+MOST_SEGMENTS = 24  # of a profile: three changes of speed, and what lies between them
 
 
 @dataclass(frozen=True)
@@ -20,8 +22,7 @@ class Limits:
     snap: float
 
 
-@dataclass(frozen=True)
-class Segment:
+class Segment(NamedTuple):
     """From `begin` [s], `lasts` [s]: jerk of a shape and peak, and the acceleration, speed and way it starts with."""
 
     begin: float
@@ -33,8 +34,7 @@ class Segment:
     way: float
 
 
-@dataclass(frozen=True)
-class Profile:
+class Profile(NamedTuple):
     """A leg's segments; it `lasts` [s], accelerates until `risen`, brakes from `falls`, peaks at `peak` [m/s]."""
 
     segments: tuple[Segment, ...]
@@ -42,6 +42,9 @@ class Profile:
     risen: float
     falls: float
     peak: float
+
+
+AT_REST = Profile((Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0),), 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,53 @@
+"""The multirotor that ArduPilot's simulator flies: its drag, and how quickly it answers.
+
+No mission and no autopilot parameter tells these, and every airframe has its own; the values here are read from the
+recorded flights (see docs/flight-time.md). Below about 8 m/s drag hardly matters; near the speed where it meets the
+greatest lean it decides.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+GRAVITY = 9.80665  # [m/s^2]
+TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
+THINNING = 9.6e-5  # by this share the air is thinner a metre higher [1/m]
+
+
+@dataclass(frozen=True)
+class Airframe:
+    """Drag per mass, and `lag` [s] of rotors and rate loop.
+
+    The rotors' is `rotor_drag` times the speed through the air at a thrust of one g, and grows with the square root of
+    the thrust [1/s]; the body's is `body_drag` times the square of it, along each of the body's axes [1/m].
+    """
+
+    rotor_drag: float
+    body_drag: float
+    lag: float
+
+    def at_altitude(self, altitude: float) -> "Airframe":
+        """The same over a home at this altitude [m], where the air is thinner: the standard atmosphere's density.
+
+        >>> round(Airframe(0.25, 0.036, 0.02).at_altitude(1000.0).body_drag, 4)
+        0.0327
+        """
+        low, high = TROPOSPHERE
+        density = (1 - 2.25577e-5 * min(max(altitude, low), high)) ** 4.2559 if math.isfinite(altitude) else 1.0
+        return replace(self, rotor_drag=self.rotor_drag * math.sqrt(density), body_drag=self.body_drag * density)
+
+    def top_speed(self, lean: float) -> float:
+        """The level speed [m/s] at which drag meets what a lean [rad] gives in calm air.
+
+        It solves (r + q v) v = g tan(lean). Of the level speed v the leaning body meets v cos(lean), so q is the
+        body's drag times that; r is the rotors' at the thrust that carries the leaning vehicle.
+        """
+        pull, q = GRAVITY * math.tan(lean), self.body_drag * math.cos(lean)
+        r = self.rotor_drag / math.sqrt(math.cos(lean))
+        if r <= 0 and q <= 0:
+            return math.inf
+        return 2 * pull / (r + math.sqrt(r**2 + 4 * q * pull))
+
+
+#: ArduPilot's built-in quadrotor, of 3 kg: 45 degrees of lean hold 15.08 m/s at 593 m over the sea, of which the rotors
+#: take 0.2 v sqrt(T rho A) with A = 0.385 m^2. The values are those at the sea (rho = 1.225 kg/m^3).
+ARDUPILOT_SIMULATOR = Airframe(rotor_drag=0.2484, body_drag=0.0356, lag=0.02)

@@ -1,0 +1,79 @@
+"""ArduCopter in wind: flights of its simulator, of which nothing was fitted; and winds that it cannot fly in."""
+
+import numpy as np
+import pytest
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import MissionError
+from ipoa_mission.simulator.flight import Flight
+from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.wind import CALM, Wind
+from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
+
+FLOWN = read_flights(Autopilot.ARDUPILOT, IN_WIND)
+CALM_FLIGHT = read_flight(FLIGHTS / "straight-ardupilot")
+
+
+def estimated(flight: Recorded, wind: Wind) -> Estimate:
+    return estimate(flight.mission, flight.parameters, wind, fast=True)
+
+
+def error(flight: Recorded, wind: Wind) -> float:
+    """Of the time from the first item done to the last waypoint, as a share of what was flown."""
+    done = {item.seq: item.done_s for item in estimated(flight, wind).items}
+    return (done[flight.last] - done[flight.first]) / float(flight.spans.mean()) - 1
+
+
+@pytest.mark.parametrize("flight", FLOWN, ids=lambda f: f.name)
+def test_a_flight_in_wind_takes_as_long_as_estimated_within_two_per_cent(flight: Recorded) -> None:
+    assert abs(error(flight, flight.wind)) < 0.02
+
+
+def test_half_of_the_flights_in_wind_are_right_within_one_per_cent_and_not_without_it() -> None:
+    assert np.median([abs(error(flight, flight.wind)) for flight in FLOWN]) < 0.01
+    assert np.median([abs(error(flight, CALM)) for flight in FLOWN]) > 0.05
+
+
+@pytest.mark.parametrize("flight", FLOWN, ids=lambda f: f.name)
+def test_take_off_and_landing_in_wind_within_three_per_cent_and_five_in_gusts(flight: Recorded) -> None:
+    done = {item.seq: item.done_s for item in estimated(flight, flight.wind).items}
+    run, last = flight.runs[0], len(flight.mission.items)
+    assert done[flight.first] == pytest.approx(run[flight.first], rel=0.02)
+    flown = flight.end_s - run[flight.last]
+    assert done[last] - done[flight.last] == pytest.approx(flown, rel=0.055 if flight.turbulence else 0.035)
+
+
+@pytest.mark.parametrize(
+    ("wind", "says"),
+    [
+        (Wind(9.9, 0.0), "does not get on to 0, 60, 30 m"),
+        (Wind(13.0, 90.0), "blows the copter off its path to 0, 60, 30 m"),
+        (Wind(25.0, 270.0), "items[0]: the wind of 25 m/s from 270 deg blows the copter off"),
+    ],
+)
+def test_a_wind_in_which_the_copter_does_not_hold_its_path_is_refused(wind: Wind, says: str) -> None:
+    with pytest.raises(MissionError) as refused:
+        estimated(CALM_FLIGHT, wind)
+    assert says in str(refused.value)
+    assert str(refused.value).startswith("items[")
+
+
+def test_a_wind_near_the_ground_alone_costs_nothing_on_the_way() -> None:
+    """Of a mission at 30 m: a wind that reaches its speed at 2 km is a light one there."""
+    light = Wind(8.0, 0.0, exponent=1.0, gradient_height=2000.0)
+    assert light.at(30.0) == pytest.approx(0.12)
+    calm, windy = error(CALM_FLIGHT, CALM), error(CALM_FLIGHT, light)
+    assert windy == pytest.approx(calm, abs=0.002)
+    assert error(CALM_FLIGHT, Wind(8.0, 0.0)) > 0.5
+
+
+def test_the_built_in_autopilot_flies_in_the_same_wind() -> None:
+    flight = read_flight(IN_WIND / "straight_w8d0t0-ardupilot")
+    flown = Flight(Autopilot.ARDUPILOT, flight.mission.home, flight.parameters, flight.wind)
+    flown.load(flight.mission.items)
+    flown.arm()
+    flown.start()
+    while flown.armed and flown.time_s < 600.0:
+        flown.advance(flown.time_s + 1.0)
+    done = {reached.index + 1: reached.time_s for reached in flown.reached}
+    assert done[flight.last] - done[flight.first] == pytest.approx(float(flight.spans.mean()), rel=0.02)
