@@ -16,25 +16,18 @@ sys.path.insert(0, str(ROOT / "tests"))  # where the flights are read, for the t
 
 from recorded_flights import Recorded, read_flights  # noqa: E402
 
-from ipoa_mission.autopilots.px4 import px4_limits  # noqa: E402
 from ipoa_mission.autopilots.vehicle import Autopilot  # noqa: E402
 from ipoa_mission.itinerary.itinerary import itinerary  # noqa: E402
-from ipoa_mission.timing._compiled import compiled  # noqa: E402
-from ipoa_mission.timing.body import PX4_SIMULATOR  # noqa: E402
-from ipoa_mission.timing.px4 import _Flight, _Plan  # noqa: E402
-from ipoa_mission.wind import CALM  # noqa: E402
+from ipoa_mission.timing.px4 import Flights  # noqa: E402
 
 
 def model_runs(flight: Recorded, runs: int) -> list[dict[int, float]]:
     """The mission flown so often by the model: when each item was done [s]."""
     parameters = {name: float(value) for name, value in flight.parameters.items()}
-    plan = _Plan(itinerary(flight.mission), px4_limits(parameters), CALM, PX4_SIMULATOR)
-    done = []
-    for seed in range(1001, 1001 + runs):
-        one = _Flight(plan, compiled("_px4_steps"), seed)
-        one.run()
-        done.append({visit.seq: at for visit, at in zip(plan.route.visits, one.done, strict=True)})
-    return done
+    flights = Flights(itinerary(flight.mission), parameters)
+    once = flights.prepared(noisy=True, fast=True)
+    found = (once(seed)[0] for seed in range(1001, 1001 + runs))
+    return [{visit.seq: at for visit, at in zip(flights.route.visits, done, strict=True)} for done in found]
 
 
 def rank(value: float, among: np.ndarray) -> float:

@@ -13,14 +13,14 @@ import sys
 from dataclasses import replace
 
 import numpy as np
+from ipoa_mission.simulator.px4_estimate import MotionEstimate
+from ipoa_mission.simulator.px4_home import HomeHeight
 
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff
 from ipoa_mission.itinerary.itinerary import itinerary
 from ipoa_mission.simulator.flight import Flight
-from ipoa_mission.simulator.px4_estimate import MotionEstimate
-from ipoa_mission.simulator.px4_home import HomeHeight
 from ipoa_mission.timing.ardupilot import fly_arducopter
 from ipoa_mission.timing.body import PX4_SIMULATOR
 from ipoa_mission.timing.px4 import fly_px4

@@ -6,7 +6,7 @@ Lean is kept as the horizontal acceleration that it gives at a thrust of one g: 
 import math
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.simulator.vehicle import Vehicle
 
 GRAVITY = 9.80665
 
@@ -15,7 +15,6 @@ GRAVITY = 9.80665
 class Airframe:
     """What the makers of a simulated vehicle say of it; accelerations for each kilogram."""
 
-    linear_drag: float  # for each m/s, in any direction [1/s]
     rotor_drag: float  # of rotors that turn the air, across their axis, for each m/s at a thrust of one g [1/s]
     body_drag: float  # for each (m/s)^2, across the rotors' axis and along it [1/m]
     most_thrust: float  # [m/s^2]
@@ -25,39 +24,21 @@ class Airframe:
 
 #: ArduPilot's default quadrotor: 45 degrees of lean hold 15.08 m/s; of that drag, 0.2 v sqrt(T rho A) is the rotors'
 #: (disc area 0.385 m^2, 3 kg) and the rest the body's, at air density 1.12 kg/m^3 there and 1.22 near sea level.
-#: PX4's SIH: 1 kg, 1 N for each m/s in any direction, four rotors of 5 N with 50 ms.
-AIRFRAMES = {
-    Autopilot.ARDUPILOT: Airframe(0.0, 0.248, 0.0369, 25.0, 0.05, 0.1),
-    Autopilot.PX4: Airframe(1.0, 0.0, 0.0, 20.0, 0.05, 0.05),
-}
+QUAD = Airframe(0.248, 0.0369, 25.0, 0.05, 0.1)
 
 
-class Body:
+class Body(Vehicle):
     """Place and motion, east, north, up [m, m/s]; stands on the ground at height 0 until thrust lifts it."""
 
     def __init__(self, airframe: Airframe, wind: tuple[float, float] = (0.0, 0.0)) -> None:
+        super().__init__(wind)
         self.airframe = airframe
         self.attitude_s = 0.15  # lag of the attitude that is asked for behind what the position controller wants
-        self.wind = wind  # towards, east and north [m/s]
-        self.x = self.y = self.z = 0.0
-        self.vx = self.vy = self.vz = 0.0
         self.ax = self.ay = self.az = 0.0
-        self.lean_x = self.lean_y = 0.0
         self.thrust = 0.0  # vertical part [m/s^2]
-        self.yaw = self.yaw_rate = 0.0
-        self.on_ground = True
+        self.yaw_rate = 0.0
         self._aim_x = self._aim_y = 0.0
         self._fades = (0.0, 0.0, 0.0, 0.0)
-
-    @property
-    def place(self) -> tuple[float, float, float]:
-        """East, north, up [m]."""
-        return self.x, self.y, self.z
-
-    @property
-    def motion(self) -> tuple[float, float, float]:
-        """East, north, up [m/s]."""
-        return self.vx, self.vy, self.vz
 
     def step(self, lean: tuple[float, float], thrust: float, dt: float) -> None:
         """Let `dt` pass while `lean` (g tan of the angle, east and north) and vertical `thrust` are asked for."""
@@ -79,19 +60,15 @@ class Body:
         """Newton's second law, and the ground."""
         frame = self.airframe
         wx, wy, wz = self.vx - self.wind[0], self.vy - self.wind[1], self.vz
-        ax = self.lean_x * self.thrust / GRAVITY - frame.linear_drag * wx
-        ay = self.lean_y * self.thrust / GRAVITY - frame.linear_drag * wy
-        az = self.thrust - GRAVITY - frame.linear_drag * wz
-        if frame.rotor_drag or frame.body_drag:
-            nx, ny, nz = self.lean_x / GRAVITY / slope, self.lean_y / GRAVITY / slope, 1.0 / slope
-            along = wx * nx + wy * ny + wz * nz
-            cx, cy, cz = wx - along * nx, wy - along * ny, wz - along * nz
-            k = frame.rotor_drag * math.sqrt(self.thrust * slope / GRAVITY)
-            k += frame.body_drag * math.sqrt(cx * cx + cy * cy + cz * cz)
-            m = frame.body_drag * abs(along) * along
-            ax -= k * cx + m * nx
-            ay -= k * cy + m * ny
-            az -= k * cz + m * nz
+        nx, ny, nz = self.lean_x / GRAVITY / slope, self.lean_y / GRAVITY / slope, 1.0 / slope
+        along = wx * nx + wy * ny + wz * nz
+        cx, cy, cz = wx - along * nx, wy - along * ny, wz - along * nz
+        k = frame.rotor_drag * math.sqrt(self.thrust * slope / GRAVITY)
+        k += frame.body_drag * math.sqrt(cx * cx + cy * cy + cz * cz)
+        m = frame.body_drag * abs(along) * along
+        ax = self.lean_x * self.thrust / GRAVITY - (k * cx + m * nx)
+        ay = self.lean_y * self.thrust / GRAVITY - (k * cy + m * ny)
+        az = self.thrust - GRAVITY - (k * cz + m * nz)
         if self.z <= 0.0 and self.thrust <= GRAVITY:
             self.z = 0.0
             self.vx = self.vy = self.vz = self.ax = self.ay = self.az = 0.0

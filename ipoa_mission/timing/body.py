@@ -1,7 +1,7 @@
-"""The multirotors that the models fly: what drag they have, how quickly they answer, how well they know where they are.
+"""The multirotor that ArduCopter's model flies: what drag it has, how quickly it answers.
 
-No mission and no autopilot parameter tells these, and every airframe has its own; the values here are those of the
-two simulators' quadrotors, read from the recorded flights (see docs/flight-time.md). Below about 8 m/s drag hardly
+No mission and no autopilot parameter tells these, and every airframe has its own; the values here are those of its
+simulator's quadrotor, read from the recorded flights (see docs/flight-time.md). Below about 8 m/s drag hardly
 matters; near the speed where it meets the greatest lean it decides.
 """
 
@@ -12,33 +12,12 @@ GRAVITY = 9.80665  # [m/s^2]
 
 
 @dataclass(frozen=True)
-class Senses:
-    """How well a vehicle knows where it is, as far as its guidance notices.
-
-    A satellite height comes every `every` s with a standard deviation of `height_noise` m. The speed that is estimated
-    does not quite agree with how the estimated place moves: by `drift` m/s level, along each axis, and `drift_up`
-    upwards (standard deviations), for about `drift_lasts` s. One that `sees_ground`, by a range finder, crawls to it.
-    """
-
-    every: float
-    height_noise: float
-    drift: float
-    drift_up: float
-    drift_lasts: float
-    sees_ground: bool
-
-
-@dataclass(frozen=True)
 class Body:
-    """Drag per mass along the leaning body: (linear + quadratic v) v [1/s, 1/m]; `lag` [s] of rotors and rate loop.
-
-    With `senses` a model may fly several times, each time with other noise; without, it knows everything exactly.
-    """
+    """Drag per mass along the leaning body: (linear + quadratic v) v [1/s, 1/m]; `lag` [s] of rotors and rate loop."""
 
     linear_drag: float
     quadratic_drag: float
     lag: float
-    senses: Senses | None = None
 
     def top_speed(self, lean: float) -> float:
         """The level speed [m/s] at which drag meets what a lean [rad] gives in calm air.
@@ -54,10 +33,3 @@ class Body:
 
 #: ArduPilot's built-in quadrotor: at 30 degrees of lean its drag allows 10.0 m/s level.
 ARDUPILOT_SIMULATOR = Body(linear_drag=0.30, quadratic_drag=0.0306, lag=0.02)
-#: PX4's SIH quadrotor (1 kg, drag 1 N s/m): at 45 degrees of lean its drag allows 9.8 m/s level.
-PX4_SIMULATOR = Body(
-    linear_drag=1.0,
-    quadratic_drag=0.0,
-    lag=0.06,
-    senses=Senses(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True),
-)

@@ -1,15 +1,15 @@
 """How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.ardupilot import fly_arducopter
-from ipoa_mission.timing.body import ARDUPILOT_SIMULATOR, PX4_SIMULATOR
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
@@ -18,8 +18,6 @@ from ipoa_mission.wind import CALM, Wind
 
 NO_PARAMETERS: Parameters = MappingProxyType({})
 EARTH_RADIUS = 6_371_000.0  # [m]
-MODELS = MappingProxyType({Autopilot.ARDUPILOT: fly_arducopter, Autopilot.PX4: fly_px4})
-BODIES = MappingProxyType({Autopilot.ARDUPILOT: ARDUPILOT_SIMULATOR, Autopilot.PX4: PX4_SIMULATOR})
 
 
 @dataclass(frozen=True)
@@ -121,9 +119,10 @@ def predict(
 
     `sure`: the vehicle knows where it is, so that PX4 is flown once and not many times; else as in `estimate`.
     """
-    route, body = itinerary(mission), BODIES[mission.autopilot]
-    body = replace(body, senses=None) if sure else body
-    return route, MODELS[mission.autopilot](route, mission.parameters, wind, fast, body)
+    route = itinerary(mission)
+    if mission.autopilot is Autopilot.PX4:
+        return route, fly_px4(route, mission.parameters, wind, fast, senses=KNOWS if sure else SIH_SENSES)
+    return route, fly_arducopter(route, mission.parameters, wind, fast)
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:

@@ -1,0 +1,1 @@
+"""How each autopilot flies: guidance, control, body and sensors, step by step; estimates and simulator share it."""
