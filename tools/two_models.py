@@ -1,7 +1,6 @@
-"""Hold the estimate against the built-in autopilot over random missions and parameters: two models written apart.
+"""Hold ArduCopter's estimate against the built-in autopilot over random missions: two models written apart.
 
-python tools/two_models.py px4 [FROM TO]          by default 0 to 200; prints every case that differs, and a summary
-python tools/two_models.py ardupilot [FROM TO]
+python tools/two_models.py [FROM TO]          by default 0 to 200; prints every case that differs, and a summary
 
 Both fly without noise. A case differs by more than 5 % and 0.5 s from take-off to the last waypoint, or by more than
 8 % and a second and a half in take-off or landing. Same number, same case.
@@ -10,11 +9,8 @@ Both fly without noise. A case differs by more than 5 % and 0.5 s from take-off 
 import math
 import random
 import sys
-from dataclasses import replace
 
 import numpy as np
-from ipoa_mission.simulator.px4_estimate import MotionEstimate
-from ipoa_mission.simulator.px4_home import HomeHeight
 
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import Command, Frame
@@ -22,8 +18,6 @@ from ipoa_mission.items import Item, Mission, change_speed, land, return_to_laun
 from ipoa_mission.itinerary.itinerary import itinerary
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.timing.ardupilot import fly_arducopter
-from ipoa_mission.timing.body import PX4_SIMULATOR
-from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(39.101, 121.82, 20.0)
@@ -31,21 +25,11 @@ FRAME = LocalFrame(HOME)
 KINDS = ("dense", "sparse", "steep", "back and forth", "tiny", "long", "vertical", "hold", "heading", "spline", "mixed")
 SHARE, SECONDS = np.array([0.08, 0.05, 0.08]), np.array([1.5, 0.5, 1.5])  # take-off, mission, landing: worth a line
 #: How often a parameter is moved, and between which values.
-MOVED: dict[Autopilot, dict[str, tuple[float, float, float]]] = {
-    Autopilot.PX4: {
-        "MPC_XY_CRUISE": (0.4, 2, 15), "MPC_XY_VEL_MAX": (0.3, 6, 20), "MPC_ACC_HOR": (0.4, 2, 5),
-        "MPC_JERK_AUTO": (0.4, 4, 20), "NAV_ACC_RAD": (0.4, 0.5, 10), "MPC_XY_TRAJ_P": (0.4, 0.1, 1),
-        "MPC_Z_V_AUTO_UP": (0.4, 1, 5), "MPC_Z_V_AUTO_DN": (0.4, 0.7, 3), "MPC_XY_ERR_MAX": (0.2, 1, 5),
-        "MPC_TKO_SPEED": (0.4, 1, 3), "MPC_LAND_SPEED": (0.4, 0.4, 1.5), "MPC_ACC_UP_MAX": (0.2, 2, 8),
-        "MPC_ACC_DOWN_MAX": (0.2, 2, 6), "MPC_YAWRAUTO_MAX": (0.2, 20, 90), "RTL_DESCEND_ALT": (0.3, 10, 40),
-        "NAV_MC_ALT_RAD": (0.2, 0.4, 2), "MPC_TKO_RAMP_T": (0.2, 0.5, 4), "RTL_LAND_DELAY": (0.1, 0, 5),
-    },
-    Autopilot.ARDUPILOT: {
-        "WP_SPD": (0.4, 2, 15), "WP_ACC": (0.4, 0.5, 5), "WP_JERK": (0.4, 0.5, 8), "WP_RADIUS_M": (0.4, 0.3, 10),
-        "WP_SPD_UP": (0.4, 1, 5), "WP_SPD_DN": (0.4, 0.7, 3), "WP_ACC_Z": (0.3, 0.5, 3), "WP_ACC_CNR": (0.2, 0, 5),
-        "LAND_SPD_MS": (0.4, 0.3, 1.2), "RTL_ALT_M": (0.4, 0, 60), "RTL_LOIT_TIME": (0.3, 0, 8000),
-        "ATC_INPUT_TC": (0.3, 0.1, 0.4), "ATC_ANGLE_MAX": (0.3, 15, 45), "ATC_ACC_P_MAX": (0.2, 300, 1500),
-    },
+MOVED: dict[str, tuple[float, float, float]] = {
+    "WP_SPD": (0.4, 2, 15), "WP_ACC": (0.4, 0.5, 5), "WP_JERK": (0.4, 0.5, 8), "WP_RADIUS_M": (0.4, 0.3, 10),
+    "WP_SPD_UP": (0.4, 1, 5), "WP_SPD_DN": (0.4, 0.7, 3), "WP_ACC_Z": (0.3, 0.5, 3), "WP_ACC_CNR": (0.2, 0, 5),
+    "LAND_SPD_MS": (0.4, 0.3, 1.2), "RTL_ALT_M": (0.4, 0, 60), "RTL_LOIT_TIME": (0.3, 0, 8000),
+    "ATC_INPUT_TC": (0.3, 0.1, 0.4), "ATC_ANGLE_MAX": (0.3, 15, 45), "ATC_ACC_P_MAX": (0.2, 300, 1500),
 }  # fmt: skip
 
 
@@ -54,7 +38,7 @@ def place(east: float, north: float) -> Geodetic:
     return Geodetic(float(latitude[0]), float(longitude[0]), HOME.altitude)
 
 
-def case(number: int, autopilot: Autopilot) -> tuple[str, Mission, Parameters]:
+def case(number: int) -> tuple[str, Mission, Parameters]:
     """A mission of one kind, and parameters."""
     chance = random.Random(number)
     kind = chance.choice(KINDS)
@@ -75,12 +59,12 @@ def case(number: int, autopilot: Autopilot) -> tuple[str, Mission, Parameters]:
             height = min(max(height + chance.uniform(-30, 30) * (0.3 if kind == "mixed" else 1.0), 4), 120)
         hold = chance.choice((0.0, chance.uniform(0.5, 9))) if kind in ("hold", "mixed") else 0.0
         yaw = chance.uniform(0, 360) if kind == "heading" and n > 0 else math.nan
-        items.append(waypoint(x, y, height, hold, yaw, kind == "spline" and autopilot is Autopilot.ARDUPILOT))
+        items.append(waypoint(x, y, height, hold, yaw, kind == "spline"))
         if kind == "mixed" and chance.random() < 0.25:
             items.append(change_speed(chance.uniform(2, 15)))
     items.append(land(place(x, y)) if chance.random() < 0.35 else return_to_launch())
-    moved = {n: chance.uniform(a, b) for n, (share, a, b) in MOVED[autopilot].items() if chance.random() < share}
-    return kind, Mission(HOME, tuple(items), autopilot), moved
+    moved = {n: chance.uniform(a, b) for n, (share, a, b) in MOVED.items() if chance.random() < share}
+    return kind, Mission(HOME, tuple(items), Autopilot.ARDUPILOT), moved
 
 
 def waypoint(
@@ -102,12 +86,7 @@ def parts(done: dict[int, float], mission: Mission, end_s: float) -> tuple[float
 
 def estimated(mission: Mission, parameters: Parameters) -> tuple[float, float, float]:
     route = itinerary(mission)
-    if mission.autopilot is Autopilot.PX4:
-        assert PX4_SIMULATOR.senses is not None
-        quiet = replace(PX4_SIMULATOR.senses, height_noise=0.0, drift=0.0, drift_up=0.0)
-        found = fly_px4(route, parameters, fast=True, body=replace(PX4_SIMULATOR, senses=quiet))
-    else:
-        found = fly_arducopter(route, parameters, fast=True)
+    found = fly_arducopter(route, parameters, fast=True)
     done = {visit.seq: float(at) for visit, at in zip(route.visits, found.done, strict=True)}
     return parts(done, mission, float(found.done[-1]))
 
@@ -125,13 +104,10 @@ def flown(mission: Mission, parameters: Parameters) -> tuple[float, float, float
 
 
 def main() -> None:
-    autopilot = Autopilot(sys.argv[1])
-    begin, end = map(int, sys.argv[2:4]) if len(sys.argv) > 3 else (0, 200)
-    HomeHeight.advance = lambda self, dt: None  # type: ignore[method-assign]
-    MotionEstimate.of = lambda self, motion, dt: motion  # type: ignore[method-assign]
+    begin, end = map(int, sys.argv[1:3]) if len(sys.argv) > 2 else (0, 200)
     off = []
     for number in range(begin, end):
-        kind, mission, parameters = case(number, autopilot)
+        kind, mission, parameters = case(number)
         ours, theirs = np.array(estimated(mission, parameters)), np.array(flown(mission, parameters))
         off.append(ours / theirs - 1)
         if (np.abs(ours - theirs) > np.maximum(SHARE * theirs, SECONDS)).any():

@@ -154,9 +154,9 @@ class PX4Pilot:
         goal = Enu(*self._now.program.place(index, start))
         if item.command == Command.NAV_DELAY:
             return stay(start, limits, max(item.params[0], STEP_S))
-        if item.command == Command.NAV_LAND and not self._now.landed:
+        if item.command == Command.NAV_LAND:
             self._here = goal._replace(up=0.0)
-            return way_down(start, goal, limits, cruise, 0.0)
+            return [] if self._now.landed else way_down(start, goal, limits, cruise, 0.0)
         self._here, climb = goal, []
         if self._now.landed:  # whatever the item is, it takes off to its height first
             start = self._over_home()._replace(up=goal.up)
