@@ -56,7 +56,7 @@ TAKEOFF_REST = 0.00003
 GAINS = (1.0, 2.0, 1.0, 0.25)  # position P, velocity P, I, D of the horizontal controllers: ArduCopter's defaults
 ERROR_FILTER = 1 / (2 * math.pi * 5.0)  # of the velocity error: 5 Hz by default [s]
 OVERRUNNING = 1.0  # a stop that is come to faster is overrun; after a leg that is long enough it is 0.3 [m/s]
-DOUBT, DOUBT_SHARE = 0.5, 0.015  # half the width of the interval: seconds, and share of the time
+DOUBT, DOUBT_SHARE = 0.15, 0.0075  # half the width of the interval: seconds, and share of the time
 
 #: Of these only the flight to their place is modelled.
 ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})

@@ -10,7 +10,7 @@ from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.ardupilot import fly_arducopter
-from ipoa_mission.timing.prediction import Prediction, Track
+from ipoa_mission.timing.prediction import NEVER_MISSED, Missed, Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.timing.route import RouteTime, route_time
@@ -22,10 +22,12 @@ EARTH_RADIUS = 6_371_000.0  # [m]
 
 @dataclass(frozen=True)
 class ItemTime:
-    """One item as it will be flown: done at `done_s`, which honestly lies from `low_s` to `high_s`.
+    """One item as it will be flown: done at `done_s`, in nine flights of ten from `low_s` to `high_s`.
 
     `length` [m] is the path flown for it and `peak_speed`, `mean_speed` [m/s] the speeds along it; `reason` says what
     kept it slow ("corner 87 deg", "leg shorter than its braking distance", "hold"), and is "" where nothing did.
+    `missed` is the risk of a waypoint: in which share of the flights the vehicle passes it at a height that does not
+    count and turns back, and what that costs; the other times have it in them.
     """
 
     seq: int
@@ -38,6 +40,7 @@ class ItemTime:
     peak_speed: float
     mean_speed: float
     reason: str
+    missed: Missed = NEVER_MISSED
 
 
 @dataclass(frozen=True, repr=False)
@@ -128,7 +131,8 @@ def predict(
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
     items, begun = [], 0.0
     times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
-    for visit, done, low, high, reason in zip(route.visits, *times, prediction.reasons, strict=True):
+    risks = prediction.missed or (NEVER_MISSED,) * len(route.visits)
+    for visit, done, low, high, reason, missed in zip(route.visits, *times, prediction.reasons, risks, strict=True):
         length, peak = _flown(prediction.track, begun, done)
         lasted = done - begun
         items.append(
@@ -143,6 +147,7 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
                 peak_speed=peak,
                 mean_speed=length / lasted if lasted > 0 else 0.0,
                 reason=reason,
+                missed=missed,
             )
         )
         begun = done

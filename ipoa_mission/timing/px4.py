@@ -21,7 +21,7 @@ from ipoa_mission.dynamics.px4.state import Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.itinerary.itinerary import Itinerary, flying_already
-from ipoa_mission.timing.prediction import Prediction, Track
+from ipoa_mission.timing.prediction import Missed, Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.wind import CALM, Wind
 
@@ -29,8 +29,9 @@ STEP = 0.04  # [s]
 SAMPLE_STEPS = 3  # a sample of the track every so many steps
 RUNS = 90  # with noise
 SOME_RUNS, WELL_KNOWN = 6, 0.003  # fewer will do once the mean is known to this share of it; asked every so many
-DOUBT, DOUBT_SHARE = 1.0, 0.01  # what the model itself may be off by on either side: seconds, and share of the time
-LIKELY = 0.9  # the share of the runs between which the interval lies, before that is added
+DOUBT, DOUBT_SHARE = 0.8, 0.0125  # what the model itself may be off by, standard deviations: seconds, share of the time
+NINE_IN_TEN = 1.645  # standard deviations on either side of the mean
+MISSED_S = 3.0  # a waypoint that takes so much longer than in most runs has been missed
 
 
 def fly_px4(
@@ -63,20 +64,29 @@ def fly_px4(
             remarks.append(f"some flights would not end: {lost}")
     runs = np.array(times or [smooth])
     done = runs.mean(axis=0)
-    low, high = np.quantile(runs, [(1 - LIKELY) / 2, (1 + LIKELY) / 2], axis=0)
-    doubt = DOUBT + DOUBT_SHARE * done
+    half = NINE_IN_TEN * np.sqrt(runs.var(axis=0) + DOUBT**2 + (DOUBT_SHARE * done) ** 2)
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
     track = Track(warped, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
-    interval = (np.minimum(low, done) - doubt, np.maximum(high, done) + doubt)
     reasons = tuple(flights.why_slow(n, smooth, samples) for n in range(len(route.visits)))
-    return Prediction(done, *interval, reasons, track, tuple(remarks))
+    return Prediction(done, done - half, done + half, reasons, track, tuple(remarks), _missed(route, runs))
 
 
 def _known(times: list[Vector]) -> bool:
     """Whether the mean of the runs is known well enough: its standard error is a small share of it."""
     ends = np.array([run[-1] for run in times])
     return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= WELL_KNOWN * ends.mean())
+
+
+def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
+    """For each waypoint in which share of the runs (m, n) [s] it is missed, and what that costs."""
+    lasted = np.diff(runs, axis=1, prepend=0.0)
+    longer = lasted - np.median(lasted, axis=0)
+    flown_to = np.array([visit.item.command in FLOWN_TO for visit in route.visits], dtype=bool)
+    missed = (longer > MISSED_S) & flown_to
+    share = missed.mean(axis=0)
+    cost = (longer * missed).sum(axis=0) / np.maximum(missed.sum(axis=0), 1)
+    return tuple(Missed(*map(float, both)) for both in zip(share, cost, strict=True))
 
 
 class Flights:

@@ -92,17 +92,21 @@ def plan(route: Itinerary, limits: Px4Limits) -> Planned:
     navigator = _Navigator(route, limits)
     orders: list[Order] = []
     done: list[int] = []
+    at = navigator.here
     for n in range(len(route.visits)):
-        orders += [_patient(order) for order in navigator.visit(n)]
+        for order in navigator.visit(n):
+            orders.append(_patient(order, at, limits))
+            at = order.goal
         done.append(len(orders))
     return Planned(tuple(orders), tuple(done), tuple(navigator.remarks))
 
 
-def _patient(order: Order) -> Order:
-    """With the time that it may take; a small circle is hard to hit."""
-    climb = abs(order.goal.up - order.start.up)
-    far = math.dist(order.start, order.goal) + 3 * climb + 60.0
-    return order._replace(patience=(300 + 6 * far * max(1.0, 1 / order.cruise)) * max(1.0, 1 / order.radius))
+def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
+    """With the time that it may take from where the order before ends; a small circle is hard to hit."""
+    slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
+    level, rise = math.dist(before[:2], order.goal[:2]), abs(order.goal.up - before.up)
+    lasts = 300 + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
+    return order._replace(patience=lasts * max(1.0, 1 / order.radius))
 
 
 class _Navigator:
