@@ -5,8 +5,8 @@ flights; docs/flight-time.md says which.
 """
 
 import math
-from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.errors import BadInput
@@ -98,8 +98,7 @@ POSITIVE = (
 )
 
 
-@dataclass(frozen=True)
-class Px4Return:
+class Px4Return(NamedTuple):
     """How high PX4 returns: RTL_RETURN_ALT, RTL_DESCEND_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
 
     altitude: float
@@ -135,11 +134,11 @@ class Px4Return:
         return max(above, top, 2.0 * self.radius)
 
 
-@dataclass(frozen=True)
-class Px4Touchdown:
+class Px4Touchdown(NamedTuple):
     """When PX4 takes standing for being landed: LNDMC_TRIG_TIME [s], LNDMC_Z_VEL_MAX [m/s], low thrust.
 
-    `low_thrust` is the share of the thrust of hovering that the thrust asked for has to fall below.
+    `low_thrust` is the share of the thrust of hovering that the thrust asked for has to fall below. Each of the
+    `STAGES` takes its part of `trigger_s`, and three times as long where a range finder has lost the ground.
     """
 
     trigger_s: float
@@ -149,21 +148,13 @@ class Px4Touchdown:
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Touchdown":
         """By these parameters; what is not given has PX4's default."""
-        least = parameters.get("MPC_THR_MIN", 0.12) / parameters.get("MPC_THR_HOVER", 0.5)
-        speed = min(parameters.get("MPC_LAND_SPEED", 0.7), parameters.get("MPC_LAND_CRWL", 0.3)) / 1.2
-        return cls(
-            parameters.get("LNDMC_TRIG_TIME", 1.0),
-            min(parameters.get("LNDMC_Z_VEL_MAX", 0.25), speed),
-            least + RELAXED_THRUST * (1.0 - least),
-        )
-
-    def stage_s(self, ground_lost: bool) -> float:
-        """How long each of the stages takes; three times as long where a range finder has lost the ground."""
-        return self.trigger_s * (STAGES if ground_lost else 1) / STAGES
+        p = {**PX4_DEFAULTS, **parameters}
+        least = p["MPC_THR_MIN"] / p["MPC_THR_HOVER"]
+        speed = min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2
+        return cls(p["LNDMC_TRIG_TIME"], min(p["LNDMC_Z_VEL_MAX"], speed), least + RELAXED_THRUST * (1.0 - least))
 
 
-@dataclass(frozen=True)
-class Px4Limits:
+class Px4Limits(NamedTuple):
     """What moves a PX4 multicopter along a mission: m, s, m/s, m/s^2, m/s^3, rad."""
 
     cruise: float

@@ -96,11 +96,12 @@ def estimate(
             f"{item.duration_s:.1f}",
             f"{item.done_s:.1f}",
             f"{max(item.done_s - item.low_s, item.high_s - item.done_s):.1f}",
+            _risk(item.missed.share, item.missed.cost_s),
             item.reason,
         )
         for item in found.items
     ]
-    columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "what keeps it slow"]
+    columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "what keeps it slow"]
     title = f"{file.name} on {mission.autopilot}; time zero: armed, in the mission mode, on the ground"
     tell_table(title, columns, rows, width=100)
     tell(*notes(remarks))
@@ -139,6 +140,7 @@ def estimate_as_json(found: "Estimate") -> dict[str, Any]:
                 "low_s": round(item.low_s, 3),
                 "high_s": round(item.high_s, 3),
                 "reason": item.reason,
+                "missed": {"share": round(item.missed.share, 3), "cost_s": round(item.missed.cost_s, 3)},
             }
             for item in found.items
         ],
@@ -148,6 +150,11 @@ def estimate_as_json(found: "Estimate") -> dict[str, Any]:
 
 def _count(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def _risk(share: float, cost_s: float) -> str:
+    """The risk that a waypoint is missed: "17 %, 11 s"."""
+    return f"{100 * share:.0f} %, {cost_s:.0f} s" if share else ""
 
 
 def _number(value: float) -> str:

@@ -19,20 +19,20 @@ from ipoa_mission.dynamics.copter.copter import Copter, Stop
 from ipoa_mission.dynamics.copter.motion import DESCENT
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.copter_spline import FLOWN_ON_INTO, Place, is_passed
-from ipoa_mission.simulator.body import Body
 from ipoa_mission.simulator.program import NAVIGATED
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
+from ipoa_mission.simulator.vehicle import Vehicle
 
 
 class ArduPilotPilot:
     """Whenever a leg is over the copter is told the next: of a procedure under way, or what comes `_then`."""
 
-    def __init__(self, body: Body, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
+    def __init__(self, body: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
         """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
         self._body, self._now = body, situation
         limits = copter_limits(usable(parameters))
         airframe = ARDUPILOT_SIMULATOR.at_altitude(situation.program.home.altitude)
-        self._copter = Copter(limits, body.air, airframe, here=body.place)
+        self._copter = Copter(limits, body.wind, airframe, here=body.place)
         self._legs: Iterator[None] = iter(())
         self._then: Callable[[], None] | None = None
         self._flying = False

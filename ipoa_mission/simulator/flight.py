@@ -7,26 +7,25 @@ clock: `advance(to_s)` integrates to that simulated second and no further.
 import math
 import random
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.renamed import by_old_names
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.dynamics.px4.airframe import GRAVITY
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Item
 from ipoa_mission.simulator.ardupilot_pilot import ArduPilotPilot
-from ipoa_mission.simulator.body import GRAVITY, Body
 from ipoa_mission.simulator.program import Program
 from ipoa_mission.simulator.px4_pilot import PX4Pilot
-from ipoa_mission.simulator.situation import FlightMode, MissionState, Reached, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Reached, Situation
+from ipoa_mission.simulator.vehicle import Vehicle
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["Flight", "FlightMode", "MissionState", "Reached"]
-
-STEP_S = 0.02
 
 
 class Pilot(Protocol):
@@ -42,7 +41,7 @@ class Pilot(Protocol):
         """Let `dt` seconds pass."""
 
 
-PILOTS: dict[Autopilot, Callable[[Body, Situation, Parameters, random.Random], Pilot]] = {
+PILOTS: dict[Autopilot, Callable[[Any, Situation, Parameters, random.Random], Pilot]] = {
     Autopilot.ARDUPILOT: ArduPilotPilot,
     Autopilot.PX4: PX4Pilot,
 }
@@ -69,7 +68,7 @@ class Flight:
         self._given = parameters
         self._now = Situation(Program((), self.frame, autopilot), mission=MissionState.NO_MISSION)
         self._chance = random.Random(seed)
-        self._body = Body(wind)
+        self._body = Vehicle(wind)
         self._pilot: Pilot = PILOTS[autopilot](self._body, self._now, self.parameters, self._chance)
 
     # --- what it is like --------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.as_flown import is_as_high_as_now
-from ipoa_mission.simulator.body import Triple
+from ipoa_mission.simulator.vehicle import Triple
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: Commands at which a vehicle spends time; all others are done in passing.

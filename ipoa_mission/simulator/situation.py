@@ -5,6 +5,8 @@ from enum import IntEnum
 
 from ipoa_mission.simulator.program import Program
 
+STEP_S = 0.02  # in which a flight is integrated
+
 
 class MissionState(IntEnum):
     """MAVLink's MISSION_STATE."""

@@ -1,18 +1,18 @@
 """How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
+from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.ardupilot import fly_arducopter
-from ipoa_mission.timing.body import PX4_SIMULATOR
-from ipoa_mission.timing.prediction import Prediction, Track
+from ipoa_mission.timing.prediction import NEVER_MISSED, Missed, Prediction, Track
 from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.timing.route import RouteTime, route_time
@@ -24,10 +24,12 @@ EARTH_RADIUS = 6_371_000.0  # [m]
 
 @dataclass(frozen=True)
 class ItemTime:
-    """One item as it will be flown: done at `done_s`, which honestly lies from `low_s` to `high_s`.
+    """One item as it will be flown: done at `done_s`, in nine flights of ten from `low_s` to `high_s`.
 
     `length` [m] is the path flown for it and `peak_speed`, `mean_speed` [m/s] the speeds along it; `reason` says what
     kept it slow ("corner 87 deg", "leg shorter than its braking distance", "hold"), and is "" where nothing did.
+    `missed` is the risk of a waypoint: in which share of the flights the vehicle passes it at a height that does not
+    count and turns back, and what that costs; the other times have it in them.
     """
 
     seq: int
@@ -40,6 +42,7 @@ class ItemTime:
     peak_speed: float
     mean_speed: float
     reason: str
+    missed: Missed = NEVER_MISSED
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,17 +127,17 @@ def predict(
     if mission.other_vehicle:
         raise MissionError(f"the mission is for {mission.other_vehicle}, and only multicopters have a time model")
     route = itinerary(mission)
-    if mission.autopilot is Autopilot.ARDUPILOT:
-        airframe = ARDUPILOT_SIMULATOR.at_altitude(mission.home.altitude)
-        return route, fly_arducopter(route, mission.parameters, wind, fast, airframe)
-    body = replace(PX4_SIMULATOR, senses=None) if sure else PX4_SIMULATOR
-    return route, fly_px4(route, mission.parameters, wind, fast, body)
+    if mission.autopilot is Autopilot.PX4:
+        return route, fly_px4(route, mission.parameters, wind, fast, senses=KNOWS if sure else SIH_SENSES)
+    airframe = ARDUPILOT_SIMULATOR.at_altitude(mission.home.altitude)
+    return route, fly_arducopter(route, mission.parameters, wind, fast, airframe)
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
     items, begun = [], 0.0
     times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
-    for visit, done, low, high, reason in zip(route.visits, *times, prediction.reasons, strict=True):
+    risks = prediction.missed or (NEVER_MISSED,) * len(route.visits)
+    for visit, done, low, high, reason, missed in zip(route.visits, *times, prediction.reasons, risks, strict=True):
         length, peak = _flown(prediction.track, begun, done)
         lasted = done - begun
         items.append(
@@ -149,6 +152,7 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
                 peak_speed=peak,
                 mean_speed=length / lasted if lasted > 0 else 0.0,
                 reason=reason,
+                missed=missed,
             )
         )
         begun = done

@@ -14,12 +14,26 @@ class Track:
     speeds: Vector
 
 
+@dataclass(frozen=True)
+class Missed:
+    """How likely a waypoint is missed: in this `share` of the flights the vehicle turns back to it, for `cost_s` more.
+
+    PX4 counts a waypoint only when place and height are right as it passes, and it corrects its height in flight.
+    """
+
+    share: float
+    cost_s: float
+
+
+NEVER_MISSED = Missed(0.0, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Prediction:
     """When each visit of the itinerary is done (n,) [s], the reason it was slow ("" if none), the path, and remarks.
 
-    Each time honestly lies from `low` to `high` (n,) [s]; docs/flight-time.md says how often the recorded flights keep
-    to it.
+    Nine flights in ten lie from `low` to `high` (n,) [s]; docs/flight-time.md says how many of the recorded ones did.
+    `missed`: the risk of each visit; empty from a model that knows of none.
     """
 
     done: Vector
@@ -28,3 +42,4 @@ class Prediction:
     reasons: tuple[str, ...]
     track: Track
     remarks: tuple[str, ...] = ()
+    missed: tuple[Missed, ...] = ()

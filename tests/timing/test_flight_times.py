@@ -106,8 +106,22 @@ def test_the_interval_keeps_what_was_flown(flights: tuple[Recorded, ...]) -> Non
         for run in flight.runs
         if item.seq in run
     ]
-    assert np.mean(inside) > 0.95
+    assert 0.85 < np.mean(inside) <= 0.95, "nine in ten are promised: fewer is wrong, and more is too wide"
     assert np.mean([found.high_s / found.low_s for found in map(estimated, flights)]) < 1.25, "not by being wide"
+
+
+def test_px4s_waypoints_are_missed_as_often_as_predicted() -> None:
+    """A waypoint that takes 3 s more than in most flights has been missed: seven of those recorded."""
+    predicted, recorded = 0.0, 0
+    for flight in PX4:
+        for before, item in pairwise(estimated(flight).items):
+            usual = item.duration_s - item.missed.share * item.missed.cost_s
+            for run in flight.runs:
+                if flight.first <= before.seq and item.seq <= flight.last and before.seq in run and item.seq in run:
+                    predicted += item.missed.share
+                    recorded += run[item.seq] - run[before.seq] > usual + 3.0
+    assert recorded / 2 < predicted < 2 * recorded
+    assert not any(item.missed.share for flight in COPTER for item in estimated(flight).items)
 
 
 @pytest.mark.parametrize("flight", [*COPTER, *PX4], ids=lambda f: f.name)

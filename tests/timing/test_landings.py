@@ -50,12 +50,12 @@ def test_px4_takes_as_long_on_average_within_three_per_cent(part: int) -> None:
     assert np.median(np.abs(ratios)) < 0.04
 
 
-@pytest.mark.parametrize(("flights", "share"), [(COPTER, 0.99), (PX4, 0.88)], ids=["ArduCopter", "PX4"])
-def test_what_was_flown_lies_in_the_interval(flights: tuple[Recorded, ...], share: float) -> None:
+@pytest.mark.parametrize("flights", [COPTER, PX4], ids=["ArduCopter", "PX4"])
+def test_nine_in_ten_of_what_was_flown_lie_in_the_interval(flights: tuple[Recorded, ...]) -> None:
     """Of PX4's 32 flights four missed a waypoint or hung in the air, which every item after that has to bear."""
 
     def inside(found: Estimate, run: dict[int, float]) -> list[bool]:
         return [item.low_s <= run[item.seq] <= item.high_s for item in found.items if item.seq in run]
 
     kept = [one for flight in flights for run in flight.runs for one in inside(FOUND[flight.name], run)]
-    assert np.mean(kept) > share
+    assert 0.85 < np.mean(kept) <= 0.95

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 from ipoa_mission.autopilots.ardupilot import ARDUCOPTER_DEFAULTS, copter_limits
@@ -148,6 +149,17 @@ def test_px4_waits_for_its_nose_where_an_item_names_a_heading() -> None:
     )
     ahead, about = (fly(Autopilot.PX4, first, headed(yaw)).total_s for yaw in (0.0, 180.0))
     assert about > ahead + 0.5
+
+
+def test_px4_takes_off_straight_up_and_then_flies_to_where_the_take_off_lies() -> None:
+    mission = Mission(HOME, (takeoff(place(0.0, 400.0), 30.0), land(place(0.0, 400.0))), Autopilot.PX4)
+    points = estimate(mission, fast=True).track.points
+    climbing, level = points[points[:, 2] < 28.0], np.hypot(*points.T[:2])
+    up = climbing[: np.argmax(np.hypot(*climbing.T[:2]) > 5.0)]
+    assert len(up) > 50
+    assert np.hypot(*up.T[:2]).max() < 5.0
+    assert level.max() == pytest.approx(400.0, abs=3.0)
+    assert points[level < 300.0][:, 2].max() < 32.0
 
 
 def test_splines_are_quicker_on_arducopter_and_straight_on_px4() -> None:

@@ -1,0 +1,40 @@
+"""PX4's landing: how fast it sinks, and when it takes standing for being landed."""
+
+from ipoa_mission.autopilots.px4 import RANGE_LAG_S, STAGES
+from ipoa_mission.dynamics.px4.airframe import GRAVITY
+from ipoa_mission.dynamics.px4.state import LAND, Body, Contact, Law, Order, State
+
+
+def sink_rate(state: State, law: Law) -> float:
+    """MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, from there ever slower to MPC_LAND_SPEED at MPC_LAND_ALT2; then it crawls.
+
+    It crawls where a range finder sees the ground, whose height lags.
+    """
+    limits, sees = law.limits, law.senses.sees_ground
+    height = state.body.place.up - (RANGE_LAG_S * state.body.speed.up if sees else 0.0)
+    if sees and height <= limits.crawl_below and not state.contact.lost:
+        return limits.crawl_speed
+    share = (height - limits.land_low) / max(limits.land_high - limits.land_low, 1e-6)
+    return limits.land_speed + min(max(share, 0.0), 1.0) * (limits.descent - limits.land_speed)
+
+
+def stands(state: State, order: Order) -> bool:
+    """Whether a landing has come down to the ground."""
+    return order.kind == LAND and (state.contact.stands or state.body.place.up <= 0.0)
+
+
+def felt(state: State, body: Body, thrust: float, law: Law) -> Contact:
+    """The ground felt: in contact, perhaps landed, landed, each once thrust and speed have been low for long enough.
+
+    The ground is lost from sight once the vehicle believes to be below it.
+    """
+    was, known = state.contact, law.limits.touchdown
+    sees, stands = law.senses.sees_ground, body.on_ground
+    lost = was.lost or (was.stands and (state.errors.drift.up > 0.0 or not sees))
+    low = was.stages > 0 or thrust <= GRAVITY * (known.low_thrust - 1.0)
+    if not stands or abs(body.speed.up) >= known.most_speed or not low:
+        return Contact(stands, lost, 0, state.time + law.dt)
+    stage = known.trigger_s * (STAGES if lost and sees else 1) / STAGES
+    if state.time + law.dt - was.since >= stage:
+        return Contact(stands, lost, was.stages + 1, state.time + law.dt)
+    return Contact(stands, lost, was.stages, was.since)

@@ -1,0 +1,127 @@
+"""One step of a PX4 multicopter: guidance, smoothed trajectory, controllers, body, errors of its sensors."""
+
+import math
+
+from ipoa_mission.autopilots.px4 import STAGES
+from ipoa_mission.dynamics.px4.body import carried
+from ipoa_mission.dynamics.px4.control import controlled, hover_learned
+from ipoa_mission.dynamics.px4.guidance import climb_limits, guided, is_low_take_off, wanted_velocity
+from ipoa_mission.dynamics.px4.heading import heading_error, turned
+from ipoa_mission.dynamics.px4.landing import felt, stands
+from ipoa_mission.dynamics.px4.senses import NOTICED_S, erring
+from ipoa_mission.dynamics.px4.smoothing import smoothed
+from ipoa_mission.dynamics.px4.state import (
+    LAND,
+    NOT_YET,
+    ON_LINE,
+    TAKE_OFF,
+    UNKNOWN,
+    ZERO,
+    Axis,
+    Body,
+    Contact,
+    Control,
+    Enu,
+    Errors,
+    Guidance,
+    Law,
+    Level,
+    Nose,
+    Order,
+    State,
+    Trajectory,
+    of,
+)
+
+STANDING = 1e-6  # a trajectory slower than this stands still, and always waits for the vehicle [m/s]
+GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m/s]
+
+
+def step(state: State, order: Order, law: Law) -> State:
+    """The state `law.dt` later; `reached` and `been_there` say how far the order is."""
+    limits, standing = law.limits, stands(state, order)
+    velocity, guidance = wanted_velocity(state, order, law, guided(state, order))
+    trajectory = led(state, order, law, velocity)
+    asked, control = controlled(state, trajectory, order, law)
+    if not (standing or state.body.on_ground):
+        control = hover_learned(control, state.body, law, state.time)
+    body = carried(state, asked, law, standing)
+    errors = erring(state, law)
+    if errors.told != state.errors.told:
+        guidance = Guidance(UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
+    contact = felt(state, body, asked.up, law) if order.kind == LAND else state.contact
+    time = state.time + law.dt
+    there = state.been_there or is_there(body, errors, contact, order)
+    reached = state.reached
+    if there and reached < 0.0 and (math.isnan(order.heading) or abs(heading_error(state, order)) <= limits.yaw_error):
+        reached = time
+    nose = turned(state, order, limits, law.dt) if law.turns else state.nose
+    return State(time, body, nose, trajectory, guidance, control, errors, contact, state.begun, reached, there)
+
+
+def led(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
+    """The trajectory a step later; its time is stretched where the vehicle lags."""
+    limits, at, was = law.limits, state.body.place, state.trajectory
+    low = is_low_take_off(state, order, limits)
+    climb = climb_limits(state.guidance.rising, low, limits)
+    if low:
+        was = Trajectory(was.east, was.north, Axis(at.up, was.up.speed, was.up.acceleration))
+    most = limits.most_speed
+    within = Enu(
+        min(max(velocity.east, -most), most),
+        min(max(velocity.north, -most), most),
+        min(max(velocity.up, -climb.rate), climb.rate),
+    )
+    east, north, speed_east, speed_north = (
+        was.east.place - at.east,
+        was.north.place - at.north,
+        was.east.speed,
+        was.north.speed,
+    )
+    behind = 0.0
+    if speed_east**2 + speed_north**2 < STANDING**2 or east * speed_east + north * speed_north >= 0.0:
+        behind = math.sqrt(east * east + north * north)
+    pace = 1.0 - min(behind / limits.most_error, 1.0)
+    return smoothed(was, within, limits, climb.accel, law.dt * pace)
+
+
+def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool:
+    """Whether the vehicle is where the order wants it; the navigator knows at once where home is believed to lie."""
+    if order.kind == LAND:
+        return contact.stages >= STAGES
+    home = errors.home if order.follows_home else 0.0
+    if order.kind == TAKE_OFF:
+        return body.place.up > order.goal.up + home - order.height_radius
+    east, north = body.place.east - order.goal.east, body.place.north - order.goal.north
+    near = east * east + north * north <= order.radius * order.radius
+    return near and abs(body.place.up - home - order.goal.up) <= order.height_radius
+
+
+def is_over(state: State, order: Order) -> bool:
+    """Whether the order is done, and the guidance has been told."""
+    return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
+
+
+def at_rest(place: Enu, time: float, yaw: float, errors: Errors) -> State:
+    """A vehicle without motion, all that it has learned forgotten; on the ground if it is no higher."""
+    on_ground = place.up <= 0.0
+    body = Body(place, ZERO, Level(0.0, 0.0), Level(0.0, 0.0), ZERO, on_ground, time)
+    trajectory = Trajectory(Axis(place.east, 0.0, 0.0), Axis(place.north, 0.0, 0.0), Axis(place.up, 0.0, 0.0))
+    return State(
+        time, body, Nose(yaw, 0.0), trajectory, Guidance(ON_LINE, place, 0.0, True), Control(ZERO, 1.0, 0.0), errors,
+        Contact(False, False, 0, time), time, NOT_YET, False,
+    )  # fmt: skip
+
+
+def begun(state: State, order: Order) -> State:
+    """As the order is begun; one to take off is begun at rest on the ground, or as it is in the air."""
+    trajectory, body = state.trajectory, state.body
+    if order.kind == TAKE_OFF and body.on_ground:
+        up = Axis(trajectory.up.place, -GROUND_SINK, 0.0)
+        trajectory = Trajectory(trajectory.east, trajectory.north, up)
+    guidance = Guidance(ON_LINE, of(order.start), state.guidance.held, state.guidance.rising)
+    contact, there = Contact(False, False, 0, state.time), False
+    return State(
+        state.time, body, state.nose, trajectory, guidance, state.control, state.errors, contact, state.time, NOT_YET,
+        there,
+    )  # fmt: skip
