@@ -52,8 +52,6 @@ class Body:
         return 2 * pull / (self.linear_drag + math.sqrt(self.linear_drag**2 + 4 * q * pull))
 
 
-#: ArduPilot's built-in quadrotor: at 30 degrees of lean its drag allows 10.0 m/s level.
-ARDUPILOT_SIMULATOR = Body(linear_drag=0.30, quadratic_drag=0.0306, lag=0.02)
 #: PX4's SIH quadrotor (1 kg, drag 1 N s/m): at 45 degrees of lean its drag allows 9.8 m/s level.
 PX4_SIMULATOR = Body(
     linear_drag=1.0,
