@@ -24,7 +24,7 @@ class Wind:
 
     def at(self, height: float) -> float:
         """Its speed at a height over home [m/s]."""
-        if height >= self.gradient_height:
+        if height >= self.gradient_height or self.gradient_height <= 0:
             return self.speed
         return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
 

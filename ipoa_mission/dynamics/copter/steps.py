@@ -306,7 +306,7 @@ def turn_nose(state: State, tuning: Tuning) -> None:
 def drag(state: State, tuning: Tuning) -> Triple:
     """Acceleration by the air: of the rotors against the way through it, of the body along each of its axes."""
     gust = 1.0
-    if state.z < tuning.gradient_height:
+    if state.z < tuning.gradient_height and tuning.gradient_height > 0.0:
         gust = (max(state.z, 0.0) / tuning.gradient_height) ** tuning.wind_exponent
     x, y, z = state.vx - gust * tuning.wind_east, state.vy - gust * tuning.wind_north, state.vz
     size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
