@@ -18,13 +18,13 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.planning.search import Progress
 from ipoa_mission.report.page import Subject, page_html
-from ipoa_mission.routing.assemble import Option, assemble, weigh_routes
+from ipoa_mission.routing.assemble import Option, assemble
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.prove_route import prove_mission
+from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
@@ -110,9 +110,8 @@ def plan_flight(
     """
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
-    plan = plan_path(scenario, seed, progress)
+    plan, options = plan_with_room(scenario, seed, progress)
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    options = weigh_routes(plan, scenario)
     chosen = [option.route for option in options if option.mode == scenario.route.mode]
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
     findings = refuse_errors(check_mission(mission, scenario))
