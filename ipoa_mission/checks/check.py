@@ -5,6 +5,7 @@ one checks first.
 """
 
 from ipoa_mission.checks.airspace import check_airspace
+from ipoa_mission.checks.clearance import check_clearance, promise_if_known
 from ipoa_mission.checks.fence import check_fence
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.firmware import check_firmware
@@ -14,16 +15,20 @@ from ipoa_mission.checks.positions import check_positions
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import flown_legs
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.promise import Promise
 from ipoa_mission.world.frame import LocalFrame
 
 __all__ = ["Finding", "Severity", "check_mission"]
 
 
-def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[Finding, ...]:
+def check_mission(
+    mission: Mission, scenario: Scenario | None = None, promise: Promise | None = None
+) -> tuple[Finding, ...]:
     """What is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
 
     The vehicle has the mission's parameters, and those of the scenario that the mission does not name. Legs are looked
-    at only where every position is sound. Errors come before warnings, items in their order.
+    at only where every position is sound. `promise` is what it promises in that world, where that is known already.
+    Errors come before warnings, items in their order.
     """
     positions = tuple(check_positions(mission))
     findings = [*check_firmware(mission), *positions]
@@ -35,5 +40,7 @@ def check_mission(mission: Mission, scenario: Scenario | None = None) -> tuple[F
             mission, frame = mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame
             legs = flown_legs(mission, frame, scenario.airspace.ground)
             findings += [*check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
+            promise = promise_if_known(mission, scenario) if promise is None else promise
+            findings += check_clearance(mission, scenario, promise)
             findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
     return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))

@@ -37,22 +37,30 @@ def check(
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.checks.check import Severity, check_mission
+    from ipoa_mission.checks.clearance import promise_if_known
     from ipoa_mission.cli.reading import read_with_parameters
-    from ipoa_mission.flight.summary import passed_over_as_json
+    from ipoa_mission.cli.summary import promised
+    from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
     from ipoa_mission.scenario import read_scenario
 
     mission, remarks = read_with_parameters(file, autopilot)
     world = None if scenario is None else read_scenario(scenario)
     remarks += () if world is None else world.remarks
-    findings = check_mission(mission, world)
+    promise = None
+    if world is not None:
+        promise = promise_if_known(mission.assuming(world.vehicle.autopilot_parameters()), world)
+    findings = check_mission(mission, world, promise)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
-        about = {} if world is None else {"passed_over": passed_over_as_json(world)}
+        about: dict[str, Any] = {}
+        if world is not None:
+            about = {"clearance": clearance_as_json(promise) or None, "passed_over": passed_over_as_json(world)}
         tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))
         tell(*(line for f in findings for line in (str(f), *([f"hint: {f.hint}"] if f.hint else []))))
+        tell(*promised(promise))
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
         tell(f"{file}: {counts} for {mission.autopilot}")
     if errors:

@@ -1,4 +1,4 @@
-"""How near the pieces of a course come to each obstacle, sideways and in height, and with what chance a flight is nearer.
+"""How near the pieces of a course come to each obstacle, and with what chance a flight is nearer still.
 
 A place that is moved sideways by s and vertically by h keeps from an upright body at least the distance that is left
 when s is taken off the level and h off the vertical one. So to come nearer than k a flight must leave the path by more

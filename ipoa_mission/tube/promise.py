@@ -66,7 +66,7 @@ class Promise:
     @property
     def broken(self) -> tuple[Kept, ...]:
         """The limits that fewer flights keep than must, by more than rounding."""
-        return tuple(kept for kept in self.limits if kept.slack < -STRAY)
+        return tuple(kept for kept in self.limits if kept.slack < -2 * STRAY)
 
     @property
     def clearance(self) -> Kept | None:
