@@ -114,7 +114,8 @@ def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Ve
     if airspace.obstacles:
         found = _less(airspace.obstacle_clearance(legs), stray)
         checks.append(Check("obstacles", found, limits.obstacle_distance))
-    checks += _prove_limits(legs, airspace, limits, stray)
+    checks.append(Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0))
+    checks += _prove_heights(legs, airspace, limits, stray)
     for limit, angles, most in zip(
         ("climb", "descent"), steepness, (limits.climb_angle, limits.descent_angle), strict=True
     ):
@@ -126,15 +127,14 @@ def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Ve
     return Proof(tuple(checks))
 
 
-def prove_limits(legs: Points, scenario: Scenario) -> tuple[Check, ...]:
-    """What straight legs (n, 3) keep of bounds, ground and ceiling, exactly."""
-    return tuple(_prove_limits(legs, scenario.airspace, limits_of(scenario), 0.0))
+def prove_heights(legs: Points, scenario: Scenario) -> tuple[Check, ...]:
+    """What straight legs (n, 3) keep of ground and ceiling, exactly."""
+    return tuple(_prove_heights(legs, scenario.airspace, limits_of(scenario), 0.0))
 
 
-def _prove_limits(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Iterator[Check]:
+def _prove_heights(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Iterator[Check]:
     """Over sloping ground what strays from its legs is farther from them in height."""
     vertical = stray * (1 + airspace.terrain.steepness)
-    yield Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0)
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):
         found = airspace.terrain_clearance(run)

@@ -13,7 +13,7 @@ import shapely
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.limits import limits_of, places
-from ipoa_mission.planning.proof import Check, prove_limits
+from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.law import Law
 from ipoa_mission.world.airspace import Clearance
@@ -68,7 +68,7 @@ def _heights_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]
     higher, least = raised(scenario, rim.down), limits_of(scenario).height_above_ground
     found: dict[str, Check] = {}
     for side in _sides(rim.level if scenario.airspace.terrain.steepness > 0 else 0.0):
-        for check in prove_limits(path + side, higher):
+        for check in prove_heights(path + side, higher):
             if check.limit == "ceiling":
                 moved = replace(check, found=_more(check.found, rim.up))
             elif check.limit == "ground" and check.required >= least + rim.down:

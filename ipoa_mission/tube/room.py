@@ -17,18 +17,17 @@ from ipoa_mission.tube.measured import LAWS
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 
-TIGHT = 4  # a path usually comes near to something so many times
 LEAST = 0.01  # obstacles that would grow by less are left as they are [m]
 CORNERS = 4  # of the polygon round a corner that is rounded, for a quarter turn
 
 
-def with_room(scenario: Scenario, keep_gaps: bool = False) -> Scenario:
-    """The scenario with room for its autopilot's tube; with `keep_gaps` no gap is closed by it."""
+def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scenario:
+    """The scenario with room for its autopilot's tube at so many tight places; with `keep_gaps` it closes no gap."""
     chance = scenario.safety.chance
     if chance is None:
         return scenario
     law = LAWS[scenario.vehicle.autopilot]
-    rim, level = rim_of(law, chance), law.level.distance(chance / TIGHT)
+    rim, level = rim_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
     growth = _growth(scenario, level, keep_gaps)
     bodies = tuple(_grown(body, by, rim) for body, by in zip(airspace.obstacles, growth, strict=True))

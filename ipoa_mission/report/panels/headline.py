@@ -27,7 +27,7 @@ def verdict(proof: Proof | None, promise: Promise | None, found: Sequence[Danger
     if promise is not None and promise.confidence is not None and (kept := promise.clearance) is not None:
         words = f"{share_of_flights(promise.confidence)} keep {metres(kept.kept)} to {escape(kept.to)}"
         words += f" (nominal {metres(kept.nominal)}; {metres(kept.required)} required)"
-        if promise.broken:
+        if any(broken.on_the_way for broken in promise.broken):
             return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {words}.</p>'
     if found:
         return f'<p class="verdict bad"><b aria-hidden="true">!</b> {words}; but {escape(found[0].words)}.</p>'
