@@ -44,6 +44,7 @@ def paper_map(name: str) -> str:
         "# and number of obstacles of the paper, which does not publish its own.",
         f'name = "{name}"',
         "safety_distance = 0.5",
+        'safety.confidence = "nominal"',
         "",
         "[home]",
         "latitude_deg = 38.8700",

@@ -55,8 +55,7 @@ def _too_narrow(plan: Plan, scenario: Scenario) -> NoPath:
     east, north, up = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
     if tightest.limit == "obstacles":
-        missing = tightest.required - tightest.kept
-        words = _gap(tightest, missing, scenario)
+        words = _gap(tightest, scenario)
     else:
         words = f"{tightest.to}, where {tightest.words(promise.confidence)}"
     fits = _speed_that_fits(plan, scenario)
@@ -76,23 +75,16 @@ def _best_promise(plan: Plan, scenario: Scenario) -> Promise | None:
     return max(promises, key=lambda promise: min(kept.slack for kept in promise.limits), default=None)
 
 
-def _gap(tightest: Kept, missing: float, scenario: Scenario) -> str:
+def _gap(tightest: Kept, scenario: Scenario) -> str:
     """The gap at a place: between what, how wide, and what this autopilot needs."""
-    spot = np.array([tightest.place])
-    distances = {
-        body.name: float(distance[0])
-        for body, _, distance in scenario.airspace.near(spot, AROUND)
-        if body.name != tightest.to
-    }
-    beside = next(
-        (float(d[0]) for body, _, d in scenario.airspace.near(spot, AROUND) if body.name == tightest.to),
-        tightest.nominal,
-    )
-    if not distances:
-        return f"{tightest.nominal:.2f} m from {tightest.to}, where {tightest.required + missing:.2f} m are needed"
-    other = min(distances, key=lambda name: distances[name])
-    width = beside + distances[other]
-    return f"the gap between {tightest.to} and {other} is {width:.2f} m wide, and it needs {width + 2 * missing:.2f} m"
+    spot, needed = np.array([tightest.place]), tightest.required + tightest.nominal - tightest.kept
+    near = {body.name: float(apart[0]) for body, _, apart in scenario.airspace.near(spot, AROUND)}
+    beside = near.pop(tightest.to, tightest.nominal)
+    if not near:
+        return f"{tightest.nominal:.2f} m from {tightest.to}, where it needs {needed:.2f} m"
+    other = min(near, key=lambda name: near[name])
+    width = beside + near[other]
+    return f"the gap between {tightest.to} and {other} is {width:.2f} m wide, and it needs {2 * needed:.2f} m"
 
 
 def _speed_that_fits(plan: Plan, scenario: Scenario) -> float | None:
