@@ -41,6 +41,7 @@ def check_mission(
             legs = flown_legs(mission, frame, scenario.airspace.ground)
             findings += [*check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
             promise = promise_if_known(mission, scenario) if promise is None else promise
-            findings += check_clearance(mission, scenario, promise)
+            told = {finding.seq for finding in findings if finding not in positions}
+            findings += [found for found in check_clearance(mission, scenario, promise) if found.seq not in told]
             findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
     return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))

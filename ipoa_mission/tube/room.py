@@ -30,7 +30,7 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scen
     rim, level = rim_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
     growth = _growth(scenario, level, keep_gaps)
-    bodies = tuple(_grown(body, by, rim) for body, by in zip(airspace.obstacles, growth, strict=True))
+    bodies = tuple(_grown(body, by, level, rim) for body, by in zip(airspace.obstacles, growth, strict=True))
     slopes = _usual_slope(airspace)
     roomier = raised(scenario, rim.down + slopes * rim.level)
     if (ceiling := scenario.planning.max_height_above_ground) is not None:
@@ -78,12 +78,11 @@ def _outline(body: Obstacle) -> shapely.Geometry:
     return shapely.box(*body.bounds[0, :2], *body.bounds[1, :2])
 
 
-def _grown(body: Obstacle, by: float, rim: Rim) -> Obstacle:
-    """An obstacle larger by so much [m] to its sides, and by the tube's rim above and below."""
+def _grown(body: Obstacle, by: float, most: float, rim: Rim) -> Obstacle:
+    """An obstacle larger by so much [m] to its sides; where that is the most, by the tube's rim above and below."""
     if by == 0.0:
         return body
-    share = min(by / rim.level, 1.0) if rim.level > 0 else 0.0
-    down, up = share * rim.down, share * rim.up
+    down, up = by / most * rim.down, by / most * rim.up
     match body:
         case Cylinder(name, east, north, radius, base, top):
             return Cylinder(name, east, north, radius + by, base - up, top + down)
