@@ -16,15 +16,19 @@ from ipoa_mission.world.frame import LocalFrame
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
+    from ipoa_mission.tube.promise import Promise
 
 __all__ = ["Finding", "Severity", "check_mission"]
 
 
-def check_mission(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Finding, ...]:
+def check_mission(
+    mission: Mission, scenario: "Scenario | None" = None, promise: "Promise | None" = None
+) -> tuple[Finding, ...]:
     """What is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
 
     The vehicle has the mission's parameters, and those of the scenario that the mission does not name. Legs are looked
-    at only where every position is sound. Errors come before warnings, items in their order.
+    at only where every position is sound. `promise` is what it promises in that world, where that is known already.
+    Errors come before warnings, items in their order.
     """
     positions = tuple(check_positions(mission))
     findings = [*mission.findings, *check_firmware(mission), *positions]
@@ -37,12 +41,16 @@ def check_mission(mission: Mission, scenario: "Scenario | None" = None) -> tuple
             findings += _check_fence(mission, frame, flown_legs(mission, frame))
         else:  # what looks at a world is imported where there is one
             from ipoa_mission.checks.airspace import check_airspace
+            from ipoa_mission.checks.clearance import check_clearance, promise_if_known
             from ipoa_mission.checks.ground import check_ground
             from ipoa_mission.checks.passed_over import check_passed_over
 
             mission, frame = mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame
             legs = flown_legs(mission, frame, scenario.airspace.ground)
             findings += [*_check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
+            promise = promise_if_known(mission, scenario) if promise is None else promise
+            told = {finding.seq for finding in findings if finding not in positions}
+            findings += [found for found in check_clearance(mission, scenario, promise) if found.seq not in told]
             findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
     return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))
 

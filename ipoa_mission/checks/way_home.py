@@ -15,9 +15,11 @@ from ipoa_mission.items import Mission, waypoint
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.room import with_room
 from ipoa_mission.world.frame import Geodetic
 
 STEP, HIGHEST = 5, 500  # [m] above home
+TIGHT = 4.0  # at so many tight places the tube has room on the way home
 
 #: The parameters for the return altitude, and their unit in metres; PX4 1.17 was recorded to heed the lower of its two.
 PARAMETERS = {
@@ -35,7 +37,8 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
-    if _is_clear(_ways_home(mission, scenario), scenario):
+    roomy = with_room(scenario, TIGHT)
+    if _is_clear(_ways_home(mission, scenario), roomy):
         return mission
     last = mission.items[-2]
     stopped = replace(last, params=(1.0, *last.params[1:])) if last.command == Command.NAV_SPLINE_WAYPOINT else last
@@ -50,7 +53,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
         )
         if any(check.slack < 0 for check in prove(way_up.points, scenario).checks if check.limit != "climb"):
             return mission
-        if _is_clear(ways, scenario):
+        if _is_clear(ways, roomy):
             return raised
     return mission
 
@@ -63,9 +66,10 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     """
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     names, unit = PARAMETERS[mission.autopilot]
+    roomy = with_room(scenario, TIGHT)
     for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0)):
         value = altitude / unit
-        if _is_clear(_ways_home(mission.with_parameters(dict.fromkeys(names, value)), scenario), scenario):
+        if _is_clear(_ways_home(mission.with_parameters(dict.fromkeys(names, value)), scenario), roomy):
             told = f"{' and '.join(names)} = {value:.0f} make{'s' * (len(names) == 1)} it clear"
             return f"{told}, in the vehicle and under [vehicle.parameters]; or {others}"
     return others
@@ -90,6 +94,6 @@ def _ways_home(mission: Mission, scenario: Scenario) -> list[Leg]:
     return [leg for leg in legs if leg.phase is Phase.RETURN]
 
 
-def _is_clear(legs: Iterable[Leg], scenario: Scenario) -> bool:
-    checks = (check for leg in legs for check in prove(leg.points, scenario).checks)
+def _is_clear(legs: Iterable[Leg], roomy: Scenario) -> bool:
+    checks = (check for leg in legs for check in prove(leg.points, roomy).checks)
     return all(check.slack >= 0 for check in checks if check.limit in ("obstacles", "ground"))

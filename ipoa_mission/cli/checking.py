@@ -43,19 +43,28 @@ def check(
     mission, remarks = read_with_parameters(file, autopilot)
     world = read_world(scenario)
     remarks += () if world is None else world.remarks
-    findings = check_mission(mission, world)
+    promise = None
+    if world is not None:
+        from ipoa_mission.checks.clearance import promise_if_known
+
+        promise = promise_if_known(mission.assuming(world.vehicle.autopilot_parameters()), world)
+    findings = check_mission(mission, world, promise)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
-        about: dict[str, object] = {}
+        about: dict[str, Any] = {}
         if world is not None:
-            from ipoa_mission.flight.summary import passed_over_as_json
+            from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
 
-            about["passed_over"] = passed_over_as_json(world)
+            about = {"clearance": clearance_as_json(promise) or None, "passed_over": passed_over_as_json(world)}
         tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))
         tell(*(line for f in findings for line in (str(f), *([f"hint: {f.hint}"] if f.hint else []))))
+        if promise is not None:
+            from ipoa_mission.cli.summary import promised
+
+            tell(*promised(promise))
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
         tell(f"{file}: {counts} for {mission.autopilot}")
     if errors:

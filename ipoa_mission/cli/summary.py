@@ -2,21 +2,29 @@
 
 from ipoa_mission.cli.checking import route_in_words
 from ipoa_mission.flight import Flight
+from ipoa_mission.tube.promise import Promise
 
 
 def describe(flight: Flight) -> list[str]:
     """The plan in a few lines."""
-    least, required = flight.proof.clearance, flight.scenario.limits.obstacle_distance
     mission, estimate = flight.mission, flight.estimate
     lines = [
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {mission.autopilot}",
-        f"least clearance {least.distance:.2f} m, to {least.what}; {required:.2f} m required; proved, leg by leg",
+        *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s; QGroundControl would say {estimate.qgroundcontrol_s:.0f} s",
         *route_in_words(estimate),
     ]
     if flight.energy is not None:
         lines.append(f"energy {flight.energy.energy_wh:.1f} Wh, {flight.energy.mean_w:.0f} W on average")
     return [*lines, *(f"note: {remark}" for remark in flight.remarks)]
+
+
+def promised(promise: Promise | None) -> list[str]:
+    """The clearance that is kept, in a line; nothing where none is known."""
+    kept = None if promise is None else promise.clearance
+    if promise is None or kept is None:
+        return []
+    return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(promise.confidence)}"]
 
 
 ROUTE_COLUMNS = [

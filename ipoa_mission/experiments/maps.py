@@ -43,6 +43,7 @@ def paper_map(name: str) -> dict[str, Any]:
     return {
         "name": name,
         "safety_distance": 0.5,
+        "safety": {"confidence": "nominal"},
         "home": {"latitude_deg": 38.87, "longitude_deg": 121.53, "altitude_amsl": 60.0},
         "start": {"east": 5.0, "north": 5.0, "height_above_ground": 15.0},
         "goal": {"east": 95.0, "north": 95.0, "height_above_ground": 15.0},

@@ -18,16 +18,17 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.planning.search import Progress
 from ipoa_mission.report.page import Subject, page_html
-from ipoa_mission.routing.assemble import Option, assemble, weigh_routes
+from ipoa_mission.routing.assemble import Option, assemble
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.prove_route import prove_mission
+from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.tube.promise import Promise, promise_of
 from ipoa_mission.wind import CALM, Wind
 
 log = logging.getLogger(__name__)
@@ -37,7 +38,8 @@ log = logging.getLogger(__name__)
 class Flight:
     """A planned flight, ready to be flown.
 
-    `options` are the ways to choose waypoints and what each would come to; `proof` is of the legs between waypoints;
+    `options` are the ways to choose waypoints and what each would come to; `proof` is of the legs between waypoints,
+    `promise` of the flights;
     `findings` are warnings; `energy` is None without an airframe; `remarks` are what the user should know.
     """
 
@@ -46,6 +48,7 @@ class Flight:
     options: tuple[Option, ...]
     mission: Mission
     proof: Proof
+    promise: Promise
     findings: tuple[Finding, ...]
     estimate: Estimate
     energy: Consumption | None
@@ -90,7 +93,16 @@ class Flight:
         Raises:
             BadInput: the file cannot be written.
         """
-        subject = Subject(self.scenario, self.plan, self.mission, self.estimate, self.remarks, self.proof, self.energy)
+        subject = Subject(
+            self.scenario,
+            self.plan,
+            self.mission,
+            self.estimate,
+            self.remarks,
+            self.proof,
+            self.promise,
+            self.energy,
+        )
         write_atomically(Path(path), page_html(subject, record))
 
 
@@ -110,16 +122,16 @@ def plan_flight(
     """
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
-    plan = plan_path(scenario, seed, progress)
+    plan, options = plan_with_room(scenario, seed, progress)
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    options = weigh_routes(plan, scenario)
     chosen = [option.route for option in options if option.mode == scenario.route.mode]
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
-    findings = refuse_errors(check_mission(mission, scenario))
+    promise = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
+    findings = refuse_errors(check_mission(mission, scenario, promise))
     found = estimate(mission, wind=wind)
     energy = flight_energy(scenario, found.track.times, found.track.points, found.track.speeds)
     expect_to_come_home(scenario, energy)
     told = (finding.message for finding in findings)
     remarks = (*told, *told_of_way_home(mission), *scenario.remarks, *left_out(mission))
     proof = prove_mission(mission, scenario)
-    return Flight(scenario, plan, options, mission, proof, findings, found, energy, remarks)
+    return Flight(scenario, plan, options, mission, proof, promise, findings, found, energy, remarks)

@@ -10,6 +10,7 @@ from ipoa_mission.planning.proof import Proof
 from ipoa_mission.routing.assemble import Option
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.tube.promise import Promise
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flight import Flight
@@ -31,7 +32,8 @@ def summarize(flight: "Flight") -> dict[str, Any]:
         "optimizer": plan.optimizer,
         "evaluations": int(plan.evaluations[-1]),
         "cost": {name: _rounded(value) for name, value in asdict(plan.cost).items()},
-        "clearance": {"curve": _clearance(plan.proof), "legs": _clearance(flight.proof)},
+        "clearance": clearance_as_json(flight.promise)
+        | {"curve": _clearance(plan.proof), "legs": _clearance(flight.proof)},
         "limits": [
             {"limit": c.limit, "found": _rounded(c.found.distance), "required": _rounded(c.required), "unit": c.unit}
             for c in flight.proof.checks
@@ -49,6 +51,21 @@ def summarize(flight: "Flight") -> dict[str, Any]:
         "remarks": list(flight.remarks),
         "passed_over": passed_over_as_json(scenario),
         "routes": [_route(option, scenario.route.mode) for option in flight.options],
+    }
+
+
+def clearance_as_json(promise: Promise | None) -> dict[str, Any]:
+    """The least clearance that the flights keep, and to what on the way to which item; empty if nobody knows."""
+    kept = None if promise is None else promise.clearance
+    if promise is None or kept is None:
+        return {}
+    return {
+        "required_m": round(kept.required, 3),
+        "nominal_m": round(kept.nominal, 3),
+        "kept_m": round(kept.kept, 3),
+        "confidence": "nominal" if promise.confidence is None else round(promise.confidence, 4),
+        "to": kept.to,
+        "item": kept.item,
     }
 
 

@@ -108,23 +108,14 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
 
 def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Vector, Vector], stray: float) -> Proof:
     """`steepness`: angles of climb and of descent on each leg, (n-1,) each [rad]; `stray`: how far the path may be
-    from its legs [m]; over sloping ground that is more in height.
+    from its legs [m].
     """
-    vertical = stray * (1 + airspace.terrain.steepness)
     checks = list[Check]()
     if airspace.obstacles:
         found = _less(airspace.obstacle_clearance(legs), stray)
         checks.append(Check("obstacles", found, limits.obstacle_distance))
     checks.append(Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0))
-    heights: dict[float, Clearance] = {}
-    for required, run, first_leg in _runs(legs, limits, stray):
-        found = airspace.terrain_clearance(run)
-        if required not in heights or found.distance < heights[required].distance:
-            heights[required] = replace(found, distance=found.distance - vertical, leg=first_leg + found.leg)
-    checks += [Check("ground", found, required) for required, found in heights.items()]
-    if np.isfinite(limits.ceiling_above_ground):
-        found = airspace.height_reached(legs)
-        checks.append(Check("ceiling", _less(found, -vertical), limits.ceiling_above_ground, at_most=True))
+    checks += _prove_heights(legs, airspace, limits, stray)
     for limit, angles, most in zip(
         ("climb", "descent"), steepness, (limits.climb_angle, limits.descent_angle), strict=True
     ):
@@ -134,6 +125,25 @@ def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Ve
             found = Clearance(float(np.degrees(angles[steepest])), (east, north, up), f"of {limit}", steepest)
             checks.append(Check(limit, found, float(np.degrees(most)), at_most=True, unit="deg"))
     return Proof(tuple(checks))
+
+
+def prove_heights(legs: Points, task: PathTask) -> tuple[Check, ...]:
+    """What straight legs (n, 3) keep of ground and ceiling, exactly."""
+    return tuple(_prove_heights(legs, task.airspace, task.limits, 0.0))
+
+
+def _prove_heights(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Iterator[Check]:
+    """Over sloping ground what strays from its legs is farther from them in height."""
+    vertical = stray * (1 + airspace.terrain.steepness)
+    heights: dict[float, Clearance] = {}
+    for required, run, first_leg in _runs(legs, limits, stray):
+        found = airspace.terrain_clearance(run)
+        if required not in heights or found.distance < heights[required].distance:
+            heights[required] = replace(found, distance=found.distance - vertical, leg=first_leg + found.leg)
+    yield from (Check("ground", found, required) for required, found in heights.items())
+    if np.isfinite(limits.ceiling_above_ground):
+        reached = airspace.height_reached(legs)
+        yield Check("ceiling", _less(reached, -vertical), limits.ceiling_above_ground, at_most=True)
 
 
 def _less(found: Clearance, stray: float) -> Clearance:

@@ -14,6 +14,7 @@ from string import Template
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.commands import Command
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
@@ -36,6 +37,7 @@ from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.tube.promise import Promise
 
 AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
 
@@ -50,6 +52,7 @@ class Subject:
     estimate: Estimate
     remarks: Sequence[str]
     proof: Proof | None
+    promise: Promise | None
     energy: Consumption | None
 
 
@@ -82,8 +85,9 @@ def report_html(
 ) -> str:
     """The whole page."""
     proof = prove_mission(mission, scenario) if cruise(mission, scenario) else None
+    promise = promise_if_known(mission, scenario)
     energy = flight_energy(scenario, estimate.track.times, estimate.track.points, estimate.track.speeds)
-    return page_html(Subject(scenario, plan, mission, estimate, remarks, proof, energy), flight)
+    return page_html(Subject(scenario, plan, mission, estimate, remarks, proof, promise, energy), flight)
 
 
 def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
@@ -102,7 +106,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
-        "verdict": verdict(proof, danger),
+        "verdict": verdict(proof, subject.promise, danger),
         "figures": figures(
             estimate, proof, float(course.along[-1]), _waypoints(found), comparison, subject.energy, battery
         ),

@@ -12,12 +12,13 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.fastest import fastest_route
 from ipoa_mission.routing.prove_route import prove_route
 from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
-from ipoa_mission.routing.trial import fly
+from ipoa_mission.routing.trial import flies_safely, fly
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.bound import least_time
 from ipoa_mission.timing.route import kinematics
@@ -81,14 +82,14 @@ def _even(plan: Plan, scenario: Scenario) -> Route:
     def choose(spacing: float) -> Route:
         return Route(every(plan.curve, spacing, scenario.via_points))
 
-    return _narrowed(choose, scenario.route.spacing, scenario)
+    return _narrowed(choose, scenario.route.spacing, plan.curve, scenario)
 
 
 def _corridor(plan: Plan, scenario: Scenario) -> Route:
     def choose(tolerance: float) -> Route:
         return Route(corridor(plan.curve, tolerance, via=scenario.via_points))
 
-    return _narrowed(choose, scenario.route.tolerance, scenario)
+    return _narrowed(choose, scenario.route.tolerance, plan.curve, scenario)
 
 
 def _spline(plan: Plan, scenario: Scenario) -> Route:
@@ -98,20 +99,21 @@ def _spline(plan: Plan, scenario: Scenario) -> Route:
     def choose(spacing: float) -> Route:
         return Route(every(plan.curve, spacing, scenario.via_points), spline=True)
 
-    return _narrowed(choose, scenario.route.spacing, scenario)
+    return _narrowed(choose, scenario.route.spacing, plan.curve, scenario)
 
 
-def _narrowed(choose: Callable[[float], Route], width: float, scenario: Scenario) -> Route:
+def _narrowed(choose: Callable[[float], Route], width: float, curve: Spline, scenario: Scenario) -> Route:
     """The route with the greatest width (halved until it serves) whose legs keep their limits."""
     for _ in range(HALVINGS):
         chosen = choose(width)
         route = Route(push_clear(chosen.points, scenario), chosen.spline)
         proof = prove_route(route, scenario)
-        if proof.holds:
+        if proof.holds and flies_safely(route, curve, scenario):
             return route
         width /= 2
+    why = "flights would come too close too often" if proof.holds else proof.words()
     raise NoRoute(
-        f"the legs between waypoints come too close: {proof.words()}",
+        f"the legs between waypoints come too close: {why}",
         hint="plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing",
     )
 

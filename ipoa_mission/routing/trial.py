@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import shapely
 
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.planning.spline import Spline
@@ -17,26 +17,28 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import in_local_frame, predict
 from ipoa_mission.timing.prediction import Track
 from ipoa_mission.timing.route import kinematics
-
-STRAY = 0.02  # how far the thinned path may be from the predicted one [m]
+from ipoa_mission.tube.course import course_of
+from ipoa_mission.tube.promise import tube_holds
+from ipoa_mission.tube.thin import STRAY, thinned
 
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """A route along `curve` as the time model flies it: seconds, and places (n, 3) until the vehicle could stand.
+    """A route along `curve` as the time model flies it: seconds, and its track until the vehicle could stand.
 
     `overrun`: how far beyond the goal it could stand, braking as it may from where the goal counts as reached [m].
     """
 
     curve: Spline
     seconds: float
-    places: Points
+    track: Track
+    autopilot: Autopilot
     overrun: float
 
     @cached_property
     def path(self) -> Points:
         """Straight legs (n, 3) for the places."""
-        return thinned(self.places, STRAY)
+        return thinned(self.track.points, STRAY)
 
     @cached_property
     def deviation(self) -> float:
@@ -49,8 +51,10 @@ class Flown:
         return min(c.slack for c in checks if c.limit in ("obstacles", "ground", "ceiling", "bounds"))
 
     def keeps_limits(self, scenario: Scenario) -> bool:
-        """Whether the predicted path keeps clearance, ground and bounds."""
-        return self.slack(scenario) >= -2 * STRAY
+        """Whether the predicted path keeps clearance, ground and bounds, and the tube round it as often as it must."""
+        if self.slack(scenario) < -2 * STRAY:
+            return False
+        return tube_holds(course_of(self.track), self.path, self.autopilot, scenario)
 
 
 def fly(route: Route, curve: Spline, scenario: Scenario) -> Flown:
@@ -66,16 +70,9 @@ def sketch(route: Route, curve: Spline, scenario: Scenario) -> Flown:
     return _flown(replace(mission, items=mission.items[:-1]), route, curve, scenario, sure=True)
 
 
-def thinned(path: Points, stray: float) -> Points:
-    """The path (n, 3) with points left out where the legs that remain pass them within about `stray` [m]."""
-    if len(path) < 3:
-        return path
-    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path[:, :2]))])
-    kept = {0}
-    for view in (path[:, :2], np.column_stack([traveled, path[:, 2]])):  # from above, and from the side
-        numbered = shapely.linestrings(np.column_stack([view, np.arange(len(path))]))
-        kept |= set(shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2].astype(int))
-    return np.asarray(path[sorted(kept)])
+def flies_safely(route: Route, curve: Spline, scenario: Scenario) -> bool:
+    """Whether the flights of a route keep every limit as often as the scenario asks."""
+    return scenario.safety.chance is None or sketch(route, curve, scenario).keeps_limits(scenario)
 
 
 def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, sure: bool) -> Flown:
@@ -84,14 +81,17 @@ def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, su
     last = len(route.points) if first == 0 else len(route.points) + 1
     begin, end = float(found.done[first]), float(found.done[last])
     track = in_local_frame(found.track)
-    path = track.points[(track.times >= begin) & (track.times <= end)]
+    during = (track.times >= begin) & (track.times <= end)
+    path, times = track.points[during], track.times[during]
     motion = _motion(track, end)
     stand = path[-1] + motion * float(np.linalg.norm(motion)) / (
         2 * kinematics(mission.autopilot, mission.parameters).accel
     )
     ahead = motion / max(float(np.linalg.norm(motion)), 1e-9)
     overrun = float((stand - route.points[-1]) @ ahead)
-    return Flown(curve, end - begin, np.vstack([path, stand]), overrun)
+    braking = 2 * float(np.linalg.norm(stand - path[-1])) / max(float(np.linalg.norm(motion)), 1e-3)
+    until = Track(np.append(times, times[-1] + braking), np.vstack([path, stand]), np.append(track.speeds[during], 0.0))
+    return Flown(curve, end - begin, until, mission.autopilot, overrun)
 
 
 def _motion(track: Track, end: float) -> Vector:

@@ -4,6 +4,7 @@ The smallest valid scenario has `home`, `start` and `goal`.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
@@ -115,6 +116,19 @@ class RouteSection(Section):
 FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
 
 
+class SafetySection(Section):
+    """How sure the clearance is."""
+
+    confidence: Annotated[float, Field(ge=0.5, le=0.999)] | Literal["nominal"] = 0.99
+    """The share of flights that keep the required clearance, by how far this autopilot flies beside its predicted path;
+    `nominal`: what the predicted path keeps, as the paper has it."""
+
+    @property
+    def chance(self) -> float | None:
+        """With what chance a flight may come nearer than it must; None if only the predicted path counts."""
+        return None if self.confidence == "nominal" else 1.0 - self.confidence
+
+
 class Scenario(Section):
     """A flight to be planned: what a scenario file holds."""
 
@@ -124,6 +138,8 @@ class Scenario(Section):
     """Weights and distances for a task; what the file says itself wins. Left out, those of the paper."""
     safety_distance: NotNegative = 1.0
     """Least clearance that must be left between the vehicle's hull and anything else [m]."""
+    safety: SafetySection = SafetySection()
+    """How sure that clearance is."""
     home: HomeSection
     """Where the vehicle takes off, and the origin of the local frame."""
     start: Place
@@ -178,6 +194,12 @@ class Scenario(Section):
             copied.__dict__ |= {
                 name: self.__dict__[name] for name in ("frame", "_surroundings") if name in self.__dict__
             }
+        return copied
+
+    def in_airspace(self, airspace: Airspace) -> "Scenario":
+        """A copy in another world."""
+        copied = self.model_copy(update={})
+        copied.__dict__["_surroundings"] = replace(self._surroundings, airspace=airspace)
         return copied
 
     def survey(self) -> None:

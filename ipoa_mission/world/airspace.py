@@ -133,6 +133,15 @@ class Airspace:
             if (close := distance <= reach).any():
                 yield self.obstacles[body], which[close], distance[close]
 
+    def beside(self, lines: NDArray[np.object_], reach: Vector) -> NDArray[np.intp]:
+        """Numbers of lines and of obstacles, (2, n), whose boxes are within `reach` (k,) [m] of the lines, level."""
+        if not self.obstacles:
+            return np.zeros((2, 0), dtype=np.intp)
+        spots = shapely.length(lines) == 0  # GEOS finds nothing near a line without length
+        asked = lines.copy()
+        asked[spots] = shapely.get_point(lines[spots], 0)
+        return np.asarray(self._index.query(asked, "dwithin", reach))
+
     def obstacle_clearance(self, points: Points) -> Clearance:
         """The least distance to an obstacle of the legs between consecutive points (n, 3)."""
         if not self.obstacles:

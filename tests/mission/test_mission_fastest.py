@@ -16,9 +16,10 @@ from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.assemble import choose_route, weigh_routes
 from ipoa_mission.routing.build import build_mission
-from ipoa_mission.routing.trial import fly, thinned
+from ipoa_mission.routing.trial import fly
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly as fly_here
+from ipoa_mission.tube.thin import thinned
 from ipoa_mission.world.frame import LocalFrame
 
 FLIGHTS = Path(__file__).parent.parent / "flights"

@@ -77,9 +77,9 @@ def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_for_the_way_home(
         (Autopilot.ARDUPILOT, 18.0, 25.0),
         (Autopilot.ARDUPILOT, 40.0, 45.0),
         (Autopilot.PX4, 12.0, None),  # RTL_DESCEND_ALT is 30 m
-        (Autopilot.PX4, 40.0, 45.0),
+        (Autopilot.PX4, 40.0, 50.0),
         (Autopilot.PX4, 58.0, 65.0),
-        (Autopilot.PX4, 70.0, 75.0),
+        (Autopilot.PX4, 70.0, 80.0),
     ],
 )
 def test_it_climbs_over_the_goal_where_the_way_home_would_not_be_clear(

@@ -193,7 +193,7 @@ def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed)
     told = [float(v) for v in re.findall(r"(?:east|north|up) (-?\d+)", danger[0].words)]
     near = course.points[int(np.argmin(course.apart))]
     assert told == pytest.approx(near.tolist(), abs=1.5)
-    assert 'class="verdict bad"><b aria-hidden="true">!</b> Clear by' in verdict(proof, danger)
+    assert 'class="verdict bad"><b aria-hidden="true">!</b> Clear by' in verdict(proof, None, danger)
 
 
 def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Bowed) -> None:

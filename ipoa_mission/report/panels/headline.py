@@ -11,9 +11,10 @@ from ipoa_mission.report.course import Danger
 from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.scenario.vehicle import BatterySection
 from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.tube.promise import Promise
 
 
-def verdict(proof: Proof | None, found: Sequence[Danger]) -> str:
+def verdict(proof: Proof | None, promise: Promise | None, found: Sequence[Danger]) -> str:
     """One line in words and with a sign: clear of everything, or not, on the legs and as predicted to be flown."""
     if proof is None:
         return '<p class="verdict">No leg between waypoints to judge.</p>'
@@ -23,9 +24,19 @@ def verdict(proof: Proof | None, found: Sequence[Danger]) -> str:
     least = proof.clearance
     required = next(check.required for check in proof.checks if check.found is least)
     words = f"Clear by {meters(least.distance)}: the nearest thing is {escape(least.what)}; {meters(required)} required"
+    if promise is not None and promise.confidence is not None and (kept := promise.clearance) is not None:
+        words = f"{share_of_flights(promise.confidence)} keep {meters(kept.kept)} to {escape(kept.to)}"
+        words += f" (nominal {meters(kept.nominal)}; {meters(kept.required)} required)"
+        if any(broken.on_the_way for broken in promise.broken):
+            return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {words}.</p>'
     if found:
         return f'<p class="verdict bad"><b aria-hidden="true">!</b> {words}; but {escape(found[0].words)}.</p>'
     return f'<p class="verdict good"><b aria-hidden="true">✓</b> {words}.</p>'
+
+
+def share_of_flights(confidence: float) -> str:
+    """As in "99 % of flights"."""
+    return f"{100 * confidence:g}\N{NO-BREAK SPACE}% of flights"
 
 
 def figures(

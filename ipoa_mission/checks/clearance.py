@@ -1,0 +1,38 @@
+"""A mission of which too many flights would come too close, though its predicted path does not."""
+
+from collections.abc import Iterator
+
+from ipoa_mission.checks.finding import Finding, error, warning
+from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Mission
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.promise import Kept, Promise, promise_of
+
+NEAR = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above the ground", "bounds": "inside {}"}
+
+
+def promise_if_known(mission: Mission, scenario: Scenario) -> Promise | None:
+    """What the mission promises; None where nobody can say how it will be flown."""
+    try:
+        return promise_of(mission, scenario) if mission.items else None
+    except MissionError:
+        return None
+
+
+def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | None) -> Iterator[Finding]:
+    """Between waypoints a limit that too few flights keep is an error, before and after it a warning.
+
+    Something that too many flights would touch is an error anywhere.
+    """
+    if promise is None or promise.confidence is None:
+        return
+    for kept in promise.broken:
+        item = mission.items[kept.item - 1]
+        touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius
+        says = error if kept.on_the_way or touches else warning
+        yield says(kept.item, item, f"{_where(kept)}: {kept.words(promise.confidence)}")
+
+
+def _where(kept: Kept) -> str:
+    east, north, up = kept.place
+    return f"{NEAR[kept.limit].format(kept.to)} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"

@@ -1,0 +1,62 @@
+"""The predicted path cut into what the tube is laid round: short straight pieces, each with its time and its bend."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.timing.prediction import Track
+
+STEP = 0.1  # between the looks at how a path bends [s]
+SMOOTHED = 5  # looks over which an acceleration is averaged
+AROUND = 2.0  # a bend widens the tube for so long before and after it [s]
+SHORTEST = 0.05  # pieces that are shorter are joined to the next [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A path (n, 3) [m] at times (n,) [s]; `across` is the lateral acceleration on each piece, (n-1,) [m/s^2]."""
+
+    points: Points
+    times: Vector
+    across: Vector
+
+    def part(self, begin: float, end: float) -> "Course":
+        """The pieces that are flown between two times [s]; at least one."""
+        first = max(int(np.searchsorted(self.times, begin, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(self.times, end, side="left")), len(self.times) - 1)
+        first = min(first, len(self.times) - 2)
+        last = max(last, first + 1)
+        return Course(self.points[first : last + 1], self.times[first : last + 1], self.across[first:last])
+
+
+def course_of(track: Track) -> Course:
+    """The course along a predicted path."""
+    kept = _apart(track.points)
+    points, times = track.points[kept], track.times[kept]
+    if len(points) < 2:
+        points, times = np.repeat(track.points[:1], 2, axis=0), np.repeat(track.times[:1], 2)
+    looks, across = _bends(track)
+    return Course(points, times, np.interp((times[:-1] + times[1:]) / 2, looks, across))
+
+
+def _apart(points: Points) -> Vector:
+    """Numbers of points that are so far from the one kept before that a piece between them is worth having."""
+    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+    _, first = np.unique(np.floor(travelled / SHORTEST), return_index=True)
+    return np.asarray(np.union1d(first, [len(points) - 1]))
+
+
+def _bends(track: Track) -> tuple[Vector, Vector]:
+    """Times, and the greatest lateral acceleration round each of them [m/s^2]."""
+    begin, end = float(track.times[0]), float(track.times[-1])
+    looks = np.arange(begin, max(end, begin + 3 * STEP) + STEP, STEP)
+    level = np.column_stack([np.interp(looks, track.times, axis) for axis in track.points[:, :2].T])
+    velocity = np.gradient(level, STEP, axis=0)
+    accel = np.gradient(velocity, STEP, axis=0)
+    mean = np.full(SMOOTHED, 1 / SMOOTHED)
+    accel = np.column_stack([np.convolve(axis, mean, "same") for axis in accel.T])
+    cross = np.abs(velocity[:, 0] * accel[:, 1] - velocity[:, 1] * accel[:, 0])
+    across = cross / np.maximum(np.hypot(*velocity.T), 0.5)
+    return looks, maximum_filter1d(across, 2 * round(AROUND / STEP) + 1)

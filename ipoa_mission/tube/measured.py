@@ -1,0 +1,33 @@
+"""The tubes of ArduCopter and PX4 as they were measured; docs/safety.md has the flights.
+
+Speed drives neither: a PX4 at 1.5 m/s lies as far beside its path as one at 9 m/s, because what moves it is what it
+believes of its own position.
+"""
+
+from types import MappingProxyType
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.tube.law import Law
+from ipoa_mission.tube.spread import Spread
+
+NOT_VALID = "wind, other airframes and parameters than the simulators', what satellites themselves are wrong by"
+
+ARDUCOPTER = Law(
+    level=Spread((0.0, 0.02, 0.05, 0.09, 0.24, 0.48, 0.82), (1.0, 0.5, 0.1, 0.05, 0.01, 0.002, 0.0005)),
+    down=Spread((0.0, 0.05, 0.13, 0.30), (1.0, 0.2, 0.05, 0.01)),
+    up=Spread((0.0, 0.05, 0.2, 0.3, 0.65), (1.0, 0.4, 0.1, 0.05, 0.01)),
+    turn=4.0,
+    ending=1.5,
+    source="ArduCopter 4.7.0-dev in its simulator: 37 flights, 12 of them by its true position",
+    not_valid=NOT_VALID,
+)
+PX4 = Law(
+    level=Spread((0.0, 0.13, 0.63, 0.82, 1.3, 1.75, 2.15), (1.0, 0.5, 0.1, 0.05, 0.01, 0.002, 0.0005)),
+    down=Spread((0.0, 0.9, 1.75, 2.0, 2.4), (1.0, 0.5, 0.1, 0.05, 0.01)),
+    up=Spread((0.0, 1.0, 2.4, 2.85, 3.2), (1.0, 0.5, 0.1, 0.05, 0.01)),
+    turn=8.0,
+    ending=1.5,
+    source="PX4 1.17 in its simulator (SIH): 88 flights of 17 missions, 1.5 to 18 m/s, by its true position",
+    not_valid=NOT_VALID,
+)
+LAWS = MappingProxyType({Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4})

@@ -1,0 +1,123 @@
+"""Room for the tube while a path is sought: the same scene, with everything larger by what the tube needs there.
+
+Obstacles grow by the tube at a usual number of tight places. One grows less where it would close in on a place that the
+scenario gives, and, if asked, where it would close a gap that is wide enough for the predicted path.
+"""
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.limits import Rim, raised, rim_of
+from ipoa_mission.tube.measured import LAWS
+from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
+
+LEAST = 0.01  # obstacles that would grow by less are left as they are [m]
+CORNERS = 4  # of the polygon round a corner that is rounded, for a quarter turn
+
+
+def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scenario:
+    """The scenario with room for its autopilot's tube at so many tight places; with `keep_gaps` it closes no gap."""
+    chance = scenario.safety.chance
+    if chance is None:
+        return scenario
+    law = LAWS[scenario.vehicle.autopilot]
+    rim, level = rim_of(law, chance), law.level.distance(chance / tight)
+    airspace = scenario.airspace
+    growth = _growth(scenario, level, keep_gaps)
+    bodies = tuple(_grown(body, by, level, rim) for body, by in zip(airspace.obstacles, growth, strict=True))
+    slopes = _usual_slope(airspace)
+    roomier = raised(scenario, rim.down + slopes * rim.level)
+    if (ceiling := scenario.planning.max_height_above_ground) is not None:
+        lower = max(ceiling - rim.up - slopes * rim.level, roomier.planning.min_height_above_ground or 0.0)
+        roomier = roomier.model_copy(
+            update={"planning": roomier.planning.model_copy(update={"max_height_above_ground": lower})}
+        )
+    world = Airspace(_shrunk(airspace.bounds, scenario, rim), airspace.terrain, bodies)
+    return roomier.in_airspace(world)
+
+
+def _growth(scenario: Scenario, level: float, keep_gaps: bool) -> Vector:
+    """By how much each obstacle grows to its sides, (n,) [m]."""
+    airspace, distance = scenario.airspace, scenario.limits.obstacle_distance
+    fixed = scenario.places
+    growth = np.full(len(airspace.obstacles), level)
+    for n, body in enumerate(airspace.obstacles):
+        spare = float(body.distance(fixed).min()) - distance
+        growth[n] = np.clip(spare - LEAST, 0.0, level)
+    if keep_gaps and len(growth) > 1:
+        _spare_gaps(growth, airspace.obstacles, distance, level)
+    return np.where(growth < LEAST, 0.0, growth)
+
+
+def _spare_gaps(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, level: float) -> None:
+    """Let no two neighbors close, in place, a gap that the required distance on both sides leaves open."""
+    outlines = np.array([_outline(body) for body in bodies])
+    one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + level))
+    pairs = one < other
+    one, other = one[pairs], other[pairs]
+    spare = (shapely.distance(outlines[one], outlines[other]) - 2 * distance) / 2 - LEAST
+    open_ = spare > 0
+    for bodies_of in (one[open_], other[open_]):
+        np.minimum.at(growth, bodies_of, spare[open_])
+
+
+def _outline(body: Obstacle) -> shapely.Geometry:
+    match body:
+        case Prism():
+            return body.footprint.shape
+        case Cylinder():
+            return shapely.Point(body.east, body.north).buffer(body.radius)
+        case Sphere():
+            return shapely.Point(body.center[:2]).buffer(body.radius)
+    return shapely.box(*body.bounds[0, :2], *body.bounds[1, :2])
+
+
+def _grown(body: Obstacle, by: float, most: float, rim: Rim) -> Obstacle:
+    """An obstacle larger by so much [m] to its sides; where that is the most, by the tube's rim above and below."""
+    if by == 0.0:
+        return body
+    down, up = by / most * rim.down, by / most * rim.up
+    match body:
+        case Cylinder(name, east, north, radius, base, top):
+            return Cylinder(name, east, north, radius + by, base - up, top + down)
+        case Sphere(name, center, radius):
+            return Sphere(name, center, radius + by)
+        case Prism(name, _, _, base, top):
+            shape = shapely.buffer(body.footprint.shape, by, quad_segs=CORNERS)
+            outer, *holes = (_ring(ring) for ring in (shape.exterior, *shape.interiors))
+            return type(body)(name, outer, tuple(holes), base - up, top + down)
+    return body
+
+
+def _ring(ring: shapely.Geometry) -> tuple[tuple[float, float], ...]:
+    corners: NDArray[np.float64] = shapely.get_coordinates(ring)[:-1]
+    return tuple((float(east), float(north)) for east, north in corners)
+
+
+def _shrunk(bounds: Bounds, scenario: Scenario, rim: Rim) -> Bounds:
+    """Bounds that leave the tube inside, but for sides that a given place is nearer to."""
+    fixed: Points = scenario.places
+    lower, upper = np.array(bounds.lower), np.array(bounds.upper)
+    near = np.array([rim.level, rim.level, rim.down]), np.array([rim.level, rim.level, rim.up])
+    lower += np.clip(fixed.min(axis=0) - lower - LEAST, 0.0, near[0])
+    upper -= np.clip(upper - fixed.max(axis=0) - LEAST, 0.0, near[1])
+    try:
+        return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), bounds.footprint)
+    except BadInput:
+        return bounds
+
+
+def _usual_slope(airspace: Airspace) -> float:
+    """A slope of the ground that is exceeded in one place of twenty [m/m]."""
+    if airspace.terrain.steepness == 0:
+        return 0.0
+    lower, upper = airspace.bounds.lower, airspace.bounds.upper
+    east, north = np.meshgrid(np.linspace(lower[0], upper[0], 40), np.linspace(lower[1], upper[1], 40))
+    heights = airspace.ground(np.column_stack([east.ravel(), north.ravel()])).reshape(east.shape)
+    along, across = np.gradient(heights, north[:, 0], east[0])
+    return float(np.quantile(np.hypot(along, across), 0.95))

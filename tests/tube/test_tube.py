@@ -1,0 +1,157 @@
+"""The tube: held against recorded passes of real autopilots, and its chances against what can be written down."""
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.approach import approaches
+from ipoa_mission.tube.course import Course
+from ipoa_mission.tube.limits import NO_TUBE, limits_kept, rim_of
+from ipoa_mission.tube.measured import LAWS, PX4
+from ipoa_mission.tube.room import with_room
+from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
+from ipoa_mission.world.terrain import Flat
+
+PASSES = list(csv.DictReader((Path(__file__).parent / "passes.csv").read_text().splitlines()))
+SIDES = ("east", "north", "west", "south")
+AIR = Bounds((-500.0, -500.0, -10.0), (500.0, 500.0, 200.0))
+
+
+def beside(autopilot: Autopilot, later: str) -> np.ndarray:
+    """How far each recorded pass on the way led to each side, as if it had been straight [m]."""
+    rows = [r for r in PASSES if r["autopilot"] == autopilot and r["on_the_way"] == "1" and r["later"] in later]
+    across = np.array([float(row["across"]) for row in rows])
+    sides = np.array([[float(row[side]) for side in SIDES] for row in rows])
+    return np.asarray((sides / LAWS[autopilot].stretch(across)[:, None]).ravel())
+
+
+def straight(*obstacles: Obstacle, seconds: float = 3.9, height: float = 20.0) -> tuple[Course, Airspace]:
+    """A course east at 5 m/s, a piece every half a metre."""
+    times = np.arange(0.0, seconds, 0.1)
+    points = np.column_stack([5 * times, np.zeros(len(times)), np.full(len(times), height)])
+    return Course(points, times, np.zeros(len(times) - 1)), Airspace(AIR, Flat(), obstacles)
+
+
+def wall(distance: float, length: float = 100.0) -> Obstacle:
+    return box("wall", (-length, distance, 0.0), (length, distance + 5.0, 60.0))
+
+
+@pytest.mark.parametrize("autopilot", list(Autopilot))
+@pytest.mark.parametrize("chance", [0.1, 0.05, 0.01, 0.002])
+def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot: Autopilot, chance: float) -> None:
+    found = beside(autopilot, "01")
+    assert len(found) >= 600
+    assert (found > LAWS[autopilot].level.distance(chance)).mean() <= chance
+
+
+def test_flights_that_came_after_the_first_law_keep_to_it() -> None:
+    """The later PX4 flights were flown after the first law was made; they moved it by a tenth."""
+    found = beside(Autopilot.PX4, "1")
+    for chance in (0.1, 0.05, 0.01, 0.002):
+        assert (found > PX4.level.distance(chance)).mean() <= 1.2 * chance
+
+
+@pytest.mark.parametrize("side", ["down", "up"])
+def test_heights_of_whole_flights_keep_to_their_quantiles(side: str) -> None:
+    most: dict[str, float] = {}
+    for row in PASSES:
+        if row["autopilot"] == "px4" and row["on_the_way"] == "1":
+            most[row["flight"]] = max(most.get(row["flight"], 0.0), float(row[side]))
+    spread = PX4.down if side == "down" else PX4.up
+    for chance in (0.1, 0.05, 0.01):
+        assert np.mean(np.array(list(most.values())) > spread.distance(chance)) <= chance
+
+
+def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
+    course, world = straight(wall(5.0))
+    near = approaches(course, world, PX4, 4.0)
+    for kept in (3.5, 4.0, 4.5):
+        assert near.chance(kept) == pytest.approx(float(PX4.level.chance(np.array([5.0 - kept]))[0]), rel=1e-6)
+    assert near.kept(0.01) == pytest.approx(5.0 - PX4.level.distance(0.01), abs=0.002)
+
+
+def test_two_walls_and_two_passes_add_up() -> None:
+    one, world = straight(wall(5.0))
+    once = approaches(one, world, PX4, 4.0).chance(3.5)
+    both = straight(wall(5.0), wall(-10.0))[1]
+    assert approaches(one, both, PX4, 4.0).chance(3.5) == pytest.approx(2 * once, rel=1e-6)
+    longer = straight(seconds=7.9)[0]
+    assert approaches(longer, world, PX4, 4.0).chance(3.5) == pytest.approx(2 * once, rel=1e-6)
+
+
+def test_over_a_roof_the_height_counts_and_once_a_flight() -> None:
+    roof = box("hall", (-100.0, -50.0, 0.0), (100.0, 50.0, 15.0))
+    for seconds in (3.9, 19.9):
+        course, world = straight(roof, seconds=seconds)
+        assert approaches(course, world, PX4, 3.0).kept(0.01) == pytest.approx(5.0 - PX4.down.distance(0.01), abs=0.002)
+
+
+def test_a_bend_widens_the_tube() -> None:
+    course, world = straight(wall(5.0))
+    bent = Course(course.points, course.times, np.full(len(course.across), PX4.turn))
+    assert approaches(bent, world, PX4, 4.0).kept(0.01) == pytest.approx(5.0 - 2 * PX4.level.distance(0.01), abs=0.002)
+
+
+@pytest.mark.parametrize("obstacle", [wall(4.0), Sphere("balloon", (8.0, 9.0, 26.0), 5.0)])
+def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle) -> None:
+    """Drawn flights are moved to one side as a whole: of those, no more than the chance come nearer than is kept."""
+    course, world = straight(obstacle)
+    rng = np.random.default_rng(7)
+    size = np.array([PX4.level.distance(chance) for chance in rng.uniform(1e-6, 1.0, 400)])
+    for chance in (0.05, 0.2):
+        kept = approaches(course, world, PX4, 3.0).kept(chance)
+        flown = [world.obstacle_clearance(course.points + np.array([0.0, moved, 0.0])).distance for moved in size]
+        assert np.mean(np.array(flown) < kept) <= chance + 2 * np.sqrt(chance / 400)
+
+
+def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
+    scenario = scenario_of()
+    path = np.array([[0.0, 0.0, 20.0], [100.0, 0.0, 20.0]])
+    rim = rim_of(PX4, 0.01)
+    nominal = {check.limit: check.found.distance for check in limits_kept(path, scenario, NO_TUBE)}
+    kept = {check.limit: check.found.distance for check in limits_kept(path, scenario, rim)}
+    assert kept["ground"] == pytest.approx(nominal["ground"] - rim.down)
+    assert kept["ceiling"] == pytest.approx(nominal["ceiling"] + rim.up)
+
+
+def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Callable[[], Scenario]) -> None:
+    scenario = scenario_of()
+    roomy = with_room(scenario, 1.0)
+    by = PX4.level.distance(0.01)
+    far, near = roomy.airspace.obstacles
+    assert isinstance(far, Cylinder)
+    assert isinstance(near, Cylinder)
+    assert far.radius == pytest.approx(5.0 + by)
+    assert near.radius < 5.0 + 1.0
+    safety = scenario.safety.model_copy(update={"confidence": "nominal"})
+    nominal = scenario.model_copy(update={"safety": safety})
+    assert with_room(nominal, 1.0) is nominal
+
+
+@pytest.fixture
+def scenario_of() -> Callable[[], Scenario]:
+    def make() -> Scenario:
+        pole = {"kind": "cylinder", "name": "pole", "radius": 5.0, "height": 60.0}
+        return Scenario.model_validate(
+            {
+                "home": {"latitude_deg": 47.0, "longitude_deg": 8.0},
+                "start": {"east": 0.0, "north": 0.0, "up": 20.0},
+                "goal": {"east": 100.0, "north": 0.0, "up": 20.0},
+                "planning": {"max_height_above_ground": 60.0},
+                "vehicle": {"autopilot": "px4", "radius": 0.5},
+                "obstacles": [pole | {"east": 50.0, "north": 30.0}, pole | {"east": 100.0, "north": 7.0}],
+            }
+        )
+
+    return make
+
+
+def test_a_spread_is_turned_round() -> None:
+    for distance in (0.1, 0.7, 1.9, 4.0):
+        assert PX4.level.distance(float(PX4.level.chance(np.array([distance]))[0])) == pytest.approx(distance)
