@@ -25,8 +25,8 @@ def verdict(proof: Proof | None, promise: Promise | None, found: Sequence[Danger
     required = next(check.required for check in proof.checks if check.found is least)
     words = f"Clear by {metres(least.distance)}: the nearest thing is {escape(least.what)}; {metres(required)} required"
     if promise is not None and promise.confidence is not None and (kept := promise.clearance) is not None:
-        words = f"{share_of_flights(promise.confidence)} keep {metres(kept.kept)} to {escape(kept.to)}"
-        words += f" (nominal {metres(kept.nominal)}; {metres(kept.required)} required)"
+        flights = f"{share_of_flights(promise.confidence)} keep it; nominal {metres(kept.nominal)}"
+        words = f"Clear by {metres(kept.kept)} from {escape(kept.to)}: {flights}, {metres(kept.required)} required"
         if any(broken.on_the_way for broken in promise.broken):
             return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {words}.</p>'
     if found:
