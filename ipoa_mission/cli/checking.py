@@ -89,9 +89,10 @@ def estimate(
     from ipoa_mission.cli.reading import read_with_parameters
     from ipoa_mission.commands import short_name
     from ipoa_mission.timing.estimate import estimate as predict
+    from ipoa_mission.wind import CALM
 
     mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
-    found = predict(mission, wind=read_wind_option(wind, wind_profile))
+    found = predict(mission, wind=read_wind_option(wind, wind_profile) or CALM)
     remarks += found.remarks
     if as_json:
         tell_json(estimate_as_json(found) | {"remarks": list(remarks)})

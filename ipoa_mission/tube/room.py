@@ -12,7 +12,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.limits import Rim, raised, rim_of
-from ipoa_mission.tube.measured import LAWS
+from ipoa_mission.tube.measured import law_of
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 from ipoa_mission.world.polygon import Polygon
@@ -26,7 +26,7 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scen
     chance = scenario.safety.chance
     if chance is None:
         return scenario
-    law = LAWS[scenario.vehicle.autopilot]
+    law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
     rim, level = rim_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
     growth = _growth(scenario, level, keep_gaps)
