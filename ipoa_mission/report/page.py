@@ -38,7 +38,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.tube.limits import NO_TUBE, rim_of
-from ipoa_mission.tube.measured import LAWS
+from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.promise import Promise
 
 AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
@@ -105,7 +105,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
     chance = scenario.safety.chance
-    tube = NO_TUBE if chance is None else rim_of(LAWS[mission.autopilot], chance)
+    tube = NO_TUBE if chance is None else rim_of(law_of(mission.autopilot, scenario.wind.speed), chance)
     battery = scenario.vehicle.battery
     parts = {
         "title": escape(scenario.name),
