@@ -43,8 +43,9 @@ def check(
 
     mission, remarks = read_with_parameters(file, autopilot)
     world = None if scenario is None else read_scenario(scenario)
-    remarks += () if world is None else world.remarks
     findings = check_mission(mission, world)
+    told = {finding.message for finding in findings}
+    remarks = tuple(remark for remark in remarks if remark not in told) + (() if world is None else world.remarks)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]

@@ -132,7 +132,7 @@ def _corners(element: ElementTree.Element, place: str) -> Corners:
     least = WORDS[_local(element)]
     if corners.ndim != 2 or corners.shape[1] != 2 or len(np.unique(corners, axis=0)) < least:
         raise BadInput(f"{place}.coordinates: expected {least} or more different positions as longitude,latitude")
-    return on_earth(corners, f"{place}.coordinates")
+    return on_earth(corners, f"{place}.coordinates", "a KML has longitude,latitude in degrees, always on WGS 84")
 
 
 def _local(element: ElementTree.Element) -> str:

@@ -20,7 +20,6 @@ from ipoa_mission.timing import estimate  # noqa: F401  # what takes long to imp
 from tools.fuzz.foreign_world import read_elevation, read_map
 from tools.fuzz.limited import Ended, run_limited
 
-LONGEST = 60.0  # of the processor, for what is accepted [s]
 REFUSED_IN = 5.0  # of the processor, for what is refused [s]
 LARGEST = 500.0  # what a run may take [MB]
 MISSIONS, LOGS = {".plan", ".waypoints", ".mission"}, {".tlog", ".bin", ".ulg"}
@@ -119,9 +118,9 @@ def judge(verb: str, ended: Ended) -> Outcome:
     return Outcome(verb, "warned" if remarks else "accepted", "; ".join(remarks), ended)
 
 
-def outcomes(path: Path, autopilot: str | None) -> list[Outcome]:
-    """What becomes of a file with each of its verbs."""
-    return [judge(verb, run_limited(act, LONGEST)) for verb, act in runs(path, autopilot)]
+def outcomes(path: Path, autopilot: str | None, seconds: float) -> list[Outcome]:
+    """What becomes of a file with each of its verbs, each within so many seconds of the processor."""
+    return [judge(verb, run_limited(act, seconds)) for verb, act in runs(path, autopilot)]
 
 
 def _cells(path: Path, name: str, found: Sequence[Outcome]) -> list[str]:
@@ -140,12 +139,14 @@ def main() -> int:
     parser.add_argument("--write", type=Path, metavar="TABLE.md", help="write the table there, not to the terminal")
     parser.add_argument("--autopilot", choices=("px4", "ardupilot"), help="for missions that do not say")
     parser.add_argument("--only", default="*", metavar="PATTERN", help="of the files, such as '*.plan'")
+    parser.add_argument("--seconds", type=float, default=60.0, help="of the processor that a run may take")
     arguments = parser.parse_args()
     counts: dict[str, Counter[str]] = {}
     rows: list[str] = []
     left = 0
     for path in sorted(each for each in arguments.folder.rglob(arguments.only) if each.is_file()):
-        found = outcomes(path, arguments.autopilot)
+        found = outcomes(path, arguments.autopilot, arguments.seconds)
+        print(path.name, *(f"{one.verb}: {one.outcome} {one.ended.seconds:.1f} s" for one in found), file=sys.stderr)
         left += not found
         rows += _cells(path, str(path.relative_to(arguments.folder)), found)
         for one in found:

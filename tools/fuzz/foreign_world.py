@@ -1,8 +1,11 @@
 """A scenario round a foreign map or elevation model, so that it is read as `plan` reads it."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput
@@ -31,13 +34,22 @@ def read_map(path: Path, kind: str) -> None:
     west, south, east, north = shapely.total_bounds(shapes)
     if not west <= east:
         raise BadInput(f"{path}: expected shapes, but there are none among {len(shapes)} features")
-    home = shapely.Point(max(west - WEST, -180.0), (south + north) / 2)
-    if kind == "flight_area":
-        areas = [shapely.convex_hull(shape) for shape in shapes]
-        home = max(areas, key=lambda area: float(area.area)).representative_point()
+    home = shapely.Point((west + east) / 2, (south + north) / 2)
+    if kind == "no_fly":
+        home = shapely.Point(max(west - WEST, -180.0), home.y)
+    elif kind == "flight_area":
+        closed = shapely.get_parts(shapely.polygonize([shapely.node(shape.boundary) for shape in _areas(shapes)]))
+        home = max(closed, key=lambda area: float(area.area), default=home).representative_point()
     text = SCENARIO.format(latitude=float(home.y), longitude=float(home.x), altitude=0.0, margin=500)
     text += f'[[maps]]\nkind = "{kind}"\nfile = {_quoted(path)}\n'
     _tell(text, path)
+
+
+def _areas(shapes: Sequence[Any]) -> list[Any]:
+    """The polygons among some shapes, closed lines among them."""
+    parts = [part for shape in shapes for part in shapely.get_parts(shapely.get_parts(shape))]
+    closed = [part for part in parts if part.geom_type == "LineString" and part.is_closed]
+    return [part for part in parts if part.geom_type == "Polygon"] + [shapely.Polygon(line) for line in closed]
 
 
 def read_elevation(path: Path) -> None:
@@ -47,8 +59,8 @@ def read_elevation(path: Path) -> None:
         MissionError: as a scenario that names it.
     """
     with open_raster(path, None) as raster:
-        middle = raster.dataset.width // 2, raster.dataset.height // 2
-        latitude, longitude = (float(each) for each in raster.places(*middle))  # type: ignore[arg-type]
+        middle = (np.array([size // 2]) for size in (raster.dataset.width, raster.dataset.height))
+        latitude, longitude = (float(each[0]) for each in raster.places(*middle))
     altitude = ground_altitude(path, latitude, longitude)
     text = SCENARIO.format(latitude=latitude, longitude=longitude, altitude=altitude, margin=20)
     _tell(f'{text}[terrain]\nkind = "elevation"\nfile = {_quoted(path)}\n', path)

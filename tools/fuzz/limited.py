@@ -50,8 +50,8 @@ def run_limited(act: Callable[[], None], seconds: float) -> Ended:
         code = os.waitstatus_to_exitcode(status)
         took = used.ru_utime + used.ru_stime
         killed = "" if code >= 0 else f"took more than {seconds:g} s" if took > seconds * 0.9 else _signal(-code)
-        texts = (path.read_text(encoding="utf-8", errors="replace") for path in (out, err))
-        return Ended(code, *texts, took, used.ru_maxrss / 1024, killed)
+        said, mistakes = (path.read_text(encoding="utf-8", errors="replace") for path in (out, err))
+        return Ended(code, said, mistakes, took, used.ru_maxrss / 1024, killed)
 
 
 def _inside(act: Callable[[], None], seconds: float, out: Path, err: Path) -> int:
