@@ -91,7 +91,7 @@ def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
             yield "name", value["primary"]  # Overture's
         elif key == "limitedApplicability" and isinstance(value, list) and value:
-            yield key, "yes"
+            yield key, json.dumps(value)
         elif isinstance(value, bool):
             yield key, "yes" if value else "no"
         elif isinstance(value, str | int | float) and not _is_blank(value):

@@ -1,8 +1,11 @@
 """KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: its points, lines and polygons.
 
-Heights in a KML are not read: a scenario says how high a zone or a building is.
+A polygon that is drawn down to the ground (`extrude`) has its greatest altitude as its height, above the ground or
+above sea level. Other heights in a KML are not read: a scenario says how high a zone is.
 """
 
+import contextlib
+import math
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -20,6 +23,9 @@ from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_ea
 MOST_FOLDERS = 64
 ELSEWHERE = {"NetworkLink", "GroundOverlay"}  # what they show is in another file: passed over, but counted
 LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may hold a thousand times its size
+#: How altitudes count, and the tag that a height becomes.
+MODES = {"relativeToGround": "height", "absolute": "height:amsl"}
+HIGHEST = 100_000.0  # [m]
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
@@ -87,7 +93,28 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
 
 def _feature(placemark: ElementTree.Element, place: str) -> Feature:
     shapes = list(_shapes(placemark, place))
-    return Feature(place, shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes), dict(_tags(placemark)))
+    tags = _height(placemark) | dict(_tags(placemark))
+    return Feature(place, shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes), tags)
+
+
+def _height(placemark: ElementTree.Element) -> dict[str, str]:
+    """The height of the highest polygon that is drawn down to the ground, as a tag; nothing where there is none."""
+    tops: dict[str, float] = {}
+    for polygon in (each for each in placemark.iter() if _local(each) == "Polygon"):
+        said = {_local(child): (child.text or "").strip() for child in polygon}
+        key = MODES.get(said.get("altitudeMode", ""))
+        if said.get("extrude") not in ("1", "true") or key is None:
+            continue
+        for element in polygon.iter():
+            if _local(element) == "coordinates":
+                tops[key] = max([tops.get(key, 0.0), *_altitudes(element.text or "")])
+    return {key: f"{top:.2f}" for key, top in tops.items() if 0 < top < HIGHEST}
+
+
+def _altitudes(text: str) -> Iterator[float]:
+    for word in text.split():
+        with contextlib.suppress(ValueError):
+            yield from (float(number) for number in word.split(",")[2:3] if math.isfinite(float(number)))
 
 
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
