@@ -74,11 +74,15 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
+    from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_with_parameters
     from ipoa_mission.commands import short_name
+    from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
 
     mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
+    if wrong := refusals(mission):
+        raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
     found = predict(mission, wind=read_wind_option(wind))
     remarks += found.remarks
     if as_json:

@@ -18,7 +18,7 @@ from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
-from ipoa_mission.maps.feature import Feature, Mistakes, on_earth
+from ipoa_mission.maps.feature import DEEPEST, Feature, Mistakes, on_earth
 
 VERSIONS = ("1.0", "1.1", "2.0")
 MOST_SHOWN = 60  # characters of a name
@@ -83,7 +83,7 @@ def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
         corners,
         Transformer.from_crs(system.to_2d(), "OGC:CRS84", always_xy=True),
         float(vertical[0].unit_conversion_factor) if vertical else 1.0,
-        _lowest(objects, used, corners),
+        _lowest(objects, used, corners, path),
     )
     found = [
         mistakes.attempt(_feature, name, thing, used[name], city, f"{path}: CityObjects.{name[:MOST_SHOWN]}")
@@ -154,18 +154,22 @@ def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDAr
 
 
 def _lowest(
-    objects: Mapping[str, Any], used: Mapping[str, list[NDArray[np.intp]]], corners: Points
+    objects: Mapping[str, Any], used: Mapping[str, list[NDArray[np.intp]]], corners: Points, path: Path
 ) -> dict[str, float]:
     """By the name of each object the least height among the objects that it belongs to and that belong to it."""
-    roots, lowest = {}, dict[str, float]()
+    roots, lowest = dict[str, str](), dict[str, float]()
     for name in objects:
-        root, met = name, {name}
-        while isinstance(parents := objects[root].get("parents"), list) and parents and parents[0] in objects:
-            if parents[0] in met:
+        way = [name]
+        while way[-1] not in roots:
+            parents = objects[way[-1]].get("parents")
+            above = parents[0] if isinstance(parents, list) and parents else None
+            if not isinstance(above, str) or above not in objects or above in way[-1:]:
                 break
-            root = parents[0]
-            met.add(root)
-        roots[name] = root
+            if len(way) > DEEPEST:
+                raise BadInput(f"{path}: CityObjects.{name[:MOST_SHOWN]}: expected a building that its parts lead to")
+            way.append(above)
+        root = roots.get(way[-1], way[-1])
+        roots |= dict.fromkeys(way, root)
         if used[name]:
             least = float(corners[np.concatenate(used[name]), 2].min())
             lowest[root] = min(lowest.get(root, least), least)

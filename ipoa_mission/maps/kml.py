@@ -5,7 +5,9 @@ above sea level. Other heights in a KML are not read: a scenario says how high a
 """
 
 import contextlib
+import lzma
 import math
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -26,6 +28,13 @@ LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may hold a thousand 
 #: How altitudes count, and the tag that a height becomes.
 MODES = {"relativeToGround": "height", "absolute": "height:amsl"}
 HIGHEST = 100_000.0  # [m]
+#: What zipfile raises over a broken archive.
+BROKEN = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, NotImplementedError, RuntimeError,
+    ValueError,
+)  # fmt: skip
+MOST_ELEMENTS = 1_000_000
+PIECE = 1 << 20  # bytes that are parsed at once
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
@@ -52,8 +61,8 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
             with archive.open(name) as file:
                 text = file.read(LARGEST + 1)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror or error}") from error
+    except BROKEN as error:
         raise BadInput(f"{path}: expected a KMZ, a .kml in a zip archive: {error}") from error
     if len(text) > LARGEST:
         raise BadInput(f"{path}: expected a .kml of at most {LARGEST >> 20} MB in it")
@@ -62,9 +71,10 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
 
 def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
     try:
-        root = ElementTree.fromstring(text)
+        root = _parse(text, path)
     except ElementTree.ParseError as error:
-        raise BadInput(f"{path}: line {error.position[0]}: expected well-formed XML") from error
+        line = getattr(error, "position", (1, 0))[0]
+        raise BadInput(f"{path}: line {line}: expected well-formed XML") from error
     if _local(root) != "kml":
         raise BadInput(f"{path}: expected a kml document, not {_local(root)}")
     mistakes = Mistakes()
@@ -72,6 +82,23 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
     features = [mistakes.attempt(_feature, element, f"{path}: Placemark[{i}]") for i, element in enumerate(placemarks)]
     mistakes.tell()
     return tuple(feature for feature in features if feature is not None)
+
+
+def _parse(text: bytes, path: Path) -> ElementTree.Element:
+    """The document, piece by piece, so that one of nothing but elements does not fill the memory."""
+    parser: Any = ElementTree.XMLPullParser(("start",))
+    root: ElementTree.Element | None = None
+    count = 0
+    for begin in range(0, len(text), PIECE):
+        parser.feed(text[begin : begin + PIECE])
+        for _, element in parser.read_events():
+            root, count = element if root is None else root, count + 1
+        if count > MOST_ELEMENTS:
+            raise BadInput(f"{path}: expected a document of at most {MOST_ELEMENTS} elements")
+    parser.close()
+    if root is None:
+        raise ElementTree.ParseError("nothing")
+    return root
 
 
 def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.Element]:

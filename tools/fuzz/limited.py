@@ -57,6 +57,7 @@ def run_limited(act: Callable[[], None], seconds: float) -> Ended:
 def _inside(act: Callable[[], None], seconds: float, out: Path, err: Path) -> int:
     for path, stream in ((out, 1), (err, 2)):
         os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT), stream)
+    sys.stdout, sys.stderr = (open(stream, "w", closefd=False, errors="replace") for stream in (1, 2))  # noqa: SIM115
     resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
     resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
     signal.signal(signal.SIGXCPU, signal.SIG_DFL)
