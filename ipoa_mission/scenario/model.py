@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import AwareDatetime, ConfigDict, Field, model_validator
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
@@ -158,6 +158,9 @@ class Scenario(Section):
     """Least clearance that must be left between the vehicle's hull and anything else [m]."""
     safety: SafetySection = SafetySection()
     """How sure that clearance is."""
+    time: AwareDatetime | None = None
+    """When it takes off, such as 2026-11-22T10:00:00Z: zones that are not active in the hour from then on are left out;
+    left out itself, zones are kept at all times."""
     home: HomeSection
     """Where the vehicle takes off, and the origin of the local frame."""
     start: Place
@@ -287,6 +290,11 @@ class Scenario(Section):
     def places(self) -> Points:
         """Start, via points and goal, in this order, (k, 3) [m]; a via point where the way already is counts once."""
         return without_repeats(self.start_point, self.via_points, self.goal_point)
+
+    @property
+    def unix_s(self) -> float | None:
+        """When it takes off [s since 1970]; None where nobody says."""
+        return None if self.time is None else self.time.timestamp()
 
     @property
     def radius(self) -> float:
