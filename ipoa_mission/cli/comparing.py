@@ -70,7 +70,7 @@ def compare(
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
-    from ipoa_mission.autopilots.modelled import beyond_the_model
+    from ipoa_mission.autopilots.modeled import beyond_the_model
     from ipoa_mission.flight.flown_clearance import flown_clearance
     from ipoa_mission.link.flight_log import read_flights
     from ipoa_mission.report.compare import compare_logged

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
@@ -24,7 +25,7 @@ class FlownClearance:
     `least` is where the least is left of what is required; its place is east, north, up of the scenario's home, and
     `place` the same on the Earth; `time_s` is since the arming. `planned` is the clearance of the mission's own legs,
     `strayed` the farthest that the flight was from them between its first and last waypoint; both are None without a
-    mission that flies somewhere. `promised` is what the plan said that a flight would keep, where it said so.
+    mission that flies somewhere. `promised` is what the mission promises to keep.
     """
 
     least: Clearance
@@ -53,14 +54,12 @@ class FlownClearance:
         )
 
 
-def flown_clearance(
-    record: FlightRecord, scenario: Scenario, mission: Mission | None = None, promised: float | None = None
-) -> FlownClearance | None:
+def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission | None = None) -> FlownClearance | None:
     """The least clearance of a flown path; None where the log has no path at the scenario's place.
 
     Heights are those above the place of arming, which stands on the scenario's ground. The ground counts from the
     first time that it was cleared by what is required until the last, so not for take-off and landing; obstacles
-    always count. `promised` is handed through.
+    always count. What is promised is what the mission promises at the scenario's confidence.
 
     Raises:
         BadInput, MissionError: as the scenario's maps.
@@ -76,12 +75,15 @@ def flown_clearance(
         return None
     near = int(np.argmin(np.linalg.norm(points - np.asarray(least.place), axis=1)))
     place = scenario.frame.geodetic(np.asarray(least.place))
-    planned = strayed = None
+    planned = strayed = promised = None
     legs = [] if mission is None else cruise(mission, scenario)
     if mission is not None and legs:
         checks = prove_mission(mission, scenario).checks
         planned = min(check.found.distance for check in checks if check.limit in ("obstacles", "ground"))
         strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
+        promise = promise_if_known(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
+        kept = None if promise is None else promise.clearance
+        promised = None if kept is None else kept.kept
     return FlownClearance(least, place, float(times[near]), required, planned, strayed, promised)
 
 

@@ -144,7 +144,7 @@ class _Navigator:
         if command == Command.DO_CHANGE_SPEED and params[0] < 2:
             self.cruise = params[1] if params[1] > 0 else self.limits.cruise
         elif command <= LAST_NAV or command in UNTIMED:
-            self.remarks.append(f"item {visit.seq}: command {command} is not modelled and counts as no time")
+            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
         return []
 
     def down(self, orders: list[Order]) -> list[Order]:
