@@ -133,7 +133,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),
-        "data": page_data(scenario, extent, course, found, flown),
+        "data": page_data(scenario, extent, course, found, flown, tube),
     }
     return Template(_asset("page.html")).substitute(parts)
 
