@@ -2,8 +2,8 @@
 
 python -m tools.benchmarks.flight_ranks [RUNS]     print what docs/flight-time.md says of it (by default 200 runs each)
 
-At the end: how many of all recorded items keep to the estimate's intervals, those of tests/flights, by which the
-intervals were made, and those of tests/landings, by which nothing was.
+At the end: how many of all recorded items keep to the estimate's intervals, those of tests/flights and those of
+tests/landings.
 
 Of a model that is right every rank is as likely as any other, so that the ranks of all flights are uniform.
 """
