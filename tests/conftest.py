@@ -1,5 +1,6 @@
 """What every test may lean on."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -21,3 +22,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def missions() -> Path:
     """The folder of scenarios that ship with the repository."""
     return REPOSITORY / "missions"
+
+
+@pytest.fixture
+def samples() -> Path:
+    """Other people's files, kept beside the repository or at IPOA_SAMPLES; not everybody has them."""
+    named = os.environ.get("IPOA_SAMPLES")
+    folders = [Path(named)] if named else [parent / "shared" / "samples" for parent in REPOSITORY.parents]
+    found = next((folder for folder in folders if folder.is_dir()), None)
+    if found is None:
+        pytest.skip("no samples beside the repository")
+    return found

@@ -20,6 +20,7 @@ from ipoa_mission.world.frame import Geodetic
 
 STEP, HIGHEST = 5, 500  # [m] above home
 TIGHT = 4.0  # at so many tight places the tube has room on the way home
+SAG = 0.3  # the predicted way home is up to so much lower than it is set [m]
 
 #: The parameters for the return altitude, and their unit in metres; PX4 1.17 was recorded to heed the lower of its two.
 PARAMETERS = {
@@ -96,4 +97,5 @@ def _ways_home(mission: Mission, scenario: Scenario) -> list[Leg]:
 
 def _is_clear(legs: Iterable[Leg], roomy: Scenario) -> bool:
     checks = (check for leg in legs for check in prove(leg.points, roomy).checks)
-    return all(check.slack >= 0 for check in checks if check.limit in ("obstacles", "ground"))
+    spare = 0.0 if roomy.safety.chance is None else SAG
+    return all(check.slack >= spare for check in checks if check.limit in ("obstacles", "ground"))

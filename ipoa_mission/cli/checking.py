@@ -41,14 +41,14 @@ def check(
     from ipoa_mission.cli.reading import read_with_parameters, read_world
 
     mission, remarks = read_with_parameters(file, autopilot)
-    world = read_world(scenario)
-    remarks += () if world is None else world.remarks
-    promise = None
+    world, promise = read_world(scenario), None
     if world is not None:
         from ipoa_mission.checks.clearance import promise_if_known
 
         promise = promise_if_known(mission.assuming(world.vehicle.autopilot_parameters()), world)
     findings = check_mission(mission, world, promise)
+    found = {finding.message for finding in findings}
+    remarks = tuple(remark for remark in remarks if remark not in found) + (() if world is None else world.remarks)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
@@ -86,12 +86,17 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
+    from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_with_parameters
     from ipoa_mission.commands import short_name
+    from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
+    from ipoa_mission.wind import CALM
 
     mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
-    found = predict(mission, wind=read_wind_option(wind, wind_profile))
+    if wrong := refusals(mission):
+        raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
+    found = predict(mission, wind=read_wind_option(wind, wind_profile) or CALM)
     remarks += found.remarks
     if as_json:
         tell_json(estimate_as_json(found) | {"remarks": list(remarks)})

@@ -1,11 +1,13 @@
 """`compare`: flown missions held against their estimates."""
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.options import (
     AutopilotOption,
@@ -19,8 +21,23 @@ from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
 
 if TYPE_CHECKING:
+    from ipoa_mission.flight.flown_clearance import FlownClearance
     from ipoa_mission.items import Mission
+    from ipoa_mission.link.flight_log import LoggedFlight
+    from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.report.compare import ComparedFlight
+    from ipoa_mission.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A flight of a log, what it comes to against its estimate, and what it kept of its clearance."""
+
+    number: int
+    flight: "LoggedFlight"
+    record: "FlightRecord"
+    held: "ComparedFlight | None"
+    clearance: "FlownClearance | None"
 
 
 def compare(
@@ -34,6 +51,10 @@ def compare(
     number: Annotated[
         int | None, typer.Option("--flight", metavar="N", min=1, help="Only the N-th flight in the log.")
     ] = None,
+    scenario: Annotated[
+        Path | None,
+        typer.Option("--scenario", metavar="SCENARIO", help="Hold the flown path against its terrain and obstacles."),
+    ] = None,
     autopilot: AutopilotOption = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
@@ -44,12 +65,16 @@ def compare(
 ) -> None:
     """Hold the log of a flown mission against the estimate, leg by leg; each flight in the log by itself.
 
-    Mission, parameters and firmware are the log's own; those given here go before.
+    Mission, parameters and firmware are the log's own; those given here go before. Exit code 1 when nothing in the
+    log could be held against an estimate or a scenario.
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
+    from ipoa_mission.autopilots.modeled import beyond_the_model
+    from ipoa_mission.flight.flown_clearance import flown_clearance
     from ipoa_mission.link.flight_log import read_flights
     from ipoa_mission.report.compare import compare_logged
+    from ipoa_mission.scenario import read_scenario
 
     if len(files) > 2:
         raise BadInput(f"{files[2]}: expected a mission and a log at most")
@@ -66,22 +91,30 @@ def compare(
     if picture is not None and len(numbers) > 1:
         raise BadInput(f"--picture: expected --flight N too: {log} has {len(numbers)} flights")
     given = read_parameter_options(param, param_file)
-    found = {n: compare_logged(flown.flights[n - 1], mission, given) for n in numbers}
-    held = {n: one for n, one in found.items() if one is not None}
-    if not held:
-        raise MissionError(f"{log}: {_no_mission(flown.autopilot, log)}", hint="compare FILE LOG, with what was flown")
-    if picture is not None:
-        _draw(held[numbers[0]], picture, (file or log).stem)
-    remarks = [*beside, *flown.remarks]
-    remarks += [f"flight {n}: {_no_mission(flown.autopilot, log)}; left out" for n in found if n not in held]
+    world = None if scenario is None else read_scenario(scenario)
+    rows = []
+    for n in numbers:
+        flight = flown.flights[n - 1]
+        held = compare_logged(flight, mission, given) if flight.in_mission else None
+        record = flight.record() if held is None else held.record
+        clearance = None if world is None else flown_clearance(record, world, None if held is None else held.mission)
+        rows.append(_Row(n, flight, record, held, clearance))
+    if picture is not None and rows[0].held is not None:
+        _draw(rows[0].held, picture, (file or log).stem)
+    remarks = [*beside, *flown.remarks, *_remarks(rows, log, world)]
+    beyond = beyond_the_model(flown.autopilot, flown.version)
     on = f"{flown.autopilot} {flown.version}".strip()
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
-    if as_json:
-        flights = [{"flight": n, **_as_json(one)} for n, one in held.items()]
-        about = {"autopilot": flown.autopilot.value, "version": flown.version, "remarks": remarks}
-        tell_json({**flights[0], **about, "flights": flights})
-        return
-    _tell(held, title, remarks)
+    useless = all(row.held is None and row.clearance is None for row in rows)
+    error = MissionError(f"{log}: {_useless(rows, log)}", hint="compare FILE LOG, with what was flown")
+    if not as_json:
+        _tell(rows, title, remarks if beyond is None else [*remarks, beyond])
+    elif not useless:
+        flights = [_as_json(row) for row in rows]
+        about = {"autopilot": flown.autopilot.value, "version": flown.version, "model": beyond, "remarks": remarks}
+        tell_json({**next(one for one in flights if one.get("legs") or world), **about, "flights": flights})
+    if useless:
+        raise error
 
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
@@ -97,13 +130,34 @@ def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool)
     return mission, remarks
 
 
-def _no_mission(autopilot: Autopilot, log: Path) -> str:
+def _no_mission(flight: "LoggedFlight", log: Path) -> str:
     """Why a log does not tell which mission was flown."""
-    if autopilot is Autopilot.PX4 and log.suffix.lower() == ".ulg":
-        return "PX4 does not write its mission into its logs"
+    if flight.autopilot is Autopilot.PX4 and log.suffix.lower() == ".ulg":
+        return "PX4 writes only those items into its logs to which it came, and these are not all"
     if log.suffix.lower() == ".bin":
         return "the log does not have the whole list of items that was flown"
     return "the mission was neither uploaded nor downloaded while this log was written"
+
+
+def _useless(rows: list[_Row], log: Path) -> str:
+    flown = [row for row in rows if row.flight.in_mission]
+    if flown:
+        return _no_mission(flown[0].flight, log)
+    return f"nothing in it was flown in {FIRMWARE[rows[0].flight.autopilot].name}'s mission mode"
+
+
+def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]:
+    """What of the flights could not be done."""
+    several = len(rows) > 1
+    said = [
+        f"{f'flight {row.number}: ' if several else ''}{_no_mission(row.flight, log)}: it has no estimate"
+        for row in rows
+        if row.held is None and row.flight.in_mission
+    ]
+    if world is not None:
+        said += list(world.remarks)
+        said += [f"flight {row.number}: no path near {world.name}'s home" for row in rows if row.clearance is None]
+    return said
 
 
 def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
@@ -116,10 +170,44 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
     write_picture(draw_comparison(one.comparison, one.estimate.track.points, points, title), picture)
 
 
-def _as_json(one: "ComparedFlight") -> dict[str, Any]:
+def _as_json(row: _Row) -> dict[str, Any]:
+    """A flight for machines; what is not known of it is left out."""
+    about: dict[str, Any] = {
+        "flight": row.number,
+        "armed_s": round(row.flight.armed_s, 3),
+        "in_mission": row.flight.in_mission,
+    }
+    if row.held is not None:
+        about |= _held_as_json(row.held)
+    else:
+        about |= {"flown_s": _known(row.record.total_s)}
+    if row.clearance is not None:
+        about["clearance"] = _clearance_as_json(row.clearance)
+    return about
+
+
+def _clearance_as_json(found: "FlownClearance") -> dict[str, Any]:
+    east, north, up = found.least.place
+    given = {"required": found.required, "planned": found.planned, "promised": found.promised, "strayed": found.strayed}
+    return {
+        "least": round(found.least.distance, 3),
+        "to": found.least.what,
+        "place": {
+            "latitude_deg": round(found.place.latitude_deg, 7),
+            "longitude_deg": round(found.place.longitude_deg, 7),
+            "east": round(east, 3),
+            "north": round(north, 3),
+            "up": round(up, 3),
+        },
+        "time_s": round(found.time_s, 3),
+        "kept": found.kept,
+        **{key: value if value is None else round(value, 3) for key, value in given.items()},
+    }
+
+
+def _held_as_json(one: "ComparedFlight") -> dict[str, Any]:
     held = one.comparison
     return {
-        "armed_s": round(one.armed_s, 3),
         "completed": one.record.completed,
         "why_not": one.record.why_not,
         "estimated_s": round(held.estimated_total_s, 3),
@@ -140,44 +228,52 @@ def _as_json(one: "ComparedFlight") -> dict[str, Any]:
     }
 
 
-def _tell(held: dict[int, "ComparedFlight"], title: str, remarks: list[str]) -> None:
-    if len(held) > 1:
-        columns = ["flight", "armed at\ns", "items", "estimated\ns", "flown\ns", "total", "route"]
-        tell_table(title, columns, [_row(n, one) for n, one in held.items()])
-    for n, one in held.items():
-        comparison = one.comparison
-        rows = [
-            (
-                str(leg.seq),
-                *(f"{s:.1f}" for s in (leg.estimated_s, leg.flown_s)),
-                f"{leg.error_s:+.1f}",
-                f"{leg.flown_done_s:.1f}",
-            )
-            for leg in comparison.legs
-        ]
-        which = f"flight {n}" if len(held) > 1 else title
-        tell_table(which, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
-        tell(f"estimated {comparison.estimated_total_s:.1f} s, flown {_flown(one)}")
-        if math.isfinite(comparison.route_error):
-            tell(f"from the first waypoint to the last: {comparison.route_error:+.1%}")
-        if one.parameters:
-            tell("parameters: " + ", ".join(f"{name} {value:g}" for name, value in one.parameters.items()))
-        tell(*notes(one.remarks), *([""] if len(held) > 1 else []))
+def _tell(rows: list[_Row], title: str, remarks: list[str]) -> None:
+    several = len(rows) > 1 or rows[0].held is None
+    if several:
+        columns = ["flight", "armed at\ns", "items", "estimated\ns", "flown\ns", "total", "route", "clearance\nm", ""]
+        tell_table(title, columns, [_cells(row) for row in rows])
+    for row in rows:
+        if row.held is not None:
+            _tell_held(row.held, f"flight {row.number}" if several else title)
+        if row.clearance is not None:
+            tell(f"flight {row.number}: {row.clearance.words()}" if several else row.clearance.words())
+        if several and row.held is not None:
+            tell("")
     tell(*notes(remarks))
 
 
-def _row(number: int, one: "ComparedFlight") -> tuple[str, ...]:
-    held = one.comparison
+def _tell_held(one: "ComparedFlight", title: str) -> None:
+    comparison = one.comparison
+    rows = [
+        (
+            str(leg.seq),
+            *(f"{s:.1f}" for s in (leg.estimated_s, leg.flown_s)),
+            f"{leg.error_s:+.1f}",
+            f"{leg.flown_done_s:.1f}",
+        )
+        for leg in comparison.legs
+    ]
+    tell_table(title, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
+    tell(f"estimated {comparison.estimated_total_s:.1f} s, flown {_flown(one)}")
+    if math.isfinite(comparison.route_error):
+        tell(f"from the first waypoint to the last: {comparison.route_error:+.1%}")
+    if one.parameters:
+        tell("parameters: " + ", ".join(f"{name} {value:g}" for name, value in one.parameters.items()))
+    tell(*notes(one.remarks))
+
+
+def _cells(row: _Row) -> tuple[str, ...]:
+    clearance = "" if row.clearance is None else f"{row.clearance.least.distance:.2f}"
+    about = (str(row.number), f"{row.flight.armed_s:.1f}")
+    if row.held is None:
+        how = "" if row.flight.in_mission else "not in a mission"
+        return (*about, "", "", _seconds(row.record.total_s), "", "", clearance, how)
+    held = row.held.comparison
     errors = (f"{error:+.1%}" if math.isfinite(error) else "" for error in (held.total_error, held.route_error))
-    items = f"{len(one.record.item_reached_s)} of {len(one.mission.items)}"
-    return (
-        str(number),
-        f"{one.armed_s:.1f}",
-        items,
-        f"{held.estimated_total_s:.1f}",
-        _seconds(held.flown_total_s),
-        *errors,
-    )
+    items = f"{len(row.record.item_reached_s)} of {len(row.held.mission.items)}"
+    times = (f"{held.estimated_total_s:.1f}", _seconds(held.flown_total_s))
+    return (*about, items, *times, *errors, clearance, "")
 
 
 def _seconds(value: float) -> str:

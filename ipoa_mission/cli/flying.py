@@ -120,14 +120,14 @@ def fly(
         from ipoa_mission.simulator.fly import fly as fly_here
 
         with left_behind(f"the flight was broken off; {log} has it so far"), _flight_bar(len(job.mission.items)) as bar:
-            record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=air)
+            record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=job.wind)
     else:
         begun_at(job.mission, begin - 1)
         with no_flight_yet(), connect_to(link, system, key, backend, None, log, timeout, anyway) as vehicle:
             if not states_firmware(source, autopilot):
                 job = prepare(source, autopilot=vehicle.autopilot, parameters=parameters, wind=air)
             if begin != 1:
-                job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=air))
+                job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=job.wind))
             flight = RealFlight(job, vehicle, begin - 1, anyway, set_params)
             told, record = flight.fly(_flight_bar)
     remarks = told if job.flight else tuple(dict.fromkeys((*job.remarks, *told)))

@@ -31,6 +31,7 @@ class Job:
     estimate: Estimate
     remarks: tuple[str, ...]
     flight: Flight | None = None
+    wind: Wind = CALM
 
 
 def prepare(
@@ -39,7 +40,7 @@ def prepare(
     autopilot: Autopilot | None = None,
     optimizer: str | None = None,
     parameters: Mapping[str, float] | None = None,
-    wind: Wind = CALM,
+    wind: Wind | None = None,
 ) -> Job:
     """A job from a scenario (`.toml`) or a mission file.
 
@@ -51,15 +52,17 @@ def prepare(
     """
     if source.suffix == ".toml":
         flight = plan(adapt_scenario(source, optimizer, autopilot=autopilot, parameters=parameters), seed, wind)
-        return Job(flight.name, flight.mission, flight.estimate, flight.remarks, flight)
+        air = flight.scenario.wind.air()
+        return Job(flight.name, flight.mission, flight.estimate, flight.remarks, flight, air)
     mission, remarks = read_with_parameters(source, autopilot, parameters)
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
     remarks += tuple(finding.message for finding in warnings)
-    return Job(source.stem, mission, estimate(mission, wind=wind), remarks)
+    air = wind or CALM
+    return Job(source.stem, mission, estimate(mission, wind=air), remarks, wind=air)
 
 
-def plan(scenario: Scenario, seed: int, wind: Wind = CALM) -> Flight:
+def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
     """`plan_flight` with a bar that shows how far it is."""
     with left_behind("nothing was written"), progress_bar("planning") as show:
         return plan_flight(scenario, seed, wind, show)

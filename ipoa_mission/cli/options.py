@@ -247,20 +247,20 @@ def _known(name: str) -> str:
     return name
 
 
-def read_wind_option(given: str | None, profile: str | None = None) -> "Wind":
-    """The wind as it was given: a speed [m/s], an @, and the direction that it comes from [deg].
+def read_wind_option(given: str | None, profile: str | None = None) -> "Wind | None":
+    """The wind as it was given: a speed [m/s], an @, and the direction that it comes from [deg]; None: none was.
 
     Its `profile` is an exponent, an @, and the gradient height [m].
 
     Raises:
         BadInput: what is not such a pair of numbers.
     """
-    from ipoa_mission.wind import CALM, Wind
+    from ipoa_mission.wind import Wind
 
     if given is None:
         if profile is not None:
             raise BadInput(f"--wind-profile {profile}: expected a --wind that it belongs to")
-        return CALM
+        return None
     speed, at, direction = given.partition("@")
     try:
         wind = Wind(float(speed), float(direction))

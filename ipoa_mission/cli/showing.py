@@ -30,6 +30,7 @@ def show(
     from ipoa_mission.errors import MissionError
     from ipoa_mission.exports.table import mission_table
     from ipoa_mission.timing.estimate import estimate
+    from ipoa_mission.wind import CALM
 
     mission, remarks = read_with_parameters(file, autopilot)
     world = read_world(scenario)
@@ -37,7 +38,9 @@ def show(
     done: dict[int, float] = {}
     try:
         if not errors:
-            timed = estimate(mission if world is None else mission.assuming(world.vehicle.autopilot_parameters()))
+            wind = CALM if world is None else world.wind.air()
+            flown = mission if world is None else mission.assuming(world.vehicle.autopilot_parameters())
+            timed = estimate(flown, wind=wind)
             done = {item.seq: item.done_s for item in timed.items}
         total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:

@@ -29,7 +29,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.tube.promise import Promise, promise_of
-from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.wind import Wind
 
 log = logging.getLogger(__name__)
 
@@ -107,12 +107,12 @@ class Flight:
 
 
 def plan_flight(
-    scenario: Scenario, seed: int = 0, wind: Wind = CALM, progress: Progress = lambda done, words: None
+    scenario: Scenario, seed: int = 0, wind: Wind | None = None, progress: Progress = lambda done, words: None
 ) -> Flight:
     """Plan a path, choose waypoints, prove, check and time the mission, and see that the battery lasts.
 
-    The wind counts for the estimate and for the energy along it; the route is chosen in calm air. The same scenario,
-    seed and wind give the same flight. `progress` is told the share done and some words.
+    `wind`, if given, goes before the scenario's own. It counts for the choice of the route, for the tube and the times.
+    The same scenario, seed and wind give the same flight. `progress` is told the share done and some words.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
@@ -120,6 +120,7 @@ def plan_flight(
         Unsafe: the mission fails a check.
         NotEnoughBattery: it would not come home with its reserve.
     """
+    scenario = scenario if wind is None else scenario.in_wind(wind)
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     plan, options = plan_with_room(scenario, seed, progress)
@@ -128,7 +129,7 @@ def plan_flight(
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
     promise = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
     findings = refuse_errors(check_mission(mission, scenario, promise))
-    found = estimate(mission, wind=wind)
+    found = estimate(mission, wind=scenario.wind.air())
     energy = flight_energy(scenario, found.track.times, found.track.points, found.track.speeds)
     expect_to_come_home(scenario, energy)
     told = (finding.message for finding in findings)

@@ -23,13 +23,15 @@ from ipoa_mission.link.ulog import read_ulog
 from ipoa_mission.mission.firmware import from_wire, home_item
 from ipoa_mission.world.frame import Geodetic
 
+#: Who rises by so much was in the air [m].
+RISEN = 1.0
 #: Home is set anew by the arming; it is told within this time [s].
 HOME_SET_S = 2.0
 
 
 @dataclass(frozen=True)
 class LoggedFlight:
-    """One flight in a log: from armed until disarmed, some of it in the mission mode.
+    """One flight in a log: from armed until disarmed; `in_mission`: some of it in the mission mode.
 
     `mission` is what the log says that the vehicle held, None where it does not say; `parameters` are those that the
     log has of it; `armed_s` is the autopilot's clock at time zero.
@@ -40,11 +42,12 @@ class LoggedFlight:
     armed_s: float
     mission: Mission | None
     parameters: Mapping[str, float]
+    in_mission: bool
     messages: tuple[Message, ...] = field(repr=False)
 
-    def record(self, mission: Mission) -> FlightRecord:
-        """This flight as one of `mission`: when its items were done, and where it was."""
-        logbook = Logbook(mission.items, mission.autopilot)
+    def record(self, mission: Mission | None = None) -> FlightRecord:
+        """This flight as one of `mission`: when its items were done, and where it was; without one, only that."""
+        logbook = Logbook(() if mission is None else mission.items, self.autopilot)
         for message in self.messages:
             logbook.note(message)
         return logbook.record()
@@ -52,7 +55,7 @@ class LoggedFlight:
 
 @dataclass(frozen=True)
 class FlightLog:
-    """All flights of a log, and what the user should know of it."""
+    """All flights of a log, those without a mission among them, and what the user should know of it."""
 
     autopilot: Autopilot
     version: str
@@ -70,15 +73,20 @@ def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
     log = read_flights(path)
     if log.autopilot is not mission.autopilot:
         raise MissionError(f"{path}: expected a log of {FIRMWARE[mission.autopilot].name}, as the mission is for")
-    return log.flights[0].record(mission)
+    flown = [flight for flight in log.flights if flight.in_mission]
+    if not flown:
+        raise _nothing_flown(path, log)
+    return flown[0].record(mission)
 
 
 def read_flights(path: str | Path) -> FlightLog:
     """The flights in a `.tlog`, `.bin` or `.ulg`, one at least.
 
+    A flight is armed in the mission mode, or rises.
+
     Raises:
         BadInput: another ending, or not a log of that kind.
-        MissionError: nothing in it was flown in the mission mode, or a package to read it is missing.
+        MissionError: nothing in it was flown, or a package to read it is missing.
     """
     path = Path(path)
     match path.suffix.lower():
@@ -92,7 +100,7 @@ def read_flights(path: str | Path) -> FlightLog:
             raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
     mode = MISSION_MODE[log.autopilot]
     stretches = list(_stretches(log))
-    flights = [stretch for stretch in stretches if stretch.flew_in(mode)]
+    flights = [stretch for stretch in stretches if stretch.flew_in(mode) or stretch.rose]
     whole = tuple(stretch.flight(log) for stretch in flights if stretch.is_whole)
     remarks = [*log.remarks]
     if len(whole) < len(flights):
@@ -100,11 +108,15 @@ def read_flights(path: str | Path) -> FlightLog:
     if len(flights) < len(stretches):
         others = len(stretches) - len(flights)
         remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
+    found = FlightLog(log.autopilot, log.version, whole, tuple(remarks))
     if not whole:
-        name = FIRMWARE[log.autopilot].name
-        words = [f"nothing in it was flown in {name}'s mission mode", *remarks]
-        raise MissionError(f"{path}: {'; '.join(words)}", hint="is it the log of this flight?")
-    return FlightLog(log.autopilot, log.version, whole, tuple(remarks))
+        raise _nothing_flown(path, found)
+    return found
+
+
+def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
+    words = [f"nothing in it was flown in {FIRMWARE[log.autopilot].name}'s mission mode", *log.remarks]
+    return MissionError(f"{path}: {'; '.join(words)}", hint="is it the log of this flight?")
 
 
 @dataclass
@@ -147,25 +159,33 @@ class _Stretch:
     def flew_in(self, mode: int) -> bool:
         return any(isinstance(said, Heartbeat) and said.armed and said.custom_mode == mode for said in self.messages)
 
+    @property
+    def rose(self) -> bool:
+        heights = [said.height for said in self.messages if isinstance(said, Position)]
+        return bool(heights) and max(heights) - heights[0] > RISEN
+
     def flight(self, log: Log) -> LoggedFlight:
         parameters = self.later.parameters | self.at_arming.parameters
-        mission = self._mission(log.autopilot)
-        return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, tuple(self.messages))
+        mission, flown = self._mission(log.autopilot), self.flew_in(MISSION_MODE[log.autopilot])
+        return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, tuple(self.messages))
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
         """The list that was held; a log opened by the arming tells it just after.
 
-        ArduPilot does not write down a list that came as a file: what it flew then tells of it, item by item.
+        PX4 does not write down its list, nor ArduPilot one that came as a file: what it flew then tells of it, item
+        by item.
         """
         home = self.later.home or self.at_arming.home or self._first_place()
+        first = int(FIRMWARE[autopilot].home_is_item_0)
         items = self.at_arming.items or self.later.items
         if self.begun:
             total = max(begun.total for begun in self.begun.values())
             agrees = len(items) == total and all(items[seq] == begun.item for seq, begun in self.begun.items())
             if not agrees:
-                flown = [self.begun[seq].item for seq in range(1, total) if seq in self.begun]
-                items = (home_item(home), *flown) if home and len(flown) == total - 1 else ()
-        if len(items) <= int(FIRMWARE[autopilot].home_is_item_0) or home is None:
+                flown = [self.begun[seq].item for seq in range(first, total) if seq in self.begun]
+                before = (home_item(home),) * first if home else ()
+                items = (*before, *flown) if len(flown) == total - first else ()
+        if len(items) <= first or home is None:
             return None
         return from_wire(items, autopilot, home)
 

@@ -1,5 +1,5 @@
 """PX4's own log (`.ulg`): where it was, what it did, which item it turned to, how it was set. Read by pyulog (extra
-`logs`). Which items the mission has it does not tell.
+`logs`). Its mission is told item by item as the flight comes to them (`px4_items`), from PX4 1.12 on.
 """
 
 import importlib
@@ -18,14 +18,17 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.logged import Fixes, Log, presence, version_name
 from ipoa_mission.link.messages import Current, Message, ParamValue, Reached, Text
+from ipoa_mission.link.px4_items import items_begun
 from ipoa_mission.link.telemetry import HomePosition
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state, as HEARTBEAT.custom_mode has it: main and sub mode.
 MODES = {3: px4_mode(4, 4), 4: px4_mode(4, 3), 5: px4_mode(4, 5), 18: px4_mode(4, 6)}
 ROTARY_WING = 1  # vehicle_status.vehicle_type
+SPHERE = 6_371_000.0  # radius of PX4's Earth [m]
 FLOAT, INFO = 9, 6  # MAV_PARAM_TYPE_REAL32, MAV_SEVERITY_INFO
-TOPICS = ["vehicle_global_position", "vehicle_local_position", "vehicle_status", "mission_result", "home_position"]
+POSITIONS = ("vehicle_global_position", "vehicle_local_position")
+TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item"]
 
 Event = tuple[float, Message]
 
@@ -39,12 +42,18 @@ def read_ulog(path: Path) -> Log:
     """
     log = _open(path)
     topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance counts
-    for name in ("vehicle_global_position", "vehicle_status"):
-        if name not in topics or len(topics[name]["timestamp"]) == 0:
-            raise BadInput(f"{path}: expected a PX4 log with the topic {name}, which is not in it")
+    topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
+    if "vehicle_status" not in topics:
+        raise BadInput(f"{path}: expected a PX4 log with the topic vehicle_status, which is not in it")
+    if not topics.keys() & set(POSITIONS):
+        raise BadInput(f"{path}: expected a PX4 log with one of the topics {', '.join(POSITIONS)}")
     status = topics["vehicle_status"]
-    if "vehicle_type" in status and not (np.asarray(status["vehicle_type"]) == ROTARY_WING).all():
+    kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # the latter before 1.9
+    if kinds is not None and not (np.asarray(kinds) == ROTARY_WING).all():
         raise BadInput(f"{path}: expected the log of a multicopter, not of another kind of vehicle")
+    fixes = _fixes(topics)
+    if not len(fixes.times):
+        raise BadInput(f"{path}: expected positions on the Earth, but PX4 had none: its local ones have no reference")
     begins = log.start_timestamp / 1e6
     opened_by_arming = log.initial_parameters.get("SDLOG_MODE", 0) == 0
     events = [
@@ -52,10 +61,11 @@ def read_ulog(path: Path) -> Log:
         *_homes(topics.get("home_position")),
         *_states(status, begins if opened_by_arming else None),
         *_items(topics.get("mission_result")),
+        *items_begun(topics.get("navigator_mission_item"), topics.get("mission_result")),
         *((message.timestamp / 1e6, Text(INFO, message.message)) for message in log.logged_messages),
     ]
     version = version_name(int(log.msg_info_dict.get("ver_sw_release", 0)) & 0xFFFFFFFF)
-    return Log(Autopilot.PX4, _fixes(topics), tuple(events), version)
+    return Log(Autopilot.PX4, fixes, tuple(events), version)
 
 
 def _open(path: Path) -> Any:
@@ -124,24 +134,49 @@ def _items(result: Any | None) -> Iterator[Event]:
 
 
 def _fixes(topics: dict[str, Any]) -> Fixes:
-    place = topics["vehicle_global_position"]
-    times, kept = np.unique(np.asarray(place["timestamp"], float) / 1e6, return_index=True)
-    latitude, longitude, altitude = (np.asarray(place[name], float)[kept] for name in ("lat", "lon", "alt"))
+    times, latitude, longitude, altitude = _global(topics) if POSITIONS[0] in topics else _local(topics[POSITIONS[1]])
+    times, kept = np.unique(times, return_index=True)
+    latitude, longitude, altitude = latitude[kept], longitude[kept], altitude[kept]
     velocity = np.column_stack([_velocity(topics, axis, times) for axis in ("vx", "vy", "vz")])
     return Fixes(times, latitude, longitude, altitude, altitude - _ground(topics, times, altitude), velocity)
+
+
+def _global(topics: dict[str, Any]) -> tuple[Vector, Vector, Vector, Vector]:
+    place = topics[POSITIONS[0]]
+    latitude, longitude, altitude = (np.asarray(place[name], float) for name in ("lat", "lon", "alt"))
+    return np.asarray(place["timestamp"], float) / 1e6, latitude, longitude, altitude
+
+
+def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
+    """Times, latitude, longitude and altitude out of local positions, where they have a reference on the Earth."""
+    known = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
+    columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
+    rows = np.column_stack([np.asarray(place[name], float) for name in columns])[known]
+    rows = rows[np.isfinite(rows).all(axis=1)]
+    latitude, longitude = _unprojected(rows[:, 1], rows[:, 2], np.radians(rows[:, 4]), np.radians(rows[:, 5]))
+    return rows[:, 0] / 1e6, latitude, longitude, rows[:, 6] - rows[:, 3]
+
+
+def _unprojected(north: Vector, east: Vector, latitude: Vector, longitude: Vector) -> tuple[Vector, Vector]:
+    """Latitude and longitude [deg] by PX4's own projection, azimuthal equidistant on a sphere, about places [rad]."""
+    away = np.hypot(north, east) / SPHERE
+    share = np.sinc(away / np.pi) / SPHERE  # of the sine to the distance
+    height = np.cos(away) * np.sin(latitude) + north * share * np.cos(latitude)
+    across = np.cos(latitude) * np.cos(away) - north * share * np.sin(latitude)
+    return np.degrees(np.arcsin(height)), np.degrees(longitude + np.arctan2(east * share, across))
 
 
 def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
     """The altitude of home at each time: PX4 corrects it on the ground, and in flight where its estimate drifts."""
     home = topics.get("home_position")
-    if home is None or not len(home["alt"]):
-        return np.full(len(times), altitude[0])
+    if home is None:
+        return np.full(len(times), altitude[0] if len(times) else 0.0)
     set_at, to = np.asarray(home["timestamp"], float) / 1e6, np.asarray(home["alt"], float)
     return to[np.maximum(np.searchsorted(set_at, times, side="right") - 1, 0)]
 
 
 def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     local = topics.get("vehicle_local_position")
-    if local is None or len(local["timestamp"]) == 0:
+    if local is None:
         return np.zeros(len(times))
     return np.asarray(np.interp(times, np.asarray(local["timestamp"], float) / 1e6, np.asarray(local[axis], float)))

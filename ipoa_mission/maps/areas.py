@@ -8,6 +8,7 @@ from typing import Any, Literal, TypeAlias
 import shapely
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geozones import Limit, limits_of
 from ipoa_mission.maps.kinds import Reason
@@ -41,11 +42,16 @@ class Zones:
 
 
 def find_zones(
-    features: Sequence[Feature], frame: LocalFrame, path: Path, restrictions: Sequence[str] = RESTRICTIONS
+    features: Sequence[Feature],
+    frame: LocalFrame,
+    path: Path,
+    restrictions: Sequence[str] = RESTRICTIONS,
+    time: float | None = None,
 ) -> Zones:
     """Every polygon among the features, the outline that a closed line draws among them.
 
-    Of zones that name their restriction (ED-269, ED-318) only those with one of `restrictions` are taken.
+    Of zones that name their restriction (ED-269, ED-318) only those with one of `restrictions` are taken, and where
+    the flight's `time` [s since 1970] is known those that may be active in the hour from then on.
 
     Raises:
         BadInput: naming file and place of a polygon without an area, or that there is none.
@@ -57,6 +63,10 @@ def find_zones(
         restriction = feature.tags.get("restriction")
         if counted and restriction in NAMED_RESTRICTIONS and restriction not in restrictions:
             passed.append(passed_over(feature, shape, Reason(f"its restriction is {restriction}", False), path))
+            continue
+        at_times = "limitedApplicability" in feature.tags
+        if counted and at_times and time is not None and not may_be_active(feature.tags, time):
+            passed.append(passed_over(feature, shape, Reason("not active in the hour of the flight", False), path))
             continue
         limits = mistakes.attempt(limits_of, feature.tags, feature.place) or (None, None)
         parts = [_outline(part) for part in _flat(shape)]
@@ -70,11 +80,11 @@ def find_zones(
             found = mistakes.attempt(polygons_of, part, feature.place)
             if found is not None:
                 zones += [Zone(feature.name, polygon, *limits) for polygon in found[0]]
-                if "limitedApplicability" in feature.tags:
+                if at_times and (time is None or periods_of(feature.tags) is None):
                     remarks.append(f"{feature.name}: active at times only, kept at all times")
                 remarks += [f"{feature.name}: mended ({found[1]})"] if found[1] else []
     mistakes.tell()
-    if not zones and not any("restriction" in thing.reason for thing in passed):
+    if not zones and not any("restriction" in thing.reason or "active" in thing.reason for thing in passed):
         raise BadInput(f"{path}: expected a polygon, but there is none among {len(features)} features")
     return Zones(tuple(zones), tuple(passed), tuple(remarks))
 

@@ -4,9 +4,10 @@ What has no height of its own gets a default one; how many did is told, as is al
 is kept with its place and reason.
 """
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -18,12 +19,13 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.heights import foot_of, height_of, meters
-from ipoa_mission.maps.kinds import Reason, are_all_buildings, as_openstreetmap, why_passed_over
+from ipoa_mission.maps.kinds import TOP_AMSL, Reason, are_all_buildings, as_openstreetmap, why_passed_over
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, rings_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 
+LEAST = 0.1  # what stands is at least so high [m]
 Ground: TypeAlias = Callable[[NDArray[np.float64]], Vector]  # height under points (n, 2), (n,) [m]
 
 
@@ -47,7 +49,8 @@ class BuildingRules:
 class Standing:
     """Something that stands on the ground: `shape` is local, east, north [m]; `reach` widens a point or line.
 
-    It fills the air from `foot` above the lowest ground under it to `height` above the highest.
+    It fills the air from `foot` above the lowest ground under it to `height` above the highest, or above home where
+    `over_home`.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Standing:
     reach: float
     foot: float
     height: float
+    over_home: bool = False
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,8 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
     for feature, shape, counted in zip(features, shapes, near, strict=True):
         why = _why_passed_over(feature, rules, every) if counted else FAR
         if why is None:
-            standing += mistakes.attempt(_standings, feature, shape, rules, counts) or []
+            found = mistakes.attempt(_standings, feature, shape, rules, counts) or []
+            standing += [_over_home(s, feature, frame) for s in found]
         else:
             passed.append(passed_over(feature, shape, why, path))
     mistakes.tell()
@@ -99,9 +104,17 @@ def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obsta
     first = np.cumsum([0, *(len(outline) for outline in outlines)])[:-1]
     lowest, highest = np.minimum.reduceat(heights, first), np.maximum.reduceat(heights, first)
     return tuple(
-        _obstacle(s, float(low) + s.foot, float(high) + s.height)
+        _obstacle(s, float(low) + s.foot, max(s.height if s.over_home else float(high) + s.height, float(low) + LEAST))
         for s, low, high in zip(standing, lowest, highest, strict=True)
     )
+
+
+def _over_home(standing: Standing, feature: Feature, frame: LocalFrame) -> Standing:
+    """The same, as high as the file says above mean sea level, if it does."""
+    if TOP_AMSL not in feature.tags:
+        return standing
+    top = meters(feature.tags[TOP_AMSL], f"{feature.place}.properties.{TOP_AMSL}")
+    return replace(standing, height=top - frame.home.altitude, over_home=True)
 
 
 def _why_passed_over(feature: Feature, rules: BuildingRules, every: bool) -> Reason | None:
@@ -115,6 +128,8 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
     """One obstacle for each part of the feature's shape."""
     place = f"{feature.place}.properties"
     height = height_of(feature.tags, place, rules.height_key, rules.storey_height)
+    if TOP_AMSL in feature.tags:
+        height = math.inf  # told by sea level
     foot = foot_of(feature.tags, place, rules.storey_height)
     if height is not None and foot >= height:
         counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1

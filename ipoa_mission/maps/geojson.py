@@ -17,6 +17,7 @@ from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
+from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
 from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags
 
@@ -40,6 +41,8 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
     if is_ed269(document):
         return ed269_features(document, path)
+    if is_cityjson(document):
+        return cityjson_features(document, path)
     kind = document.get("type") if isinstance(document, dict) else None
     if kind == "FeatureCollection":
         features = document.get("features")
@@ -88,7 +91,7 @@ def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
             yield "name", value["primary"]  # Overture's
         elif key == "limitedApplicability" and isinstance(value, list) and value:
-            yield key, "yes"
+            yield key, json.dumps(value)
         elif isinstance(value, bool):
             yield key, "yes" if value else "no"
         elif isinstance(value, str | int | float) and not _is_blank(value):

@@ -1,9 +1,10 @@
 """UAS geographical zones as European authorities publish them: ED-269 (JSON), and ED-318 (GeoJSON with layers).
 
-Both become features whose tags are the zone's restriction, limits and times. A circle becomes a polygon round it. That
-a zone is not always active is told, not reckoned with: it is kept at all times.
+Both become features whose tags are the zone's restriction, limits and times (`activity`). A circle becomes a polygon
+round it.
 """
 
+import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -120,7 +121,7 @@ def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
     tags |= {key: str(volume[name]) for key, name in given.items() if volume.get(name) is not None}
     times = zone.get("applicability")
     always = not isinstance(times, list) or any(isinstance(t, dict) and t.get("permanent") == "YES" for t in times)
-    return Feature(place, shape, tags | ({} if always else {"limitedApplicability": "yes"}))
+    return Feature(place, shape, tags | ({} if always else {"limitedApplicability": json.dumps(times)}))
 
 
 def _projection(projection: Mapping[str, Any], place: str) -> Any:

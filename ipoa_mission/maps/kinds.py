@@ -57,6 +57,8 @@ FLAT_AMENITIES = {
 HEIGHTS = {"height", "building:levels", "num_floors", "min_height", "roof_height"}
 OVERTURE = {"num_floors", "num_floors_underground", "min_floor", "roof_height", "has_parts", "is_underground"}
 AS_OPENSTREETMAP = {"num_floors": "building:levels", "min_floor": "building:min_level", "roof_height": "roof:height"}
+#: The height of the top above mean sea level [m].
+TOP_AMSL = "height:amsl"
 #: Tags that say which thing it is, not what.
 NAMING = {"name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJECTID", "Name", "Id", "description"}
 
@@ -100,7 +102,7 @@ def why_passed_over(feature: Feature, height_key: str, all_buildings: bool) -> R
     if said:
         gone = all(value in NO_BUILDING for value in said)
         return Reason(f"tagged building={said[0]}", False) if gone else None
-    if height_key in tags or "building:levels" in tags or tagged(tags, TALL):
+    if {height_key, TOP_AMSL, "building:levels"} & tags.keys() or tagged(tags, TALL):
         return None
     if tagged(tags, WIRES):
         return Reason("an overhead line without a height", True)

@@ -1,8 +1,13 @@
 """KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: its points, lines and polygons.
 
-Heights in a KML are not read: a scenario says how high a zone or a building is.
+A polygon that is drawn down to the ground (`extrude`) has its greatest altitude as its height, above the ground or
+above sea level. Other heights in a KML are not read: a scenario says how high a zone is.
 """
 
+import contextlib
+import lzma
+import math
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -20,6 +25,16 @@ from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_ea
 MOST_FOLDERS = 64
 ELSEWHERE = {"NetworkLink", "GroundOverlay"}  # what they show is in another file: passed over, but counted
 LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may hold a thousand times its size
+#: How altitudes count, and the tag that a height becomes.
+MODES = {"relativeToGround": "height", "absolute": "height:amsl"}
+HIGHEST = 100_000.0  # [m]
+#: What zipfile raises over a broken archive.
+BROKEN = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, NotImplementedError, RuntimeError,
+    ValueError,
+)  # fmt: skip
+MOST_ELEMENTS = 1_000_000
+PIECE = 1 << 20  # bytes that are parsed at once
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
@@ -46,8 +61,8 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
             with archive.open(name) as file:
                 text = file.read(LARGEST + 1)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror or error}") from error
+    except BROKEN as error:
         raise BadInput(f"{path}: expected a KMZ, a .kml in a zip archive: {error}") from error
     if len(text) > LARGEST:
         raise BadInput(f"{path}: expected a .kml of at most {LARGEST >> 20} MB in it")
@@ -56,9 +71,10 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
 
 def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
     try:
-        root = ElementTree.fromstring(text)
+        root = _parse(text, path)
     except ElementTree.ParseError as error:
-        raise BadInput(f"{path}: line {error.position[0]}: expected well-formed XML") from error
+        line = getattr(error, "position", (1, 0))[0]
+        raise BadInput(f"{path}: line {line}: expected well-formed XML") from error
     if _local(root) != "kml":
         raise BadInput(f"{path}: expected a kml document, not {_local(root)}")
     mistakes = Mistakes()
@@ -66,6 +82,23 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
     features = [mistakes.attempt(_feature, element, f"{path}: Placemark[{i}]") for i, element in enumerate(placemarks)]
     mistakes.tell()
     return tuple(feature for feature in features if feature is not None)
+
+
+def _parse(text: bytes, path: Path) -> ElementTree.Element:
+    """The document, piece by piece, so that one of nothing but elements does not fill the memory."""
+    parser: Any = ElementTree.XMLPullParser(("start",))
+    root: ElementTree.Element | None = None
+    count = 0
+    for begin in range(0, len(text), PIECE):
+        parser.feed(text[begin : begin + PIECE])
+        for _, element in parser.read_events():
+            root, count = element if root is None else root, count + 1
+        if count > MOST_ELEMENTS:
+            raise BadInput(f"{path}: expected a document of at most {MOST_ELEMENTS} elements")
+    parser.close()
+    if root is None:
+        raise ElementTree.ParseError("nothing")
+    return root
 
 
 def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.Element]:
@@ -87,7 +120,28 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
 
 def _feature(placemark: ElementTree.Element, place: str) -> Feature:
     shapes = list(_shapes(placemark, place))
-    return Feature(place, shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes), dict(_tags(placemark)))
+    tags = _height(placemark) | dict(_tags(placemark))
+    return Feature(place, shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes), tags)
+
+
+def _height(placemark: ElementTree.Element) -> dict[str, str]:
+    """The height of the highest polygon that is drawn down to the ground, as a tag; nothing where there is none."""
+    tops: dict[str, float] = {}
+    for polygon in (each for each in placemark.iter() if _local(each) == "Polygon"):
+        said = {_local(child): (child.text or "").strip() for child in polygon}
+        key = MODES.get(said.get("altitudeMode", ""))
+        if said.get("extrude") not in ("1", "true") or key is None:
+            continue
+        for element in polygon.iter():
+            if _local(element) == "coordinates":
+                tops[key] = max([tops.get(key, 0.0), *_altitudes(element.text or "")])
+    return {key: f"{top:.2f}" for key, top in tops.items() if 0 < top < HIGHEST}
+
+
+def _altitudes(text: str) -> Iterator[float]:
+    for word in text.split():
+        with contextlib.suppress(ValueError):
+            yield from (float(number) for number in word.split(",")[2:3] if math.isfinite(float(number)))
 
 
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
@@ -132,7 +186,7 @@ def _corners(element: ElementTree.Element, place: str) -> Corners:
     least = WORDS[_local(element)]
     if corners.ndim != 2 or corners.shape[1] != 2 or len(np.unique(corners, axis=0)) < least:
         raise BadInput(f"{place}.coordinates: expected {least} or more different positions as longitude,latitude")
-    return on_earth(corners, f"{place}.coordinates")
+    return on_earth(corners, f"{place}.coordinates", "a KML has longitude,latitude in degrees, always on WGS 84")
 
 
 def _local(element: ElementTree.Element) -> str:

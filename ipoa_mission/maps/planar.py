@@ -31,10 +31,7 @@ def to_plane(shapes: Sequence[Any], places: Sequence[str], frame: LocalFrame) ->
     degrees = np.array(shapes, dtype=object)
     near = _near(shapely.bounds(degrees).reshape(-1, 4), frame) | shapely.is_empty(degrees)
     if len(near) and not (near & ~shapely.is_empty(degrees)).any() and not shapely.is_empty(degrees).all():
-        raise BadInput(
-            f"{places[int(np.argmin(near))]}.geometry: expected a place within {REACH / 1000:g} km of home",
-            hint="a map is in longitude and latitude, in this order, and of the place where home is",
-        )
+        raise _far(degrees, str(places[int(np.argmin(near))]), frame)
     degrees[~near] = shapely.GeometryCollection()
 
     def convert(corners: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -54,6 +51,20 @@ def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
     level = (south <= home.latitude_deg + reach) & (north >= home.latitude_deg - reach)
     turns = [home.longitude_deg + turn for turn in (-360.0, 0.0, 360.0)]
     return np.asarray(level & np.any([(west <= here + wide) & (east >= here - wide) for here in turns], axis=0))
+
+
+def _far(degrees: NDArray[Any], place: str, frame: LocalFrame) -> BadInput:
+    """Says where the map is, and whether its coordinates seem to stand in the wrong order."""
+    boxes = shapely.bounds(degrees[~shapely.is_empty(degrees)]).reshape(-1, 4)
+    longitude, latitude = (boxes[:, :2].min(axis=0) + boxes[:, 2:].max(axis=0)).tolist()
+    around, home = f"{latitude / 2:.4f}, {longitude / 2:.4f}", frame.home
+    turned = bool(_near(boxes[:, [1, 0, 3, 2]], frame).any())
+    words = "in its coordinates longitude must stand before latitude" if turned else "is it the map of another place?"
+    return BadInput(
+        f"{place}.geometry: expected a place within {REACH / 1000:g} km of home "
+        f"({home.latitude_deg:.4f}, {home.longitude_deg:.4f}), not round {around}",
+        hint=words,
+    )
 
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:

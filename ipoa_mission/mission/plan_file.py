@@ -20,6 +20,7 @@ from ipoa_mission.items import QUADROTOR, FenceCircle, FencePolygon, Item, Missi
 from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
 from ipoa_mission.mission.parameter_file import write_beside
+from ipoa_mission.mission.scan_items import lay_out
 from ipoa_mission.world.frame import Geodetic
 
 FIRMWARE_TYPE = {Autopilot.ARDUPILOT: 3, Autopilot.PX4: 12}  # MAV_AUTOPILOT
@@ -241,14 +242,10 @@ def _listed(node: Node) -> list[ListedItem]:
 
 
 def _complex(node: Node) -> list[ListedItem]:
-    name = node["complexItemType"].text()
     transects = node.get("TransectStyleComplexItem")
     items = transects.get("Items") if transects else None
     if items is None:
-        raise BadInput(
-            f'{node.where}: expected the waypoints of the complex item "{name}", but it holds none',
-            hint="only surveys and corridor scans carry their waypoints in the file",
-        )
+        return [ListedItem(item, node, None) for item in lay_out(node)]
     return [read_item(child) for child in items.array()]
 
 

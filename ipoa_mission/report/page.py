@@ -37,6 +37,8 @@ from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.tube.limits import NO_TUBE, rim_of
+from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.promise import Promise
 
 AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
@@ -102,6 +104,8 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
+    chance = scenario.safety.chance
+    tube = NO_TUBE if chance is None else rim_of(law_of(mission.autopilot, scenario.wind.speed), chance)
     battery = scenario.vehicle.battery
     parts = {
         "title": escape(scenario.name),
@@ -111,9 +115,9 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
             estimate, proof, float(course.along[-1]), _waypoints(found), comparison, subject.energy, battery
         ),
         "warnings": warnings(danger, [*subject.remarks, *estimate.remarks]),
-        "map": ground_plan(scenario, extent, found, course, flown),
+        "map": ground_plan(scenario, extent, found, course, flown, tube),
         "legend": legend(scenario, extent, flown is not None),
-        "profile": height_profile(course, airspace, required, found, flown),
+        "profile": height_profile(course, airspace, required, found, flown, tube),
         "apart": distance_profile(course, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
         "profile_legend": profile_legend(flown is not None, extent.obstacles(airspace) != extent.buildings(airspace)),
@@ -129,7 +133,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),
-        "data": page_data(scenario, extent, course, found, flown),
+        "data": page_data(scenario, extent, course, found, flown, tube),
     }
     return Template(_asset("page.html")).substitute(parts)
 

@@ -8,20 +8,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.report.course import Course
 from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.ground_mesh import ground_mesh_over
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.limits import Rim
 from ipoa_mission.world.obstacles.obstacle import Part
 from ipoa_mission.world.terrain import Flat
 
+MOST_HOOPS, CORNERS = 120, 12  # of the tube's, and of each of them
 CELLS = 64  # of the ground along the longer side
 TALLEST = 0.55  # a world higher than this share of its width is drawn flatter
 FLATTEST = 0.10  # and one lower than this is drawn higher
 
 
-def page_data(scenario: Scenario, extent: Extent, course: Course, found: Sequence[Stop], flown: Course | None) -> str:
+def page_data(
+    scenario: Scenario, extent: Extent, course: Course, found: Sequence[Stop], flown: Course | None, tube: Rim
+) -> str:
     """JSON that is safe inside an HTML script element."""
     data = {
         "course": {
@@ -33,10 +38,30 @@ def page_data(scenario: Scenario, extent: Extent, course: Course, found: Sequenc
             "apart": _rounded(course.apart, 2),
         },
         "stops": [_stop(stop, course, scenario) for stop in found],
+        "tube": _hoops(course.points, tube),
         "flown": None if flown is None else _rounded(flown.points, 2),
         "world": _world(scenario, extent, course),
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _hoops(points: Points, tube: Rim) -> list[Any]:
+    """Closed lines round the path, a few meters apart: where flights are."""
+    if tube.level <= 0.0:
+        return []
+    along = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+    apart = max(4.0 * tube.level, float(along[-1]) / MOST_HOOPS)
+    hoops = []
+    for at in np.arange(apart, along[-1], apart):
+        n = min(int(np.searchsorted(along, at)), len(points) - 1)
+        ahead = points[n, :2] - points[n - 1, :2]
+        if not (length := float(np.hypot(*ahead))):
+            continue
+        turn = np.linspace(0.0, 2 * np.pi, CORNERS + 1)
+        aside = tube.level * np.cos(turn)[:, None] * np.array([-ahead[1], ahead[0]]) / length
+        height = np.where(np.sin(turn) > 0, tube.up, tube.down) * np.sin(turn)
+        hoops.append(_rounded(points[n] + np.column_stack([aside, height]), 2))
+    return hoops
 
 
 def _stop(stop: Stop, course: Course, scenario: Scenario) -> dict[str, Any]:

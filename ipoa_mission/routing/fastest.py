@@ -30,8 +30,9 @@ OVERRUN = 0.5  # how far beyond the goal the vehicle may need to brake [m]
 def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Route]) -> Route:
     """The quickest route found whose predicted path stays within `route.tolerance` of the curve and keeps every limit.
 
-    Of routes that are as good as equally quick it is the one that keeps away farthest. `fallback` is asked where none
-    is both.
+    Quick is what is quick in its mean and in the time that nine flights in ten keep. Of routes that are as good as
+    equally quick it is the one that misses the fewest waypoints, and of those the one that keeps away farthest.
+    `fallback` is asked where none is both.
     """
     drawn = [(route, sketch(route, curve, scenario)) for route in candidates(curve, scenario)]
     begun: dict[tuple[int, bool], Route] = {}
@@ -43,9 +44,11 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
     if not found:
         return fallback()
     ends = [fly(route, curve, scenario) for route in found]
-    equal = (1 + EQUAL) * min(end.seconds for end in ends)
-    rooms = [end.slack(scenario) if end.seconds <= equal else -np.inf for end in ends]
-    return found[int(np.argmax(rooms))]
+    equal = (1 + EQUAL) * min(end.seconds + end.late for end in ends)
+    ranks = [
+        (end.seconds + end.late > equal, round(end.missed, 2), -end.slack(scenario), n) for n, end in enumerate(ends)
+    ]
+    return found[min(ranks)[-1]]
 
 
 def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:

@@ -26,7 +26,7 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> tuple[P
     """A plan and what each mode of choosing waypoints would come to on it, quickest first.
 
     Raises:
-        BadInput: the optimiser is unknown, or has no such setting; start and goal are the same place.
+        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
         NoPath: a given place breaks a limit, no path was found that keeps them all, or too few flights would keep them.
     """
     if scenario.safety.chance is None:

@@ -27,6 +27,7 @@ class Flown:
     """A route along `curve` as the time model flies it: seconds, and its track until the vehicle could stand.
 
     `overrun`: how far beyond the goal it could stand, braking as it may from where the goal counts as reached [m].
+    `late` are the seconds that nine flights in ten keep, and `missed` is how many waypoints a flight misses on average.
     """
 
     curve: Spline
@@ -34,6 +35,8 @@ class Flown:
     track: Track
     autopilot: Autopilot
     overrun: float
+    late: float
+    missed: float
 
     @cached_property
     def path(self) -> Points:
@@ -76,7 +79,7 @@ def flies_safely(route: Route, curve: Spline, scenario: Scenario) -> bool:
 
 
 def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, sure: bool) -> Flown:
-    _, found = predict(mission, fast=True, sure=sure)
+    _, found = predict(mission, scenario.wind.air(), fast=True, sure=sure)
     first = 0 if starts_over_home(route) else 2  # the take-off, a change of speed, the start
     last = len(route.points) if first == 0 else len(route.points) + 1
     begin, end = float(found.done[first]), float(found.done[last])
@@ -91,7 +94,8 @@ def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, su
     overrun = float((stand - route.points[-1]) @ ahead)
     braking = 2 * float(np.linalg.norm(stand - path[-1])) / max(float(np.linalg.norm(motion)), 1e-3)
     until = Track(np.append(times, times[-1] + braking), np.vstack([path, stand]), np.append(track.speeds[during], 0.0))
-    return Flown(curve, end - begin, until, mission.autopilot, overrun)
+    late, missed = float(found.high[last]) - begin, sum(risk.share for risk in found.missed[first + 1 : last + 1])
+    return Flown(curve, end - begin, until, mission.autopilot, overrun, late, missed)
 
 
 def _motion(track: Track, end: float) -> Vector:

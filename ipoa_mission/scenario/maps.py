@@ -18,8 +18,8 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Path
-    """A GeoJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), Shapefile (`.shp`), FlatGeobuf (`.fgb`) or GeoPackage
-    (`.gpkg`) file, relative to the scenario file."""
+    """A GeoJSON or CityJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), Shapefile (`.shp`), FlatGeobuf (`.fgb`) or
+    GeoPackage (`.gpkg`) file, relative to the scenario file."""
 
     @field_validator("file")
     @classmethod
@@ -72,8 +72,8 @@ class ZoneMap(MapFile):
     geofence: bool = True
     """Also put it into the mission, so that the vehicle itself keeps it."""
 
-    def read(self, frame: LocalFrame) -> Zones:
-        """The polygons, what is passed over, and remarks on what was mended."""
+    def read(self, frame: LocalFrame, time: float | None) -> Zones:
+        """The polygons at a time [s since 1970], what is passed over, and remarks on what was mended."""
         return find_zones(read_features(self.file), frame, self.file)
 
 
@@ -89,9 +89,9 @@ class NoFlyMap(ZoneMap):
     """Which zones of an ED-269 or ED-318 file to keep out of; those with lower and upper limits have them unless `base`
     or `top` is given."""
 
-    def read(self, frame: LocalFrame) -> Zones:
-        """The polygons, what is passed over, and remarks on what was mended."""
-        return find_zones(read_features(self.file), frame, self.file, self.restrictions)
+    def read(self, frame: LocalFrame, time: float | None) -> Zones:
+        """The polygons at a time [s since 1970], what is passed over, and remarks on what was mended."""
+        return find_zones(read_features(self.file), frame, self.file, self.restrictions, time)
 
     @model_validator(mode="after")
     def _ordered(self) -> "NoFlyMap":

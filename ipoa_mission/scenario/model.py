@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import AwareDatetime, ConfigDict, Field, model_validator
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
@@ -28,6 +28,7 @@ from ipoa_mission.scenario.profiles import with_profile
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.surroundings import Surroundings, survey
 from ipoa_mission.scenario.vehicle import VehicleSection
+from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, LocalFrame
 
@@ -116,6 +117,23 @@ class RouteSection(Section):
 FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
 
 
+class WindSection(Section):
+    """The wind that the flight is planned for: it counts for the choice of the route, the tube and the times."""
+
+    speed: NotNegative = 0.0
+    """How strong it is above `gradient_height` [m/s]."""
+    from_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Where it blows from, clockwise from north."""
+    exponent: NotNegative = 0.0
+    """Below `gradient_height` it is (height / gradient_height)^exponent as strong."""
+    gradient_height: NotNegative = 0.0
+    """Up to where it grows [m above home]."""
+
+    def air(self) -> Wind:
+        """The wind as the models have it."""
+        return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height)
+
+
 class SafetySection(Section):
     """How sure the clearance is."""
 
@@ -140,6 +158,9 @@ class Scenario(Section):
     """Least clearance that must be left between the vehicle's hull and anything else [m]."""
     safety: SafetySection = SafetySection()
     """How sure that clearance is."""
+    time: AwareDatetime | None = None
+    """When it takes off, such as 2026-11-22T10:00:00Z: zones that are not active in the hour from then on are left out;
+    left out itself, zones are kept at all times."""
     home: HomeSection
     """Where the vehicle takes off, and the origin of the local frame."""
     start: Place
@@ -156,6 +177,8 @@ class Scenario(Section):
     """What stands in the way, drawn by hand."""
     vehicle: VehicleSection = VehicleSection()
     """What flies the mission."""
+    wind: WindSection = WindSection()
+    """In what wind it is to fly."""
     cost: CostSection = CostSection()
     """How a path is judged."""
     planning: PlanningSection = PlanningSection()
@@ -201,6 +224,13 @@ class Scenario(Section):
         copied = self.model_copy(update={})
         copied.__dict__["_surroundings"] = replace(self._surroundings, airspace=airspace)
         return copied
+
+    def in_wind(self, wind: Wind) -> "Scenario":
+        """The same in this wind."""
+        given = WindSection(
+            speed=wind.speed, from_deg=wind.from_deg, exponent=wind.exponent, gradient_height=wind.gradient_height
+        )
+        return self.model_copy(update={"wind": given})
 
     def survey(self) -> None:
         """Read the maps and make the world of them, now rather than when it is first asked for.
@@ -260,6 +290,11 @@ class Scenario(Section):
     def places(self) -> Points:
         """Start, via points and goal, in this order, (k, 3) [m]; a via point where the way already is counts once."""
         return without_repeats(self.start_point, self.via_points, self.goal_point)
+
+    @property
+    def unix_s(self) -> float | None:
+        """When it takes off [s since 1970]; None where nobody says."""
+        return None if self.time is None else self.time.timestamp()
 
     @property
     def radius(self) -> float:

@@ -94,6 +94,9 @@ def _explain(problem: Any, table: dict[str, Any]) -> str:
             wanted = "a table"
         case "list_type" | "tuple_type":
             wanted = "a list"
+        case "timezone_aware" | "datetime_type" | "datetime_parsing" | "datetime_from_date_parsing":
+            wanted = "a time with its offset, such as 2026-11-22T10:00:00Z"
+            given = str(given)
         case "finite_number":
             wanted = "a finite number"
         case "value_error":

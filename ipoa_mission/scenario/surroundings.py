@@ -84,6 +84,11 @@ class Layout(Protocol):
         ...
 
     @property
+    def unix_s(self) -> float | None:
+        """When it takes off [s since 1970]."""
+        ...
+
+    @property
     def fence(self) -> tuple[FenceSection, ...]:
         """The geofence drawn by hand."""
         ...
@@ -155,7 +160,7 @@ def _read_maps(scenario: Layout) -> _Maps:
             passed += buildings.passed_over
             said = buildings.remarks
         else:
-            found = section.read(scenario.frame)
+            found = section.read(scenario.frame, scenario.unix_s)
             zones, said = found.zones, found.remarks
             passed += found.passed_over
             if isinstance(section, NoFlyMap):

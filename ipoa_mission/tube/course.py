@@ -43,8 +43,8 @@ def course_of(track: Track) -> Course:
 
 def _apart(points: Points) -> Vector:
     """Numbers of points that are so far from the one kept before that a piece between them is worth having."""
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
-    _, first = np.unique(np.floor(travelled / SHORTEST), return_index=True)
+    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+    _, first = np.unique(np.floor(traveled / SHORTEST), return_index=True)
     return np.asarray(np.union1d(first, [len(points) - 1]))
 
 

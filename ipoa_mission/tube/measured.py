@@ -10,7 +10,9 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.tube.law import Law
 from ipoa_mission.tube.spread import Spread
 
-NOT_VALID = "wind, other airframes and parameters than the simulators', what satellites themselves are wrong by"
+NOT_VALID = (
+    "PX4 in wind, winds above 8 m/s, other airframes and parameters than the simulators', what satellites are wrong by"
+)
 
 ARDUCOPTER = Law(
     level=Spread((0.0, 0.02, 0.05, 0.09, 0.24, 0.48, 0.82), (1.0, 0.5, 0.1, 0.05, 0.01, 0.002, 0.0005)),
@@ -30,4 +32,9 @@ PX4 = Law(
     source="PX4 1.17 in its simulator (SIH): 88 flights of 17 missions, 1.5 to 18 m/s, by its true position",
     not_valid=NOT_VALID,
 )
-LAWS = MappingProxyType({Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4})
+_LAWS = MappingProxyType({Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4})
+
+
+def law_of(autopilot: Autopilot, wind: float = 0.0) -> Law:
+    """The tube of an autopilot in a wind of this speed [m/s]; PX4's in wind is ArduCopter's growth, unmeasured."""
+    return _LAWS[autopilot].in_wind(wind)

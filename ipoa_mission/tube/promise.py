@@ -18,7 +18,7 @@ from ipoa_mission.tube.approach import approaches
 from ipoa_mission.tube.course import Course, course_of
 from ipoa_mission.tube.law import Law
 from ipoa_mission.tube.limits import NO_TUBE, Rim, limits_kept, rim_of
-from ipoa_mission.tube.measured import LAWS
+from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.thin import STRAY, thinned
 
 ENDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
@@ -79,7 +79,7 @@ def tube_holds(course: Course, path: Points, autopilot: Autopilot, scenario: Sce
     chance = scenario.safety.chance
     if chance is None:
         return True
-    law, required = LAWS[autopilot], scenario.limits.obstacle_distance
+    law, required = law_of(autopilot, scenario.wind.speed), scenario.limits.obstacle_distance
     if approaches(course, scenario.airspace, law, required).chance(required) > chance:
         return False
     return all(check.slack >= -2 * STRAY for check in limits_kept(path, scenario, rim_of(law, chance)))
@@ -92,7 +92,7 @@ def promise_of(mission: Mission, scenario: Scenario) -> Promise:
         BadInput: the mission has no end, or a parameter has no sense.
         MissionError: the vehicle does not get on.
     """
-    route, prediction = predict(mission, sure=True)
+    route, prediction = predict(mission, scenario.wind.air(), sure=True)
     flight = PredictedFlight(route, prediction, mission.autopilot, scenario)
     chance = scenario.safety.chance
     return Promise(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)))
@@ -129,7 +129,7 @@ class PredictedFlight:
         """Obstacles before, on and after the way; ground, ceiling and bounds on it."""
         begin, end = self.way
         last = float(self.course.times[-1])
-        law = LAWS[self.autopilot]
+        law = law_of(self.autopilot, self.scenario.wind.speed)
         parts = ((0.0, begin, law), (begin, end, law), (end, last, law.after_the_way()))
         for n, (first, then, its_law) in enumerate(parts):
             if then > first:

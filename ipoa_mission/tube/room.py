@@ -12,9 +12,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.limits import Rim, raised, rim_of
-from ipoa_mission.tube.measured import LAWS
+from ipoa_mission.tube.measured import law_of
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
+from ipoa_mission.world.polygon import Polygon
 
 LEAST = 0.01  # obstacles that would grow by less are left as they are [m]
 CORNERS = 4  # of the polygon round a corner that is rounded, for a quarter turn
@@ -25,7 +26,7 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scen
     chance = scenario.safety.chance
     if chance is None:
         return scenario
-    law = LAWS[scenario.vehicle.autopilot]
+    law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
     rim, level = rim_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
     growth = _growth(scenario, level, keep_gaps)
@@ -107,9 +108,20 @@ def _shrunk(bounds: Bounds, scenario: Scenario, rim: Rim) -> Bounds:
     lower += np.clip(fixed.min(axis=0) - lower - LEAST, 0.0, near[0])
     upper -= np.clip(upper - fixed.max(axis=0) - LEAST, 0.0, near[1])
     try:
-        return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), bounds.footprint)
+        return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), _narrower(bounds.footprint, fixed, rim))
     except BadInput:
         return bounds
+
+
+def _narrower(footprint: Polygon | None, fixed: Points, rim: Rim) -> Polygon | None:
+    """A flight area that leaves the tube inside, if it stays in one piece and the given places in it."""
+    if footprint is None:
+        return None
+    shape = shapely.buffer(footprint.shape, -rim.level, quad_segs=CORNERS)
+    if not isinstance(shape, shapely.Polygon) or not shape.covers(shapely.MultiPoint(fixed[:, :2])):
+        return footprint
+    outer, *holes = (_ring(ring) for ring in (shape.exterior, *shape.interiors))
+    return Polygon(outer, tuple(holes))
 
 
 def _usual_slope(airspace: Airspace) -> float:

@@ -12,9 +12,9 @@ def thinned(path: Points, stray: float) -> Points:
     """The path (n, 3) with points left out where the legs that remain pass them within about `stray` [m]."""
     if len(path) < 3:
         return path
-    travelled = np.concatenate([[0.0], np.cumsum(leg_lengths(path[:, :2]))])
+    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path[:, :2]))])
     kept = {0}
-    for view in (path[:, :2], np.column_stack([travelled, path[:, 2]])):  # from above, and from the side
+    for view in (path[:, :2], np.column_stack([traveled, path[:, 2]])):  # from above, and from the side
         numbered = shapely.linestrings(np.column_stack([view, np.arange(len(path))]))
         kept |= set(shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2].astype(int))
     return np.asarray(path[sorted(kept)])

@@ -4,9 +4,11 @@ import json
 from pathlib import Path
 
 import pytest
+import shapely
 
 from ipoa_mission.link.flight_log import read_flights
 from ipoa_mission.mission.files import write_mission
+from ipoa_mission.world.frame import LocalFrame
 from tests.cli.conftest import Run
 
 LOGS = Path(__file__).parents[1] / "logs"
@@ -52,11 +54,51 @@ def test_each_flight_is_held_against_its_own_estimate(run: Run) -> None:
 def test_px4s_own_log_needs_the_mission_and_says_so(run: Run, px4_mission: Path) -> None:
     ended = run(f"compare {LOGS / 'sitl-px4.ulg'}")
     assert ended.code == 1
-    assert "PX4 does not write its mission into its logs" in ended.err
+    assert "PX4 writes only those items into its logs to which it came" in ended.err
     assert "hint: compare FILE LOG" in ended.err
     held = json.loads(run(f"compare {px4_mission} {LOGS / 'sitl-px4.ulg'} --json").out)
     assert held["flown_s"] == pytest.approx(66.37, abs=0.05)
     assert held["parameters"] == {"RTL_RETURN_ALT": 30.0, "RTL_DESCEND_ALT": 10.0, "MC_ROLL_P": 4.0}
+
+
+def test_the_flown_path_is_held_against_the_obstacles_of_a_scenario(run: Run, tmp_path: Path) -> None:
+    """A mast beside the second leg, whose distance is measured here from the log's own fixes."""
+    log = LOGS / "sitl-ardupilot.bin"
+    flight = read_flights(log).flights[0]
+    assert flight.mission is not None
+    home, path = flight.mission.home, flight.record().path
+    frame = LocalFrame(home)
+    middle = path[len(path) // 2]
+    east, north, _ = frame.to_local(middle.latitude_deg, middle.longitude_deg, home.altitude)[0]  # type: ignore[arg-type]
+    mast = (float(east) + 7.0, float(north))
+    (tmp_path / "mast.toml").write_text(
+        f"safety_distance = 30.0\n[home]\nlatitude_deg = {home.latitude_deg}\nlongitude_deg = {home.longitude_deg}\n"
+        f"altitude_amsl = {home.altitude}\n"
+        "[start]\neast = 0\nnorth = 0\nup = 15\n[goal]\neast = 50\nnorth = 0\nup = 15\n"
+        "[vehicle]\nradius = 0.5\ncruise_speed = 5\n"
+        '[[obstacles]]\nkind = "cylinder"\nname = "mast"\nradius = 1.0\nheight = 500.0\n'
+        f"east = {mast[0]}\nnorth = {mast[1]}\n",
+        encoding="utf-8",
+    )
+    found = json.loads(run(f"compare {log} --scenario mast.toml --json").out)["clearance"]
+    fixes = [frame.to_local(s.latitude_deg, s.longitude_deg, home.altitude)[0, :2] for s in path]  # type: ignore[arg-type]
+    truth = shapely.LineString(fixes).distance(shapely.Point(mast)) - 1.0
+    assert found["least"] == pytest.approx(truth, abs=0.05)
+    assert (found["to"], found["required"], found["kept"]) == ("mast", 30.5, False)
+    said = run(f"compare {log} --scenario mast.toml").out
+    assert "to mast at " in said
+    assert "30.50 m required, which was NOT kept" in said
+
+
+def test_a_log_far_from_the_scenario_says_so(run: Run) -> None:
+    campus = Path(__file__).parents[2] / "missions" / "campus.toml"
+    assert "no path near campus's home" in run(f"compare {LOGS / 'sitl-px4.tlog'} --scenario {campus}").out
+
+
+def test_an_older_version_than_the_model_s_is_told(run: Run, tmp_path: Path) -> None:
+    data = (LOGS / "sitl-ardupilot.bin").read_bytes().replace(b"ArduCopter V4.7.0", b"ArduCopter V3.7.0")
+    (tmp_path / "old.bin").write_bytes(data)
+    assert "flown by ArduCopter 3.7.0-dev; the model is of 4.0 and later" in run("compare old.bin").out
 
 
 def test_parameters_of_the_command_line_go_before_those_of_the_log(run: Run) -> None:

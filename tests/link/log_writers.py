@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from pyproj import Proj
 
 from ipoa_mission.link.codec import EVERYONE, Codec
 from ipoa_mission.link.messages import (
@@ -108,8 +109,11 @@ FORMATS = {
 }
 
 
-def write_ulog(flown: Flown, path: Path) -> None:
-    """As PX4 does: the padding at the end of a topic is in its format and not in its rows."""
+def write_ulog(flown: Flown, path: Path, local: bool = False) -> None:
+    """As PX4 does: the padding at the end of a topic is in its format and not in its rows.
+
+    Where its positions are `local` only, they are so by PROJ, about a place near the first one.
+    """
     n = len(flown.times)
     places = zip(flown.times, flown.latitude_deg, flown.longitude_deg, flown.height + flown.home_altitude, strict=True)
     reached = [(0.0, (-1, 0)), *((time, (index, index + 1)) for index, time in flown.done.items())]
@@ -140,6 +144,9 @@ def write_ulog(flown: Flown, path: Path) -> None:
             [(_us(-1.0), flown.latitude_deg[0], flown.longitude_deg[0], flown.home_altitude)],
         ),
     }
+    if local:
+        del topics["vehicle_global_position"]
+        topics["vehicle_local_position"] = _local(flown)
     data = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", _us(-2.0))
     data += _ulog_record(b"B", bytes(40))
     for name, (fields, _, _) in topics.items():
@@ -157,12 +164,26 @@ def write_ulog(flown: Flown, path: Path) -> None:
     path.write_bytes(data)
 
 
+def _local(flown: Flown) -> tuple[str, str, list[tuple[float, ...]]]:
+    """vehicle_local_position with its reference; the first two are of before there was one."""
+    about = (float(flown.latitude_deg[0]) + 0.001, float(flown.longitude_deg[0]) - 0.002, 400.0)
+    project = Proj(f"+proj=aeqd +R=6371000 +lat_0={about[0]!r} +lon_0={about[1]!r}")
+    east, north = project(flown.longitude_deg, flown.latitude_deg)
+    down = about[2] - flown.home_altitude - flown.height
+    columns = (north, east, down, *flown.velocity.T)
+    rows = [(_us(t), *map(float, row), *about, True, True) for t, *row in zip(flown.times, *columns, strict=True)]
+    unknown = [(row[0] - 1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False, False) for row in rows[:2]]
+    names = "float x;float y;float z;float vx;float vy;float vz;double ref_lat;double ref_lon;float ref_alt;"
+    return f"{names}bool xy_global;bool z_global;uint8_t[2] _padding0;", "<Q6fddf??", [*unknown, *rows]
+
+
 WRITERS: Mapping[str, Callable[[Flown, Path], None]] = {
     "ardupilot.tlog": lambda flown, path: write_tlog(flown, path, ardupilot=True),
     "px4.tlog": lambda flown, path: write_tlog(flown, path, ardupilot=False),
     "ardupilot.bin": write_dataflash,
     "ardupilot-words.bin": lambda flown, path: write_dataflash(flown, path, executed=False),
     "px4.ulg": write_ulog,
+    "px4-local.ulg": lambda flown, path: write_ulog(flown, path, local=True),
 }
 
 

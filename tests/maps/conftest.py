@@ -13,16 +13,6 @@ WriteMap = Callable[..., Path]
 
 
 @pytest.fixture
-def samples() -> Path:
-    """Other people's files, kept beside the repository; not everybody has them."""
-    folders = [parent / "shared" / "samples" for parent in Path(__file__).parents]
-    found = next((folder for folder in folders if folder.is_dir()), None)
-    if found is None:
-        pytest.skip("no samples beside the repository")
-    return found
-
-
-@pytest.fixture
 def frame() -> LocalFrame:
     """A local frame in the Alps."""
     return LocalFrame(Geodetic(47.0, 8.0, 500.0))

@@ -155,3 +155,32 @@ def test_swapped_latitude_and_longitude_are_noticed(write_map: WriteMap, frame: 
     path = write_map(({"type": "Polygon", "coordinates": [ring]}, {"building": "yes"}))
     with pytest.raises(BadInput, match=r"features\[0\]\.geometry: expected a place within 100 km of home"):
         stand(path, frame)
+
+
+@pytest.mark.parametrize(
+    ("mode", "altitude", "extrude", "top"),
+    [
+        ("relativeToGround", 25, 1, 25.0),
+        ("absolute", 540, 1, 40.0),  # home is at 500 m
+        ("relativeToGround", 25, 0, None),
+        ("clampToGround", 25, 1, None),
+    ],
+)
+def test_a_polygon_of_a_kml_drawn_down_to_the_ground_is_as_high_as_it_says(
+    tmp_path: Path, frame: LocalFrame, mode: str, altitude: float, extrude: int, top: float | None
+) -> None:
+    ring = " ".join(f"{8 + x},{47 + y},{altitude}" for x, y in [(0, 0), (0.001, 0), (0.001, 0.001), (0, 0)])
+    path = tmp_path / "hall.kml"
+    path.write_text(
+        f"<kml><Placemark><name>hall</name><Polygon><extrude>{extrude}</extrude><altitudeMode>{mode}</altitudeMode>"
+        f"<outerBoundaryIs><LinearRing><coordinates>{ring}</coordinates></LinearRing></outerBoundaryIs>"
+        "</Polygon></Placemark></kml>"
+    )
+    found = find_buildings(read_features(path), BuildingRules(), frame, path)
+    raised = raise_buildings(found.standing, lambda points: np.full(len(points), 3.0))
+    if top is None:
+        assert not raised
+        assert [thing.may_stand for thing in found.passed_over] == [True]
+    else:
+        (hall,) = raised
+        assert hall.bounds[:, 2] == pytest.approx([3.0, top + 3.0 * (mode == "relativeToGround")], abs=0.01)

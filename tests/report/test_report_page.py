@@ -24,6 +24,7 @@ from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.tube.promise import promise_of
 from ipoa_mission.world.obstacles import Prism
 from tests.report.conftest import Bowed, Planned
 
@@ -150,10 +151,11 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed) 
 
 def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
-    least = scenario.airspace.polyline_clearance(join(cruise(mission, scenario))[0])
+    kept = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).clearance
+    assert kept is not None
     page = report_html(scenario, None, mission, timed)
-    assert f'class="verdict good"><b aria-hidden="true">✓</b> Clear by {least.distance:.2f}' in page
-    assert "nearest thing is teaching block A; 2.60" in page
+    assert f'class="verdict good"><b aria-hidden="true">✓</b> Clear by {kept.kept:.2f}' in page
+    assert "from teaching block A: 99\N{NO-BREAK SPACE}% of flights keep it" in page
     assert 'class="bad"' not in page
 
 

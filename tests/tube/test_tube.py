@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.flight import plan_flight
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.approach import approaches
 from ipoa_mission.tube.course import Course
 from ipoa_mission.tube.limits import NO_TUBE, limits_kept, rim_of
-from ipoa_mission.tube.measured import LAWS, PX4
+from ipoa_mission.tube.measured import PX4, law_of
 from ipoa_mission.tube.room import with_room
+from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
 from ipoa_mission.world.terrain import Flat
@@ -28,7 +30,7 @@ def beside(autopilot: Autopilot, later: str) -> np.ndarray:
     rows = [r for r in PASSES if r["autopilot"] == autopilot and r["on_the_way"] == "1" and r["later"] in later]
     across = np.array([float(row["across"]) for row in rows])
     sides = np.array([[float(row[side]) for side in SIDES] for row in rows])
-    return np.asarray((sides / LAWS[autopilot].stretch(across)[:, None]).ravel())
+    return np.asarray((sides / law_of(autopilot).stretch(across)[:, None]).ravel())
 
 
 def straight(*obstacles: Obstacle, seconds: float = 3.9, height: float = 20.0) -> tuple[Course, Airspace]:
@@ -47,7 +49,7 @@ def wall(distance: float, length: float = 100.0) -> Obstacle:
 def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot: Autopilot, chance: float) -> None:
     found = beside(autopilot, "01")
     assert len(found) >= 600
-    assert (found > LAWS[autopilot].level.distance(chance)).mean() <= chance
+    assert (found > law_of(autopilot).level.distance(chance)).mean() <= chance
 
 
 def test_flights_that_came_after_the_first_law_keep_to_it() -> None:
@@ -155,3 +157,14 @@ def scenario_of() -> Callable[[], Scenario]:
 def test_a_spread_is_turned_round() -> None:
     for distance in (0.1, 0.7, 1.9, 4.0):
         assert PX4.level.distance(float(PX4.level.chance(np.array([distance]))[0])) == pytest.approx(distance)
+
+
+def test_wind_widens_the_tube_and_chooses_the_route(scenario_of: Callable[[], Scenario]) -> None:
+    calm, windy = law_of(Autopilot.ARDUPILOT), law_of(Autopilot.ARDUPILOT, 8.0)
+    assert windy.level.distance(0.01) == pytest.approx(calm.level.distance(0.01) + 0.48)
+    assert (windy.down.distance(0.01), windy.up.distance(0.01)) > (calm.down.distance(0.01), calm.up.distance(0.01))
+    scenario = scenario_of().model_copy(update={"obstacles": ()})
+    flights = [plan_flight(scenario, wind=wind) for wind in (None, Wind(5.0, 270.0), Wind(5.0, 90.0))]
+    times = [flight.estimate.route.seconds for flight in flights]
+    assert times[1] < times[0] < times[2]  # eastwards with a west wind, and against one
+    assert plan_flight(scenario.in_wind(Wind(5.0, 270.0))).estimate.total_s == flights[1].estimate.total_s

@@ -1,10 +1,10 @@
-"""Feeds spoiled mission files to the readers, and whatever they accept to all that follows, until the time is up.
+"""Feeds spoiled missions, maps and logs to the readers, and what they accept to all that follows, for some time.
 
     python -m tools.fuzz.readers --seconds 600 --seed 1
 
 Every file must be read or refused with `BadInput` that begins with its name; what was read must be checked, shown,
-exported, written, read again and put on the wire without anything but a `MissionError`. The first file that breaks
-this is kept and the traceback shown.
+exported, written, read again and put on the wire without anything but a `MissionError`. Maps become obstacles and
+zones, logs flights. A file may take 5 s of the processor. The first that breaks this is kept and the traceback shown.
 """
 
 import argparse
@@ -28,7 +28,10 @@ from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
 from tools import REPOSITORY
+from tools.fuzz.foreign_sources import probe_foreign
+from tools.fuzz.foreign_sources import sources as sources_of_others
 
+LONGEST = 5.0  # that a file may take of the processor [s]
 TESTS = REPOSITORY / "tests"
 GOOD = sorted((TESTS / "mission" / "files").iterdir())
 BAD = sorted((TESTS / "broken").glob("*.[pw]*"))
@@ -150,13 +153,19 @@ def fuzz(seconds: float, seed: int, folder: Path) -> Counter[str]:
     """Probe spoiled files for so many seconds; the count of what became of them."""
     rng = np.random.default_rng(seed)
     sources = [(path.suffix, path.read_bytes()) for path in (*GOOD * (4 * len(BAD) // len(GOOD)), *BAD)]
+    foreign = sources_of_others()
     seen: Counter[str] = Counter()
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        suffix, data = sources[rng.integers(len(sources))]
+        given = sources if rng.random() < 0.5 else foreign
+        suffix, data = given[rng.integers(len(given))]
         path = folder / f"fuzz{suffix}"
         path.write_bytes(SPOIL[rng.integers(len(SPOIL))](data, rng))
-        seen[probe(path)] += 1
+        began = time.process_time()
+        is_mission = suffix in (".plan", ".waypoints")
+        seen[f"{'mission' if is_mission else suffix} {(probe if is_mission else probe_foreign)(path)}"] += 1
+        if (took := time.process_time() - began) > LONGEST:
+            raise AssertionError(f"took {took:.1f} s")
     return seen
 
 

@@ -238,7 +238,7 @@ class Copter:
         match item.command:
             case Command.NAV_LOITER_UNLIM:
                 return math.inf
-            case Command.NAV_LOITER_TO_ALT:  # only the way there is modelled
+            case Command.NAV_LOITER_TO_ALT:  # only the way there is modeled
                 return 0.0
             case Command.NAV_LOITER_TURNS:
                 radius = abs(item.params[2]) or self.limits.circle_radius

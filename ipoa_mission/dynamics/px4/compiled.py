@@ -45,7 +45,7 @@ def compiled() -> Callable[..., Flown]:
 
     for function in _called(flight):
         if function is not fly:
-            register_jitable(error_model="numpy", no_cfunc_wrapper=True)(function)
+            register_jitable(error_model="numpy", no_cfunc_wrapper=True, forceinline=True)(function)
     machine: Callable[..., Flown] = numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(fly)
     if not _is_kept():
         for kept in _kept():

@@ -8,6 +8,7 @@ import math
 
 from ipoa_mission.autopilots.px4 import Px4Limits
 from ipoa_mission.dynamics.px4.airframe import GRAVITY
+from ipoa_mission.dynamics.px4.speeds import level
 from ipoa_mission.dynamics.px4.state import TAKE_OFF, Axis, Body, Control, Enu, Law, Order, State, Trajectory
 
 HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # up to these speeds the hover thrust is learned well: HTE_VXY_THR, HTE_VZ_THR
@@ -56,7 +57,7 @@ def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: fl
 
 def hover_learned(control: Control, body: Body, law: Law, time: float) -> Control:
     """What hovering is believed to take, after a step in the air: drag in a climb is taken for weight."""
-    fast = math.sqrt(body.speed.east**2 + body.speed.north**2)
+    fast = level(body.speed)
     doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
     share = (1.0 / law.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * law.dt / doubt
     takes = 1.0 + law.airframe.drag * body.speed.up / GRAVITY

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from ipoa_mission.autopilots.px4 import Px4Limits
 from ipoa_mission.dynamics.px4.heading import heading_error
 from ipoa_mission.dynamics.px4.landing import sink_rate
-from ipoa_mission.dynamics.px4.speeds import corner_speed, vertical_speed
+from ipoa_mission.dynamics.px4.speeds import corner_speed, level, vertical_speed
 from ipoa_mission.dynamics.px4.state import (
     BEFORE,
     BESIDE,
@@ -109,7 +109,7 @@ def wanted_velocity(state: State, order: Order, law: Law, guidance: Guidance) ->
     to = way(guidance, order)
     at = Enu(x.place, y.place, z.place - home_told(state, order))
     aim = Enu(to.goal.east - at.east, to.goal.north - at.north, to.goal.up - at.up)
-    far, speed = math.sqrt(aim.east**2 + aim.north**2), math.sqrt(x.speed**2 + y.speed**2)
+    far, speed = level(aim), math.sqrt(x.speed * x.speed + y.speed * y.speed)
     fast, held = corner_speed(state.trajectory, to.goal, to.beyond, order, limits), guidance.held
     if speed > MOVING and far > order.radius and x.speed * aim.east + y.speed * aim.north < TURNING * speed * far:
         fast = min(held, fast)
@@ -144,16 +144,16 @@ def ahead_on_leg(at: Enu, to: Way, aim: Enu, radius: float) -> Enu:
 
 def within(aim: Enu, fast: float, rise: float) -> Enu:
     """A velocity towards the aim whose level and vertical parts both keep their limits."""
-    size = math.sqrt(aim.east**2 + aim.north**2 + aim.up**2)
+    size = math.sqrt(aim.east * aim.east + aim.north * aim.north + aim.up * aim.up)
     if size <= AT_GOAL:
         return ZERO
     share = math.sqrt(fast * fast + rise * rise) / size
     east, north, up = aim.east * share, aim.north * share, aim.up * share
-    level = math.sqrt(east * east + north * north)
-    if level > fast:
-        east, north = east * fast / level, north * fast / level
-        if fast >= SLOW or level >= SLOW:
-            up *= fast / level
+    flat = math.sqrt(east * east + north * north)
+    if flat > fast:
+        east, north = east * fast / flat, north * fast / flat
+        if fast >= SLOW or flat >= SLOW:
+            up *= fast / flat
     if abs(up) > rise:
         if rise >= SLOW or abs(up) >= SLOW:
             east, north = east * rise / abs(up), north * rise / abs(up)

@@ -105,7 +105,7 @@ def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
     """With the time that it may take from where the order before ends; a small circle is hard to hit."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     level, rise = math.dist(before[:2], order.goal[:2]), abs(order.goal.up - before.up)
-    lasts = 300 + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
+    lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
     return order._replace(patience=lasts * max(1.0, 1 / order.radius))
 
 
@@ -144,7 +144,7 @@ class _Navigator:
         if command == Command.DO_CHANGE_SPEED and params[0] < 2:
             self.cruise = params[1] if params[1] > 0 else self.limits.cruise
         elif command <= LAST_NAV or command in UNTIMED:
-            self.remarks.append(f"item {visit.seq}: command {command} is not modelled and counts as no time")
+            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
         return []
 
     def down(self, orders: list[Order]) -> list[Order]:

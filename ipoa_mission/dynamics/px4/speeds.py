@@ -55,5 +55,5 @@ def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, li
 
 
 def level(place: Enu) -> float:
-    """The level distance from the origin."""
+    """The level part of a distance or a speed."""
     return math.sqrt(place.east * place.east + place.north * place.north)

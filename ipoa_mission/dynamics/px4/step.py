@@ -72,14 +72,9 @@ def led(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
         min(max(velocity.north, -most), most),
         min(max(velocity.up, -climb.rate), climb.rate),
     )
-    east, north, speed_east, speed_north = (
-        was.east.place - at.east,
-        was.north.place - at.north,
-        was.east.speed,
-        was.north.speed,
-    )
-    behind = 0.0
-    if speed_east**2 + speed_north**2 < STANDING**2 or east * speed_east + north * speed_north >= 0.0:
+    east, north, behind = was.east.place - at.east, was.north.place - at.north, 0.0
+    standing = math.sqrt(was.east.speed * was.east.speed + was.north.speed * was.north.speed) < STANDING
+    if standing or east * was.east.speed + north * was.north.speed >= 0.0:
         behind = math.sqrt(east * east + north * north)
     pace = 1.0 - min(behind / limits.most_error, 1.0)
     return smoothed(was, within, limits, climb.accel, law.dt * pace)
@@ -114,14 +109,14 @@ def at_rest(place: Enu, time: float, yaw: float, errors: Errors) -> State:
 
 
 def begun(state: State, order: Order) -> State:
-    """As the order is begun; one to take off is begun at rest on the ground, or as it is in the air."""
+    """As the order is begun; only a take-off is held by the ground."""
     trajectory, body = state.trajectory, state.body
-    if order.kind == TAKE_OFF and body.on_ground:
-        up = Axis(trajectory.up.place, -GROUND_SINK, 0.0)
-        trajectory = Trajectory(trajectory.east, trajectory.north, up)
+    on_ground = body.on_ground and order.kind == TAKE_OFF
+    if on_ground:
+        trajectory = Trajectory(trajectory.east, trajectory.north, Axis(trajectory.up.place, -GROUND_SINK, 0.0))
+    body = Body(body.place, body.speed, body.felt, body.asked, body.thrust, on_ground, body.airborne_since)
     guidance = Guidance(ON_LINE, of(order.start), state.guidance.held, state.guidance.rising)
-    contact, there = Contact(False, False, 0, state.time), False
     return State(
-        state.time, body, state.nose, trajectory, guidance, state.control, state.errors, contact, state.time, NOT_YET,
-        there,
+        state.time, body, state.nose, trajectory, guidance, state.control, state.errors,
+        Contact(False, False, 0, state.time), state.time, NOT_YET, False,
     )  # fmt: skip

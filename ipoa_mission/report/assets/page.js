@@ -2,7 +2,7 @@
 // marks it everywhere. The page is complete without this script but for the 3D view.
 
 (() => {
-  const { course, stops, world, flown } = JSON.parse(document.getElementById("data").textContent);
+  const { course, stops, world, flown, tube } = JSON.parse(document.getElementById("data").textContent);
   const all = (selector) => [...document.querySelectorAll(selector)];
   const map = document.getElementById("map"), canvas = document.querySelector(".space canvas"), readout = document.querySelector(".readout");
   const plan = makeMap(map);
@@ -12,6 +12,7 @@
   const lines = [
     { points: path.map(([e, n], i) => [e, n, course.ground[2 * i] + 0.15]), color: "--quiet", width: 0.5, dashed: false },
     { points: path, color: "--planned", width: 1.8, dashed: false },
+    ...tube.map((hoop) => ({ points: hoop, color: "--planned", width: 0.4, dashed: false })),
     ...(flown ? [{ points: flown, color: "--flown", width: 1.3, dashed: true }] : []),
   ];
   const placed = stops.map((stop, n) => ({ ...stop, n })).filter((stop) => stop.spot);

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import shapely
 from contourpy import FillType, LineType, contour_generator
 
 from ipoa_mission.geometry import Points
@@ -15,6 +16,7 @@ from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.ground_mesh import ground_mesh_over
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.limits import Rim
 from ipoa_mission.world.obstacles import Obstacle
 
 TINTS = 8  # of the ground, from low to high
@@ -28,14 +30,17 @@ TOOLS = (
 )
 
 
-def ground_plan(scenario: Scenario, extent: Extent, found: Sequence[Stop], course: Course, flown: Course | None) -> str:
-    """The map of `extent` with north up."""
+def ground_plan(
+    scenario: Scenario, extent: Extent, found: Sequence[Stop], course: Course, flown: Course | None, tube: Rim
+) -> str:
+    """The map of `extent` with north up; the tube is drawn as wide as it is to the sides of a straight flight."""
     airspace = scenario.airspace
     bodies = extent.obstacles(airspace)
     highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
     layers = [
         _relief(*ground_mesh_over(airspace, extent.lower, extent.upper, 120)),
         *(_footprint(body, highest) for body in sorted(bodies, key=lambda b: float(b.bounds[1, 2]))),
+        _tube(course.points, tube.level),
         _line(np.vstack([stop.way for stop in found if stop.place is not None]), "legs"),
         _line(course.points, "planned"),
     ]
@@ -137,6 +142,14 @@ def _round_step(value: float) -> float:
 
 def _line(points: Points, look: str) -> str:
     return f'<path class="{look}" d="M{_pairs(points)}"/>' if len(points) else ""
+
+
+def _tube(points: Points, level: float) -> str:
+    if level == 0:
+        return ""
+    around = shapely.LineString(points[:, :2]).simplify(level / 10).buffer(level, quad_segs=4)
+    rings = "".join(_ring(shapely.get_coordinates(ring)[:-1]) for ring in (around.exterior, *around.interiors))
+    return f'<path class="tube" d="{rings}"><title>where flights are</title></path>'
 
 
 def _ring(points: Points) -> str:

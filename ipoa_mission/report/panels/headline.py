@@ -25,8 +25,8 @@ def verdict(proof: Proof | None, promise: Promise | None, found: Sequence[Danger
     required = next(check.required for check in proof.checks if check.found is least)
     words = f"Clear by {meters(least.distance)}: the nearest thing is {escape(least.what)}; {meters(required)} required"
     if promise is not None and promise.confidence is not None and (kept := promise.clearance) is not None:
-        words = f"{share_of_flights(promise.confidence)} keep {meters(kept.kept)} to {escape(kept.to)}"
-        words += f" (nominal {meters(kept.nominal)}; {meters(kept.required)} required)"
+        flights = f"{share_of_flights(promise.confidence)} keep it; nominal {meters(kept.nominal)}"
+        words = f"Clear by {meters(kept.kept)} from {escape(kept.to)}: {flights}, {meters(kept.required)} required"
         if any(broken.on_the_way for broken in promise.broken):
             return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {words}.</p>'
     if found:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ipoa_mission.report.chart import Axis, Chart, axis_over
 from ipoa_mission.report.course import Course
 from ipoa_mission.report.stops import Stop
+from ipoa_mission.tube.limits import Rim
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -17,7 +18,7 @@ NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
 
 
 def height_profile(
-    course: Course, airspace: Airspace, required: float, found: Sequence[Stop], flown: Course | None
+    course: Course, airspace: Airspace, required: float, found: Sequence[Stop], flown: Course | None, tube: Rim
 ) -> str:
     """Heights over the distance on the ground, with the obstacles under and beside the path."""
     near = list(_near(course, airspace, required))
@@ -31,6 +32,7 @@ def height_profile(
         *(_block(chart, body, run, look) for body, run, look in near),
         chart.band(course.along, floor, course.ground, "soil"),
         chart.band(course.along, up - required, up + required, "band"),
+        chart.band(course.along, up - tube.down, up + tube.up, "tube"),
         chart.curve(course.along, up, "planned"),
     ]
     if flown is not None:
@@ -47,6 +49,7 @@ def height_profile(
 def profile_legend(flown: bool, zones: bool) -> str:
     """What is what in the height profile."""
     keys = '<span class="key planned">path as predicted</span>' + '<span class="key flown">flown</span>' * flown
+    keys += '<span class="key tube">where flights are</span>'
     bodies = '<span class="key below">obstacles below</span><span class="key beside">within 15 m beside</span>'
     bodies += '<span class="key zone">no-fly zone</span>' * zones
     return f'<p class="legend">{keys}<span class="key band">must stay free</span>{bodies}</p>'

@@ -1,6 +1,6 @@
 """Hold recorded flights against the tube: what each promised and kept, and how far it lay beside its predicted path.
 
-    python tools/measure_tube.py --scenarios DIR FLIGHT... [--passes FILE]
+    python -m tools.benchmarks.tube --scenarios DIR FLIGHT... [--passes FILE]
 
 A FLIGHT is a folder named MISSION-AUTOPILOT (anything before a `_` that begins with `r` and anything after `__` left
 out) with the mission, `flight.json` (autopilot, `item_done_s`) and `truth.csv`, or `trace.csv` where the true position

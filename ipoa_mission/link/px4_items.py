@@ -1,0 +1,61 @@
+"""PX4's mission out of its own log: the topic navigator_mission_item tells of each item when the flight comes to it.
+
+An item may be told in steps: a take-off climbs (NAV_TAKEOFF, where it stands) and then flies to its place
+(NAV_WAYPOINT); a landing flies to its place and then lands. Places are in single precision, right to 0.4 m.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.commands import FLOWN_TO, Command, Frame
+from ipoa_mission.items import Item
+from ipoa_mission.link.logged import Begun
+
+CLIMBS = {Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF}
+
+
+def items_begun(told: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
+    """The items that the flight came to, each at the time [s] when it was first told of, last steps counted in."""
+    if told is None or result is None:
+        return
+    rounds = np.asarray(told["instance_count"]) if "instance_count" in told else np.zeros(len(told["timestamp"]))
+    for instance in np.unique(rounds):
+        found: dict[int, tuple[float, Item]] = {}
+        for n in np.flatnonzero(rounds == instance):
+            item, seq, time = _item(told, int(n)), int(told["sequence_current"][n]), float(told["timestamp"][n]) / 1e6
+            if item.command:
+                since, before = found.get(seq, (time, item))
+                found[seq] = since, _joined(before, item)
+        for seq, (time, item) in found.items():
+            total = _total(result, time)
+            if seq < total:
+                yield time, Begun(seq, total, item)
+
+
+def _joined(before: Item, item: Item) -> Item:
+    """An item out of two of its steps."""
+    if before.command in CLIMBS and item.command == Command.NAV_WAYPOINT:
+        place = (item.latitude_deg, item.longitude_deg, item.altitude)
+        return Item(before.command, item.frame, before.params, *place)
+    return before if item.command == Command.NAV_WAYPOINT else item
+
+
+def _item(told: Any, n: int) -> Item:
+    command = int(told["nav_cmd"][n])
+    hold, radius, third, yaw, latitude, longitude, altitude = (
+        float(told[name][n])
+        for name in ("time_inside", "acceptance_radius", "loiter_radius", "yaw", "latitude", "longitude", "altitude")
+    )
+    if command not in FLOWN_TO:
+        return Item(command, Frame.MISSION, (hold, radius, third, math.nan))
+    frame = Frame.GLOBAL_RELATIVE_ALT if told["altitude_is_relative"][n] else Frame.GLOBAL
+    return Item(command, frame, (hold, radius, third, math.degrees(yaw)), latitude, longitude, altitude)
+
+
+def _total(result: Any, time: float) -> int:
+    """How many items the mission had at a time [s]."""
+    at = np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right")
+    return int(result["seq_total"][min(max(int(at), 0), len(result["seq_total"]) - 1)])

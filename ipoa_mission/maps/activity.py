@@ -1,0 +1,106 @@
+"""When a zone is active: the periods and weekly schedules of ED-269 and ED-318, in seconds since 1970, UTC."""
+
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+DAYS = ("MON", "TUE", "WED", "THU", "FRI", "SAT", "SUN")
+FIRST = 3  # 1 January 1970 was a Thursday
+DAY_S = 86_400.0
+#: A flight is taken to be over within this time [s].
+FLIGHT_S = 3_600.0
+_OFFSET = r"(?P<offset>Z|[+-]\d\d:?\d\d)"
+_CLOCK = re.compile(rf"(?P<h>\d\d):(?P<m>\d\d)(?::(?P<s>\d\d)(?:\.\d+)?)?{_OFFSET}", re.IGNORECASE)
+_DATE = re.compile(r"(?P<date>\d{4}-\d\d-\d\d)T(?P<clock>.*)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A time of the day on some days of the week (0 is Monday), in seconds from the day's begin, beyond its end too."""
+
+    days: frozenset[int]
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Period:
+    """From `begin` until `end`, at all times, or in its slots."""
+
+    begin: float = -math.inf
+    end: float = math.inf
+    slots: tuple[Slot, ...] = ()
+
+    def meets(self, begin: float, end: float) -> bool:
+        """Whether it is active some time from `begin` to `end`."""
+        begin, end = max(begin, self.begin), min(end, self.end)
+        if begin > end or not self.slots:
+            return begin <= end
+        days = range(math.floor(begin / DAY_S) - 2, math.floor(end / DAY_S) + 3)
+        return any(
+            (day + FIRST) % 7 in slot.days and day * DAY_S + slot.begin <= end and day * DAY_S + slot.end >= begin
+            for slot in self.slots
+            for day in days
+        )
+
+
+def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
+    """When a zone is active by its tag `limitedApplicability`; None where that is at all times, or cannot be read.
+
+    >>> periods_of({"limitedApplicability": '[{"endDateTime": "1970-01-02T01:00:00+01:00"}]'})
+    (Period(begin=-inf, end=86400.0, slots=()),)
+    """
+    try:
+        periods = tuple(_period(each) for each in json.loads(tags.get("limitedApplicability", "null")))
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return None
+    return periods or None
+
+
+def may_be_active(tags: Mapping[str, str], time: float) -> bool:
+    """Whether a zone may be active in the hour from `time` on."""
+    periods = periods_of(tags)
+    return periods is None or any(period.meets(time, time + FLIGHT_S) for period in periods)
+
+
+def _period(given: Mapping[str, Any]) -> Period:
+    ends = [given.get(key) for key in ("startDateTime", "endDateTime")]
+    begin, end = (
+        default if each is None else _instant(each) for each, default in zip(ends, (-math.inf, math.inf), strict=True)
+    )
+    return Period(begin, end, tuple(_slots(given.get("schedule") or [])))
+
+
+def _slots(schedule: Any) -> Iterator[Slot]:
+    for one in schedule:
+        named = one.get("day") or ["ANY"]
+        known = [DAYS.index(day) for day in named if day in DAYS]
+        days = frozenset(known if len(known) == len(named) else range(7))  # ANY, or a holiday: who knows
+        if "startTime" in one and "endTime" in one:
+            begin, end = _clock(one["startTime"]), _clock(one["endTime"])
+            yield Slot(days, begin, end if end > begin else end + DAY_S)
+        else:  # from or to dawn or dusk
+            yield Slot(days, -DAY_S / 2, 1.5 * DAY_S)
+
+
+def _instant(text: str) -> float:
+    found = _DATE.fullmatch(text)
+    if found is None:
+        raise ValueError(text)
+    day = np.datetime64(found["date"], "D").astype(int)
+    return float(day) * DAY_S + _clock(found["clock"])
+
+
+def _clock(text: str) -> float:
+    """Seconds from the begin of the day in UTC; one without an offset tells no time."""
+    found = _CLOCK.fullmatch(text)
+    if found is None:
+        raise ValueError(text)
+    offset = found["offset"].upper().replace(":", "")
+    east = 0 if offset == "Z" else int(offset[0] + "1") * (int(offset[1:3]) * 3600 + int(offset[3:5]) * 60)
+    return int(found["h"]) * 3600.0 + int(found["m"]) * 60 + int(found["s"] or 0) - east

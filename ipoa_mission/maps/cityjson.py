@@ -1,0 +1,208 @@
+"""CityJSON (1.0 to 2.0), as cities publish their buildings: footprints and heights by the extent of their surfaces.
+
+Its heights are above sea level, or whatever its reference system says; what counts here is how high a thing is above
+the lowest point of the building that it belongs to, which stands on the scenario's ground.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from pyproj import CRS, Transformer
+from pyproj.exceptions import CRSError
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points
+from ipoa_mission.maps.feature import DEEPEST, Feature, Mistakes, on_earth
+
+VERSIONS = ("1.0", "1.1", "2.0")
+MOST_SHOWN = 60  # characters of a name
+#: How deep corners lie in the boundaries of each kind of geometry.
+DEPTHS = {"GeometryInstance": 0, "MultiPoint": 0, "MultiLineString": 1, "MultiSurface": 2, "CompositeSurface": 2}
+DEPTHS |= {"Solid": 3, "MultiSolid": 4, "CompositeSolid": 4}
+#: What is no building, as OpenStreetMap's tags say it; what has a height stands, whatever it is.
+OTHERS = {
+    "SolitaryVegetationObject": ("natural", "tree"),
+    "PlantCover": ("natural", "wood"),
+    "CityFurniture": ("man_made", "utility_pole"),
+}
+#: What lies on the ground, or is the ground itself.
+FLAT = {
+    **dict.fromkeys(("Road", "Square", "TransportSquare", "Track", "TransportationComplex"), ("highway", "road")),
+    **dict.fromkeys(("WaterBody", "Waterway"), ("natural", "water")),
+    **dict.fromkeys(("TINRelief", "LandUse", "CityObjectGroup"), ("landcover", "ground")),
+    "Railway": ("railway", "rail"),
+    **dict.fromkeys(("Tunnel", "TunnelPart"), ("location", "underground")),
+}
+LEAST = 1e-13  # a wall seen from above has no area [deg^2]
+
+
+@dataclass(frozen=True)
+class _City:
+    """What all objects of a file share: corners (n, 3) in its own system, the way to degrees, and the unit of height.
+
+    `lowest` is the least height of the building to which an object belongs, by the object's name.
+    """
+
+    corners: Points
+    to_degrees: Transformer
+    unit: float
+    lowest: Mapping[str, float]
+
+
+def is_cityjson(document: Any) -> bool:
+    """Whether a JSON document says that it is one."""
+    return isinstance(document, dict) and document.get("type") == "CityJSON"
+
+
+def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
+    """Each object with a geometry as a feature: the shadow of its surfaces, and its height as the tag `height`.
+
+    Raises:
+        BadInput: naming file and place, and what was expected there.
+    """
+    version = document.get("version")
+    if not isinstance(version, str) or not version.startswith(VERSIONS):
+        raise BadInput(f"{path}: version: expected {' or '.join(VERSIONS)}, not {str(version)[:20]!r}")
+    objects = document.get("CityObjects")
+    if not isinstance(objects, dict) or not all(isinstance(each, dict) for each in objects.values()):
+        raise BadInput(f"{path}: CityObjects: expected an object of objects")
+    corners, system = _corners(document, path), _system(document, path)
+    mistakes, used = Mistakes(), dict[str, list[NDArray[np.intp]]]()
+    for name, thing in objects.items():
+        place = f"{path}: CityObjects.{name[:MOST_SHOWN]}"
+        used[name] = mistakes.attempt(_used, thing, len(corners), place) or []
+    mistakes.tell()
+    vertical = [axis for axis in system.axis_info if axis.direction == "up"]
+    city = _City(
+        corners,
+        Transformer.from_crs(system.to_2d(), "OGC:CRS84", always_xy=True),
+        float(vertical[0].unit_conversion_factor) if vertical else 1.0,
+        _lowest(objects, used, corners, path),
+    )
+    found = [
+        mistakes.attempt(_feature, name, thing, used[name], city, f"{path}: CityObjects.{name[:MOST_SHOWN]}")
+        for name, thing in objects.items()
+    ]
+    mistakes.tell()
+    return tuple(feature for feature in found if feature is not None)
+
+
+def _corners(document: Mapping[str, Any], path: Path) -> Points:
+    """All corners in the file's own system, (n, 3)."""
+    try:
+        corners = np.array(document.get("vertices"), float)
+        transform = document.get("transform") or {"scale": [1, 1, 1], "translate": [0, 0, 0]}
+        scale, translate = (np.array(transform[key], float) for key in ("scale", "translate"))
+        if corners.size == 0:
+            corners = np.zeros((0, 3))
+        corners = corners * scale + translate
+    except (TypeError, ValueError, KeyError, OverflowError):
+        corners = np.zeros((0, 0))
+    if corners.ndim != 2 or corners.shape[1] != 3 or not np.isfinite(corners).all():
+        raise BadInput(f"{path}: vertices: expected corners as [x, y, z], and a transform of scale and translate")
+    return corners
+
+
+def _system(document: Mapping[str, Any], path: Path) -> CRS:
+    metadata = document.get("metadata")
+    name = metadata.get("referenceSystem") if isinstance(metadata, dict) else None
+    code = name.rstrip("/").replace(":", "/").rpartition("/")[2] if isinstance(name, str) else ""
+    try:
+        return CRS.from_epsg(int(code[:MOST_SHOWN]))
+    except (ValueError, CRSError) as error:
+        raise BadInput(
+            f"{path}: metadata.referenceSystem: expected the name of a coordinate system with its EPSG code, such as "
+            f"https://www.opengis.net/def/crs/EPSG/0/7415, not {str(name)[:MOST_SHOWN]!r}"
+        ) from error
+
+
+def _used(thing: Mapping[str, Any], count: int, place: str) -> list[NDArray[np.intp]]:
+    """The outer rings of all surfaces of an object, or its lines and points, as numbers of corners."""
+    given = thing.get("geometry") or []
+    if not isinstance(given, list):
+        raise BadInput(f"{place}.geometry: expected a list")
+    rings = list[NDArray[np.intp]]()
+    for i, geometry in enumerate(given):
+        depth = DEPTHS.get(str(geometry.get("type"))) if isinstance(geometry, dict) else None
+        if depth is None:
+            raise BadInput(f"{place}.geometry[{i}]: expected one of {', '.join(DEPTHS)}")
+        rings += _rings(geometry.get("boundaries"), depth, count, f"{place}.geometry[{i}].boundaries")
+    return rings
+
+
+def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDArray[np.intp]]:
+    lists = [boundaries]
+    for level in range(depth):
+        if not all(isinstance(each, list) for each in lists):
+            raise BadInput(f"{place}: expected lists in lists")
+        outer_only = level == depth - 1 and depth > 1  # of a surface's rings the first is its edge
+        lists = [inner for each in lists for inner in (each[:1] if outer_only else each)]
+    for one in lists:
+        try:
+            ring = np.array(one)
+        except ValueError:
+            ring = np.zeros((0, 0))
+        if ring.ndim != 1 or not len(ring) or ring.dtype.kind not in "iu" or ring.min() < 0 or ring.max() >= count:
+            raise BadInput(f"{place}: expected lists of numbers below {count}, that of vertices")
+        yield ring
+
+
+def _lowest(
+    objects: Mapping[str, Any], used: Mapping[str, list[NDArray[np.intp]]], corners: Points, path: Path
+) -> dict[str, float]:
+    """By the name of each object the least height among the objects that it belongs to and that belong to it."""
+    roots, lowest = dict[str, str](), dict[str, float]()
+    for name in objects:
+        way = [name]
+        while way[-1] not in roots:
+            parents = objects[way[-1]].get("parents")
+            above = parents[0] if isinstance(parents, list) and parents else None
+            if not isinstance(above, str) or above not in objects or above in way[-1:]:
+                break
+            if len(way) > DEEPEST:
+                raise BadInput(f"{path}: CityObjects.{name[:MOST_SHOWN]}: expected a building that its parts lead to")
+            way.append(above)
+        root = roots.get(way[-1], way[-1])
+        roots |= dict.fromkeys(way, root)
+        if used[name]:
+            least = float(corners[np.concatenate(used[name]), 2].min())
+            lowest[root] = min(lowest.get(root, least), least)
+    return {name: lowest.get(root, 0.0) for name, root in roots.items()}
+
+
+def _feature(
+    name: str, thing: Mapping[str, Any], rings: list[NDArray[np.intp]], city: _City, place: str
+) -> Feature | None:
+    kind, attributes = str(thing.get("type")), thing.get("attributes")
+    attributes = attributes if isinstance(attributes, dict) else {}
+    named = attributes.get("name")
+    tags = {"name": named} if isinstance(named, str) and named.strip() else {}
+    key, value = ("building", "yes") if kind.startswith("Building") else {**OTHERS, **FLAT}.get(kind, ("kind", kind))
+    tags |= {"id": name, key: value}
+    if not rings:
+        return None if thing.get("children") else Feature(place, shapely.GeometryCollection(), tags)
+    corners = city.corners[np.concatenate(rings)]
+    height = float(corners[:, 2].max() - city.lowest[name]) * city.unit
+    measured = attributes.get("measuredHeight")
+    if height <= 0 and isinstance(measured, int | float) and measured > 0:
+        height = float(measured)
+    if height > 0 and kind not in FLAT:
+        tags["height"] = f"{math.ceil(height * 100) / 100:.2f}"
+    flat = on_earth(np.column_stack(city.to_degrees.transform(corners[:, 0], corners[:, 1])), place)
+    return Feature(place, _shadow(np.split(flat, np.cumsum([len(ring) for ring in rings])[:-1])), tags)
+
+
+def _shadow(rings: list[Points]) -> Any:
+    """What lies below some surfaces; below points and lines alone, these."""
+    shadows = [shapely.make_valid(shapely.Polygon(ring)) for ring in rings if len(ring) > 2]
+    pieces = [part for shadow in shadows for part in shapely.get_parts(shadow)]
+    polygons = [part for part in pieces if "Polygon" in part.geom_type and part.area > LEAST]
+    if polygons:
+        return shapely.union_all(polygons)
+    return shapely.MultiPoint(np.unique(np.vstack(rings), axis=0))

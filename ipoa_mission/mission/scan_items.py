@@ -1,0 +1,224 @@
+"""Surveys and corridor scans without their waypoints: these are laid out from the geometry, as QGroundControl does.
+
+What its plan view lays out is a list of parallel transects in the plane that touches the Earth at the first corner,
+flown to and fro, longer by the turnaround distance at both ends; the camera is triggered by distance.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points
+from ipoa_mission.items import Item
+from ipoa_mission.mission.document import Node
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+LEAST_SPACING = 0.5  # transects nearer to each other are one in the middle [m]
+BEYOND = 2000.0  # the first transect would lie half of this, and of the polygon's width, from its middle [m]
+MOST_TRANSECTS = 2000
+SAME = 1e-6  # places nearer to each other are one [m]
+STRAIGHT = 1e-9  # sine of a turn that is none
+FRAMES = {1: Frame.GLOBAL_RELATIVE_ALT, 2: Frame.GLOBAL, 4: Frame.GLOBAL_TERRAIN_ALT}  # by DistanceMode
+#: What needs more than the geometry: the ground, or a camera's own rules.
+REFUSED = ("FollowTerrain", "HoverAndCapture", "Refly90Degrees")
+TOP_RIGHT, BOTTOM_LEFT, BOTTOM_RIGHT = 1, 2, 3  # entryLocation, or EntryPoint; 0 is the top left
+
+
+@dataclass(frozen=True)
+class _Style:
+    """What surveys and corridor scans have in common, in metres."""
+
+    spacing: float
+    trigger: float
+    turnaround: float
+    altitude: float
+    frame: Frame
+    in_turnaround: bool
+
+
+def lay_out(node: Node) -> list[Item]:
+    """The items of a complex item that holds none.
+
+    Raises:
+        BadInput: naming the place, where the geometry does not say enough.
+    """
+    name = node["complexItemType"].text()
+    if name not in ("survey", "CorridorScan") or node.get("TransectStyleComplexItem") is None:
+        raise BadInput(
+            f'{node.where}: expected the waypoints of the complex item "{name}", but it holds none',
+            hint="only surveys and corridor scans can be laid out from their geometry",
+        )
+    style = _style(node["TransectStyleComplexItem"])
+    corners = _corners(node["polygon" if name == "survey" else "polyline"], 3 if name == "survey" else 2)
+    frame = LocalFrame(Geodetic(*corners[0].tolist()))
+    plane = frame.to_local(corners[:, 0], corners[:, 1], 0.0)[:, :2]
+    transects = _survey(node, plane, style) if name == "survey" else _corridor(node, plane, style)
+    flown = [transect if n % 2 == 0 else transect[::-1] for n, transect in enumerate(transects)]
+    node.note(f"it holds no waypoints: {len(flown)} transects are laid out as QGroundControl does")
+    return list(_items(flown, style, frame))
+
+
+def _style(node: Node) -> _Style:
+    for key in REFUSED:
+        if (said := node.get(key)) is not None and said.flag():
+            raise said.wrong("false in a scan that holds no waypoints", "save the plan with its waypoints")
+    camera = node["CameraCalc"]
+    mode = camera.get("DistanceMode")
+    if mode is None:
+        level = Frame.GLOBAL_RELATIVE_ALT if camera["DistanceToSurfaceRelative"].flag() else Frame.GLOBAL
+    else:
+        found = FRAMES.get(mode.whole("1, 2 or 4"))
+        if found is None:
+            raise mode.wrong("1 (above home), 2 (above sea level) or 4 (above the ground)")
+        level = found
+    turnaround, trigger = node.get("TurnAroundDistance"), node.get("CameraTriggerInTurnAround")
+    return _Style(
+        spacing=camera["AdjustedFootprintSide"].number("metres"),
+        trigger=camera["AdjustedFootprintFrontal"].number("metres"),
+        turnaround=0.0 if turnaround is None else turnaround.number("metres"),
+        altitude=camera["DistanceToSurface"].number("an altitude in metres"),
+        frame=level,
+        in_turnaround=trigger is None or trigger.flag(),
+    )
+
+
+def _corners(node: Node, least: int) -> Points:
+    """Latitude and longitude, (n, 2)."""
+    places = [each.array(2, "numbers (latitude, longitude)") for each in node.array()]
+    corners = np.array([[value.number("degrees") for value in place] for place in places]).reshape(-1, 2)
+    if len(corners) < least or (np.abs(corners) > (90.0, 180.0)).any():
+        raise node.wrong(f"{least} corners or more, as latitude and longitude in degrees")
+    if np.ptp(corners, axis=0).max() > 1.0:
+        raise node.wrong("corners within a degree of each other")
+    return corners
+
+
+def _survey(node: Node, plane: Points, style: _Style) -> list[Points]:
+    """The transects through a polygon, all in one direction, (k, 2) each."""
+    angle = node["angle"].number("degrees")
+    angle += -180.0 if angle > 90.0 else 180.0 if angle < -90.0 else 0.0
+    along = np.array([math.sin(math.radians(angle)), math.cos(math.radians(angle))])
+    across = np.array([along[1], -along[0]])
+    low, high = plane.min(axis=0), plane.max(axis=0)
+    middle, half = (low + high) / 2, (float((high - low).max()) + BEYOND) / 2
+    sides = (plane - middle) @ across
+    spacing = style.spacing if style.spacing >= LEAST_SPACING else math.inf
+    first, last = (math.ceil((sides.min() + half) / spacing), math.floor((sides.max() + half) / spacing))
+    if last - first >= MOST_TRANSECTS:
+        raise node.wrong(f"a survey of at most {MOST_TRANSECTS} transects")
+    offsets = [] if math.isinf(spacing) else [n * spacing - half for n in range(first, last + 1)]
+    found = [line for offset in offsets if (line := _through(plane, middle, along, sides - offset)) is not None]
+    if len(found) < 2:
+        found = [line for line in [_through(plane, middle, along, sides)] if line is not None]
+    if not found:
+        raise node["polygon"].wrong("a polygon with an area")
+    forth = found[0][1] - found[0][0]
+    found = [line if (line[1] - line[0]) @ forth >= 0 else line[::-1] for line in found]
+    entry = node.get("entryLocation")
+    corner = 0 if entry is None else entry.whole("0 to 3", 0, 3)
+    if corner in (BOTTOM_LEFT, BOTTOM_RIGHT):
+        found = [line[::-1] for line in found]
+    if corner in (TOP_RIGHT, BOTTOM_RIGHT):
+        found.reverse()
+    alternate = node.get("flyAlternateTransects")
+    if alternate is not None and alternate.flag():
+        found = found[::2] + found[1::2][::-1]
+    return found
+
+
+def _through(plane: Points, middle: Points, along: Points, sides: Points) -> Points | None:
+    """From the first to the farthest place where a line meets the polygon's edges, in their order, (2, 2).
+
+    `sides` (n,) tell how far the corners lie on the right of the line.
+    """
+    met: list[float] = []
+    ahead = (plane - middle) @ along
+    for n in range(len(plane)):
+        m = (n + 1) % len(plane)
+        a, b = sides[n], sides[m]
+        if a != b and min(a, b) <= 0.0 <= max(a, b):
+            share = a / (a - b)
+            place = float(ahead[n] + share * (ahead[m] - ahead[n]))
+            met += [] if any(abs(place - other) < SAME for other in met) else [place]
+    if len(met) < 2:
+        return None
+    ends = max(((a, b) for i, a in enumerate(met) for b in met[i + 1 :]), key=lambda pair: abs(pair[1] - pair[0]))
+    level = plane[0] - along * ahead[0] - np.array([along[1], -along[0]]) * sides[0]
+    return np.array([level + along * end for end in ends])
+
+
+def _corridor(node: Node, plane: Points, style: _Style) -> list[Points]:
+    """The transects along a polyline, from its left side to its right one, (k, 2) each."""
+    width = node["CorridorWidth"].number("metres")
+    spacing = style.spacing if style.spacing >= LEAST_SPACING else math.inf
+    count = max(math.ceil(width / spacing), 1) if width > 0 else 1
+    if count > MOST_TRANSECTS:
+        raise node["CorridorWidth"].wrong(f"a corridor of at most {MOST_TRANSECTS} transects")
+    offsets = [0.0] if count == 1 else [width / 2 - (n + 0.5) * spacing for n in range(count)]
+    if not (np.diff(plane, axis=0) != 0.0).any(axis=1).all():
+        raise node["polyline"].wrong("a line whose corners differ")
+    found = [_beside(plane, offset) for offset in offsets]
+    entry = node.get("EntryPoint")
+    corner = 0 if entry is None else entry.whole("0 to 3", 0, 3)
+    if corner in (1, 3):
+        found.reverse()
+    return [line[::-1] for line in found] if corner in (2, 3) else found
+
+
+def _beside(line: Points, offset: float) -> Points:
+    """A polyline at a distance to the left of another, its legs met where they cross."""
+    forth = np.diff(line, axis=0)
+    forth /= np.linalg.norm(forth, axis=1)[:, None]
+    left = np.column_stack([-forth[:, 1], forth[:, 0]])
+    corners = [line[0] + offset * left[0]]
+    for n in range(1, len(forth)):
+        turn = float(forth[n - 1, 0] * forth[n, 1] - forth[n - 1, 1] * forth[n, 0])
+        before, here = line[n - 1] + offset * left[n - 1], line[n] + offset * left[n]
+        if abs(turn) < STRAIGHT:
+            corners.append(here)
+            continue
+        reach = float((here - before)[0] * forth[n, 1] - (here - before)[1] * forth[n, 0]) / turn
+        corners.append(before + reach * forth[n - 1])
+    return np.array([*corners, line[-1] + offset * left[-1]])
+
+
+def _items(transects: list[Points], style: _Style, frame: LocalFrame) -> Iterator[Item]:
+    """Waypoints, and the camera's trigger as it is set on the way."""
+    always = style.in_turnaround and style.trigger > 0
+    for n, transect in enumerate(transects):
+        ends = [n == 0, n == len(transects) - 1]
+        first, last = (_beyond(transect, style.turnaround), _beyond(transect[::-1], style.turnaround))
+        if style.turnaround > 0:
+            yield _waypoint(first, style, frame)
+            if always and ends[0]:
+                yield _trigger(style.trigger)
+        for k, place in enumerate(transect):
+            yield _waypoint(place, style, frame)
+            if style.trigger > 0 and k == 0:
+                yield _trigger(style.trigger)
+        if style.trigger > 0 and (not always or (ends[1] and style.turnaround <= 0)):
+            yield _trigger(0.0)
+        if style.turnaround > 0:
+            yield _waypoint(last, style, frame)
+            if always and ends[1]:
+                yield _trigger(0.0)
+
+
+def _beyond(transect: Points, distance: float) -> Points:
+    """The place so far before the begin of a transect."""
+    forth = transect[1] - transect[0]
+    return np.asarray(transect[0] - distance * forth / max(float(np.linalg.norm(forth)), 1e-9))
+
+
+def _waypoint(place: Points, style: _Style, frame: LocalFrame) -> Item:
+    latitude, longitude, _ = frame.to_geodetic(np.array([[place[0], place[1], 0.0]]))
+    params = (0.0, 0.0, 0.0, math.nan)
+    return Item(Command.NAV_WAYPOINT, style.frame, params, float(latitude[0]), float(longitude[0]), style.altitude)
+
+
+def _trigger(distance: float) -> Item:
+    return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, 1.0, 0.0))

@@ -1,0 +1,112 @@
+"""Files made to stop a reader: an error in words within 5 s and 500 MB, whatever the format."""
+
+import io
+import json
+import random
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.maps.read import READERS, read_features
+from ipoa_mission.mission.files import read_mission
+from tools.fuzz.limited import run_limited
+
+LOGS = (".tlog", ".bin", ".ulg")
+MISSIONS = (".plan", ".waypoints", ".mission")
+KML = b"<kml><Placemark><Polygon>%s</Polygon></Placemark></kml>"
+
+
+def zipped(content: bytes, repeats: int) -> bytes:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive, archive.open("doc.kml", "w") as inner:
+        for _ in range(repeats):
+            inner.write(content)
+    return file.getvalue()
+
+
+def noise(begins: bytes = b"") -> bytes:
+    return begins + random.Random(1).randbytes(3_000_000)
+
+
+def nested(opening: str, times: int, closing: str = "") -> bytes:
+    return (opening * times + closing * times).encode()
+
+
+ENTITIES = "".join(f'<!ENTITY a{n + 1} "{f"&a{n};" * 10}">' for n in range(9))
+BOMBS: dict[str, tuple[str, Callable[[], bytes]]] = {
+    "a zip bomb": (".kmz", lambda: zipped(bytes(1 << 20), 200)),
+    "a bomb of well-formed XML": (".kmz", lambda: zipped(b"<kml>" + b"<a/>" * 100_000, 180)),
+    "a bomb of elements": (".kmz", lambda: zipped(b"<kml>" + b"<a/>" * 1_000_000, 10)),
+    "a billion laughs": (".kml", lambda: f'<!DOCTYPE kml [<!ENTITY a0 "ha">{ENTITIES}]><kml>&a9;</kml>'.encode()),
+    "deep folders": (".kml", lambda: b"<kml>" + nested("<Folder>", 60_000, "</Folder>") + b"</kml>"),
+    "deep brackets": (".geojson", lambda: nested("[", 1_000_000)),
+    "a deep collection": (
+        ".geojson",
+        lambda: nested('{"type":"GeometryCollection","geometries":[', 400, "]}"),
+    ),
+    "deep boundaries": (
+        ".json",
+        lambda: (
+            json.dumps(
+                {
+                    "type": "CityJSON",
+                    "version": "2.0",
+                    "metadata": {"referenceSystem": "EPSG:2056"},
+                    "vertices": [[0, 0, 0]],
+                    "CityObjects": {"b": {"type": "Building", "geometry": [{"type": "Solid", "boundaries": "deep"}]}},
+                }
+            )
+            .replace('"deep"', "[" * 300 + "]" * 300)
+            .encode()
+        ),
+    ),
+    "parents in a ring": (
+        ".json",
+        lambda: json.dumps(
+            {
+                "type": "CityJSON",
+                "version": "2.0",
+                "metadata": {"referenceSystem": "EPSG:2056"},
+                "vertices": [],
+                "CityObjects": {str(n): {"type": "Building", "parents": [str((n + 1) % 3000)]} for n in range(3000)},
+            }
+        ).encode(),
+    ),
+    "6,000 digits in a map": (".geojson", lambda: b'{"type": "Point", "coordinates": [' + b"9" * 6000 + b", 1]}"),
+    "6,000 digits in a KML": (".kml", lambda: KML % (b"<coordinates>" + b"9" * 6000 + b",1</coordinates>")),
+    "6,000 digits in a plan": (".plan", lambda: b'{"fileType": "Plan", "version": ' + b"9" * 6000 + b"}"),
+    "deep brackets in a plan": (".plan", lambda: b'{"fileType": ' + nested("[", 1_000_000)),
+    **{f"3 MB of noise, {suffix}": (suffix, noise) for suffix in (*READERS, *LOGS, *MISSIONS)},
+    "3 MB of noise in a Shapefile": (".shp", lambda: noise(b"\x00\x00\x27\x0a")),
+    "3 MB of noise in a FlatGeobuf": (".fgb", lambda: noise(b"fgb\x03fgb\x00")),
+    "3 MB of noise in a GeoPackage": (".gpkg", lambda: noise(b"SQLite format 3\x00")),
+    "3 MB of noise in a PX4 log": (".ulg", lambda: noise(b"ULog\x01\x12\x35\x01" + bytes(8))),
+    "3 MB of noise in an ArduPilot log": (".bin", lambda: noise(b"\xa3\x95\x80")),
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits are of Unix")
+@pytest.mark.parametrize("name", BOMBS)
+def test_a_bomb_is_an_error_soon(name: str, tmp_path: Path) -> None:
+    suffix, content = BOMBS[name]
+    path = tmp_path / f"bomb{suffix}"
+    path.write_bytes(content())
+    read = read_features if suffix in READERS else read_flights if suffix in LOGS else read_mission
+
+    def act() -> None:
+        try:
+            read(path)
+        except MissionError as error:
+            print(f"refused: {error}"[:2000])
+            return
+        print("read")
+
+    ended = run_limited(act, 5.0)
+    assert (ended.code, ended.killed) == (0, ""), ended.err
+    assert ended.out.startswith(f"refused: {path}: "), ended.out
+    assert ended.megabytes < 500

@@ -1,0 +1,215 @@
+"""What became of other people's files, line by line of the findings about them (`findings.md` beside the samples).
+
+Each is accepted, or refused for a reason that its firmware or its format shares.
+"""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.commands import Command
+from ipoa_mission.finding import Severity
+from ipoa_mission.items import Mission
+from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.read import read_scenario
+from ipoa_mission.timing.estimate import estimate
+from tests.cli.conftest import Run
+
+MAVSDK = "mavlink+MAVSDK/cpp/src/mavsdk/plugins/mission_raw/test_plans/qgroundcontrol_sample"
+QGC = "DonLakeFlyer+qgroundcontrol/test"
+PX4_TESTS = "giahuy-ftel+PX4-Autopilot-v1.17.0/test/mavsdk_tests"
+
+
+def errors(mission: Mission) -> list[str]:
+    return [finding.message for finding in check_mission(mission) if finding.severity is Severity.ERROR]
+
+
+def scenario(folder: Path, home: tuple[float, float], goal: tuple[float, float], tail: str) -> Scenario:
+    text = f"home = {{ latitude_deg = {home[0]}, longitude_deg = {home[1]} }}\n"
+    text += f"start = {{ east = 0, north = 0, up = 4 }}\ngoal = {{ east = {goal[0]}, north = {goal[1]}, up = 4 }}\n"
+    (folder / "world.toml").write_text(text + tail, encoding="utf-8")
+    return read_scenario(folder / "world.toml")
+
+
+def test_a_buildings_without_height_stand_in_the_way(samples: Path, tmp_path: Path) -> None:
+    """Overture's Utrecht: 15 of 3,754 buildings have a height, and all stand."""
+    path = samples / "bertt+overture" / "buildings.geojson"
+    longitude, latitude = json.loads(path.read_text())["features"][0]["geometry"]["coordinates"][0][0]
+    tail = f"maps = [{{ kind = 'buildings', file = {json.dumps(str(path))} }}]\n[bounds]\nmargin = 20000"
+    found = scenario(tmp_path, (latitude, longitude - 0.001), (5, 0), tail)
+    assert len(found.airspace.obstacles) >= 3754
+    assert any("without a height, given 8 m" in remark for remark in found.remarks)
+
+
+def test_c_the_plans_that_climbed_obliquely_have_a_time(samples: Path) -> None:
+    mission = read_mission(samples / "skhatiri+UAV-Testing-Competition/snippets/case_studies/mission2.plan")
+    assert estimate(mission).total_s < 300
+    assert not errors(mission)
+
+
+def test_d_a_log_of_flights_by_hand_has_a_row_for_each(samples: Path, run: Run) -> None:
+    """Seven times armed; five of these it rose, none in AUTO."""
+    path = samples / "dronekit+dronekit-python/examples/flight_replay/flight.tlog"
+    log = read_flights(path)
+    assert [flight.in_mission for flight in log.flights] == [False] * 5
+    ended = run(f"compare '{path}'")
+    assert ended.code == 1
+    assert ended.out.count("not in a mission") == 5
+    assert "nothing in it was flown in ArduPilot's mission mode" in ended.err
+
+
+def test_e_px4_1_12_is_compared_by_its_own_log_alone_and_said_to_be_older(samples: Path, run: Run) -> None:
+    """42.1 s flown; the items are those of the plan that lies beside the log."""
+    folder = samples / "skhatiri+Aerialist/samples/flights"
+    held = json.loads(run(f"compare '{folder / 'mission1.ulg'}' --json").out)
+    assert held["flown_s"] == pytest.approx(42.1, abs=0.5)
+    assert "flown by PX4 1.12.3; the model is of 1.13 and later" in held["model"]
+    told, plan = read_flights(folder / "mission1.ulg").flights[0].mission, read_mission(folder / "mission1.plan")
+    assert told is not None
+    assert [item.command for item in told.items] == [item.command for item in plan.items]
+    for item, planned in zip(told.items, plan.items, strict=True):
+        assert item.latitude_deg == pytest.approx(planned.latitude_deg, abs=1e-5)
+        assert item.longitude_deg == pytest.approx(planned.longitude_deg, abs=1e-5)
+
+
+@pytest.mark.parametrize("name", ["FW_mission_1", "VTOL_mission_1"])
+def test_f_what_is_no_multicopter_has_no_time(samples: Path, run: Run, name: str) -> None:
+    folder = samples / "giahuy-ftel+PX4-Autopilot-v1.17.0/integrationtests/python_src/px4_it/mavros/missions"
+    ended = run(f"estimate '{folder / name}.plan'")
+    assert ended.code == 1
+    assert "only multicopters have a time model" in ended.err
+    assert run(f"show '{folder / name}.plan'").code == 0
+
+
+def test_g_show_prints_a_jump_without_end(samples: Path, run: Run) -> None:
+    ended = run(f"show '{samples / QGC / 'MissionManager/MissionPlanner.waypoints.txt'}' --autopilot ardupilot")
+    assert ended.code == 0
+    assert "no time: " in ended.out
+
+
+def test_h_a_name_with_a_blank_is_a_name(tmp_path: Path) -> None:
+    (tmp_path / "mein Übungsplatz.toml").write_text(
+        "home = { latitude_deg = 47, longitude_deg = 8 }\nstart = { east = 0, north = 0, up = 5 }\n"
+        "goal = { east = 9, north = 0, up = 5 }"
+    )
+    assert read_scenario(tmp_path / "mein Übungsplatz.toml").name == "mein Übungsplatz"
+
+
+#: Files that were refused without reason, the autopilot for those that do not say, and what is warned of now.
+TAKEN = [
+    ("mavlink+MAVSDK-Python/examples/example-mission.plan", None, "home has no altitude: taken as 0 m AMSL"),
+    (f"{MAVSDK}_with_digicam_control.plan", None, "home: expected a position, not latitude 0, longitude 0"),
+    (f"{MAVSDK}_with_survey_missing_items.plan", None, "2 transects are laid out as QGroundControl does"),
+    (f"{MAVSDK}_with_survey_wrong_version.plan", None, "the mission has no take-off"),
+    (f"{QGC}/MissionManager/SectionTest.plan", None, "the mission ends in the air"),
+    (f"{QGC}/MissionManager/100Waypoints.mission", None, "lies 13.4 km from home"),
+    (
+        "uci-uav-forge+uavf/tools/offlineMissions/TestArcMission.waypoints",
+        Autopilot.ARDUPILOT,
+        "home: 0, 0 stands for no place",
+    ),
+    (f"{PX4_TESTS}/vtol_mission_with_land_start.plan", None, "QGroundControl flies 15 m, everyone else params[6]"),
+]
+
+
+@pytest.mark.parametrize(("name", "autopilot", "said"), TAKEN)
+def test_what_the_firmware_takes_is_read_and_warned_of(
+    samples: Path, name: str, autopilot: Autopilot | None, said: str
+) -> None:
+    mission = read_mission(samples / name, autopilot)
+    assert mission.items
+    assert said in "\n".join(finding.message for finding in check_mission(mission))
+
+
+#: Files that are still refused, and why: the firmware, or every other reader, refuses them too.
+REFUSED = [
+    (f"{MAVSDK}_with_structured_scan.plan", 'expected the waypoints of the complex item "StructureScan"'),
+    (f"{MAVSDK}_without_mission.plan", 'expected "mission", but there is none'),
+    (f"{MAVSDK}_wrong_mission_version.plan", "mission.version: expected 2, not 7"),
+    (f"{MAVSDK}_wrong_overall_version.plan", "version: expected 1, not 42"),
+    ("nxxvaa+fence_test/mission.waypoints", "expected a polygon of 5 vertices, but it breaks off"),
+]
+
+
+@pytest.mark.parametrize(("name", "told"), REFUSED)
+def test_what_the_format_refuses_is_refused_in_words(samples: Path, run: Run, name: str, told: str) -> None:
+    ended = run(f"check '{samples / name}' --autopilot ardupilot")
+    assert ended.code == 2
+    assert told in " ".join(ended.err.split())
+    assert "Traceback" not in ended.err
+
+
+def test_a_plan_outside_its_own_fence_is_an_error(samples: Path) -> None:
+    mission = read_mission(samples / "mavlink+mavros/mavros/test/mavros_py/testdata/simple.plan")
+    assert "rally[1]: expected inside the fence, but it lies outside" in errors(mission)
+
+
+@pytest.mark.parametrize("name", ["sample_appended_multiple", "sample_log_small"])
+def test_a_log_without_a_place_on_the_earth_says_so(samples: Path, run: Run, name: str) -> None:
+    ended = run(f"compare '{samples / 'PX4+pyulog/test' / name}.ulg'")
+    assert ended.code == 2
+    assert "expected positions on the Earth, but PX4 had none" in " ".join(ended.err.split())
+
+
+def test_a_shapefile_whose_coordinates_are_none_of_its_system_says_so(samples: Path, tmp_path: Path, run: Run) -> None:
+    """Its .prj says degrees on WGS 84; its coordinates are metres."""
+    path = samples / QGC / "Utilities/Geo/polygon.shp"
+    (tmp_path / "w.toml").write_text(
+        "home = { latitude_deg = 47, longitude_deg = 8 }\nstart = { east = 0, north = 0, up = 5 }\n"
+        f"goal = {{ east = 9, north = 0, up = 5 }}\nmaps = [{{ kind = 'no_fly', file = {json.dumps(str(path))} }}]"
+    )
+    ended = run("plan w.toml")
+    assert ended.code == 2
+    assert "expected longitude and latitude in degrees, not 479820" in " ".join(ended.err.split())
+    assert "a Shapefile in its .prj" in " ".join(ended.err.split())
+
+
+def test_a_kml_of_another_place_says_where_it_is(samples: Path, tmp_path: Path, run: Run) -> None:
+    path = samples / QGC / "MissionManager/PolygonGood.kml"
+    (tmp_path / "w.toml").write_text(
+        "home = { latitude_deg = -5, longitude_deg = 8 }\nstart = { east = 0, north = 0, up = 5 }\n"
+        f"goal = {{ east = 9, north = 0, up = 5 }}\nmaps = [{{ kind = 'no_fly', file = {json.dumps(str(path))} }}]"
+    )
+    said = " ".join(run("plan w.toml").err.split())
+    assert "expected a place within 100 km of home (-5.0000, 8.0000), not round " in said
+    assert "hint: is it the map of another place?" in said
+
+
+def test_several_flight_areas_will_do(samples: Path, tmp_path: Path) -> None:
+    path = samples / "Fields2Cover+Fields2Cover/data/test_2_cell.json"
+    longitude, latitude = json.loads(path.read_text())["features"][0]["geometry"]["coordinates"][0][0][:2]
+    tail = f"maps = [{{ kind = 'flight_area', file = {json.dumps(str(path))} }}]"
+    found = scenario(tmp_path, (latitude, longitude), (1, 1), tail)
+    assert found.airspace.bounds.footprint is not None
+    assert any("an area that does not touch the one in which home is" in remark for remark in found.remarks)
+
+
+def test_b_arducopters_own_missions_pass() -> None:
+    """Where ArduPilot's sources are at ARDUPILOT_HOME: all that ArduCopter's tests fly.
+
+    One of the others has no take-off, without which it does not leave the ground; one flies in Japan, and its home is
+    in Australia.
+    """
+    home = Path(os.environ.get("ARDUPILOT_HOME", "nowhere"))
+    folder = home / "Tools" / "autotest" / "ArduCopter_Tests"
+    if not folder.is_dir():
+        pytest.skip("no sources of ArduPilot at ARDUPILOT_HOME")
+    missions = [path for path in sorted(folder.rglob("*.txt")) if path.read_text().startswith("QGC WPL")]
+    failed = {path.name: found for path in missions if (found := errors(read_mission(path, Autopilot.ARDUPILOT)))}
+    assert len(missions) > 25
+    assert failed.keys() == {"terrain_wp.txt", "copter_terrain_mission.txt"}, failed
+    assert "expected the take-off first" in failed["terrain_wp.txt"][0]
+    assert "within 100 km of home, not 8010 km" in failed["copter_terrain_mission.txt"][0]
+
+
+def test_the_take_offs_of_px4_are_where_they_are(samples: Path) -> None:
+    folder = samples / "giahuy-ftel+PX4-Autopilot-v1.17.0/integrationtests/python_src/px4_it/mavros/missions"
+    mission = read_mission(folder / "MC_mission_box.plan")
+    assert mission.items[0].command == Command.NAV_TAKEOFF
+    assert not errors(mission)

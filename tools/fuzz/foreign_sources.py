@@ -1,0 +1,161 @@
+"""Good maps and logs to be spoiled, and what becomes of a spoiled one."""
+
+import io
+import json
+import zipfile
+from pathlib import Path
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.maps.areas import find_zones
+from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_buildings
+from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.read import READERS, read_features
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.terrain import Flat
+from tools import REPOSITORY
+
+FRAME = LocalFrame(Geodetic(47.0, 8.0, 500.0))
+TIME = 1.8e9  # of a flight [s since 1970]
+RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.001], [8.0, 47.0]]
+POLYGON = {"type": "Polygon", "coordinates": [RING]}
+TIMES = [
+    {
+        "startDateTime": "2026-01-01T00:00:00Z",
+        "endDateTime": "2027-01-01T00:00:00Z",
+        "schedule": [{"day": ["MON", "ANY"], "startTime": "08:00:00+01:00", "endTime": "17:00:00Z"}],
+    }
+]
+ED318 = {"identifier": "LS1", "restriction": "PROHIBITED", "limitedApplicability": TIMES}
+GEOJSON = {
+    "type": "FeatureCollection",
+    "crs": {"type": "name", "properties": {"name": "EPSG:4326"}},
+    "features": [
+        {"type": "Feature", "properties": {"building": "yes", "height": "12 m"}, "geometry": POLYGON},
+        {"type": "Feature", "properties": {"height": None, "num_floors": 3}, "geometry": POLYGON},
+        {
+            "type": "Feature",
+            "properties": ED318,
+            "geometry": {
+                "type": "Point",
+                "coordinates": [8.0, 47.0],
+                "extent": {"subType": "Circle", "radius": 50},
+                "layer": {"lower": 0, "lowerReference": "AGL", "upper": 120, "upperReference": "AMSL", "uom": "FT"},
+            },
+        },
+    ],
+}
+ED269 = {
+    "title": "zones",
+    "features": [
+        {
+            "identifier": "LS1",
+            "restriction": "PROHIBITED",
+            "applicability": [{"permanent": "NO", **TIMES[0]}],
+            "geometry": [
+                {
+                    "uomDimensions": "M",
+                    "lowerLimit": 0,
+                    "lowerVerticalReference": "AGL",
+                    "upperLimit": 120,
+                    "upperVerticalReference": "AGL",
+                    "horizontalProjection": {"type": "Circle", "center": [8.0, 47.0], "radius": 50},
+                }
+            ],
+        }
+    ],
+}
+CITYJSON = {
+    "type": "CityJSON",
+    "version": "2.0",
+    "metadata": {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/2056"},
+    "transform": {"scale": [0.001, 0.001, 0.001], "translate": [2642000.0, 1205000.0, 500.0]},
+    "vertices": [[x, y, z] for z in (0, 9000) for x, y in ((0, 0), (20000, 0), (20000, 20000), (0, 20000))],
+    "CityObjects": {
+        "b": {"type": "Building", "children": ["p"], "attributes": {"name": "hall", "measuredHeight": 9}},
+        "p": {
+            "type": "BuildingPart",
+            "parents": ["b"],
+            "geometry": [{"type": "Solid", "lod": "1", "boundaries": [[[[0, 1, 2, 3]], [[4, 5, 6, 7]]]]}],
+        },
+        "t": {"type": "TINRelief", "geometry": [{"type": "CompositeSurface", "boundaries": [[[0, 1, 2]]]}]},
+    },
+}
+KML = (
+    "<kml><Document><Folder><Placemark><name>hall</name><Polygon><extrude>1</extrude>"
+    "<altitudeMode>relativeToGround</altitudeMode><outerBoundaryIs><LinearRing><coordinates>"
+    + " ".join(f"{x},{y},12" for x, y in RING)
+    + "</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark><Placemark><LineString><coordinates>"
+    "8,47 8.001,47.001</coordinates></LineString></Placemark></Folder></Document></kml>"
+).encode()
+STYLE = {
+    "CameraCalc": {
+        "AdjustedFootprintFrontal": 20,
+        "AdjustedFootprintSide": 30,
+        "DistanceToSurface": 50,
+        "DistanceMode": 1,
+    },
+    "TurnAroundDistance": 10,
+    "CameraTriggerInTurnAround": True,
+    "FollowTerrain": False,
+}
+SCANS = [
+    {"complexItemType": "survey", "angle": 30, "entryLocation": 1, "polygon": [[y, x] for x, y in RING]},
+    {"complexItemType": "CorridorScan", "CorridorWidth": 60, "EntryPoint": 2, "polyline": [[47, 8], [47.001, 8.002]]},
+]
+SCAN_PLAN = {
+    "fileType": "Plan",
+    "version": 1,
+    "mission": {
+        "version": 2,
+        "firmwareType": 12,
+        "plannedHomePosition": [47.0, 8.0, 500.0],
+        "items": [{"type": "ComplexItem", "TransectStyleComplexItem": STYLE, **scan} for scan in SCANS],
+    },
+}
+
+
+def sources() -> list[tuple[str, bytes]]:
+    """Suffix and contents of a good file of each kind."""
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as kmz:
+        kmz.writestr("doc.kml", KML)
+    documents = [(".geojson", GEOJSON), (".json", ED269), (".json", CITYJSON), (".plan", SCAN_PLAN)]
+    texts = [(suffix, json.dumps(document).encode()) for suffix, document in documents]
+    logs = [(path.suffix, path.read_bytes()) for path in sorted((REPOSITORY / "tests" / "logs").glob("sitl-*"))]
+    return [*texts, *texts, (".kml", KML), (".kmz", archive.getvalue()), *logs]
+
+
+def probe_foreign(path: Path) -> str:
+    """What became of one map or log: `refused` or `read`.
+
+    Raises:
+        AssertionError: a refusal does not begin with the file.
+    """
+    try:
+        if path.suffix not in READERS:
+            for flight in read_flights(path).flights:
+                flight.record(flight.mission)
+            return "read"
+        features = read_features(path)
+    except BadInput as error:
+        if not str(error).startswith(f"{path}: "):
+            raise AssertionError(f"does not begin with the file: {error}") from error
+        return "refused"
+    except MissionError:
+        return "refused"
+    for use in (_as_buildings, _as_zones):
+        try:
+            use(path, features)
+        except BadInput as error:
+            if not str(error).startswith(f"{path}: "):
+                raise AssertionError(f"does not begin with the file: {error}") from error
+    return "read"
+
+
+def _as_buildings(path: Path, features: tuple[Feature, ...]) -> None:
+    raise_buildings(find_buildings(features, BuildingRules(), FRAME, path).standing, Flat(0.0).height)
+
+
+def _as_zones(path: Path, features: tuple[Feature, ...]) -> None:
+    find_zones(features, FRAME, path, time=TIME)

@@ -1,0 +1,83 @@
+"""Runs a function in a process of its own, with a limit of its processor time and of its memory."""
+
+import contextlib
+import os
+import resource
+import signal
+import sys
+import tempfile
+import threading
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+ADDRESSES = 4 << 30  # bytes that a process may ask for; what it really uses is counted apart
+WAITS = 10  # times the processor time that a run may take by the clock
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a run ended: its exit code, what it said, and what it took [s of the processor, MB].
+
+    `killed` says by which limit, if by any.
+    """
+
+    code: int
+    out: str
+    err: str
+    seconds: float
+    megabytes: float
+    killed: str = ""
+
+
+def run_limited(act: Callable[[], None], seconds: float) -> Ended:
+    """Call `act` in a copy of this process, its standard streams kept, for so long [s of the processor] at most.
+
+    The copy has all that is imported by now, so that a run costs no more than itself.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        out, err = Path(folder) / "out", Path(folder) / "err"
+        sys.stdout.flush()
+        sys.stderr.flush()
+        child = os.fork()
+        if child == 0:
+            os._exit(_inside(act, seconds, out, err))
+        watch = threading.Timer(seconds * WAITS, _kill, [child])
+        watch.start()
+        _, status, used = os.wait4(child, 0)
+        watch.cancel()
+        code = os.waitstatus_to_exitcode(status)
+        took = used.ru_utime + used.ru_stime
+        killed = "" if code >= 0 else f"took more than {seconds:g} s" if took > seconds * 0.9 else _signal(-code)
+        said, mistakes = (path.read_text(encoding="utf-8", errors="replace") for path in (out, err))
+        return Ended(code, said, mistakes, took, used.ru_maxrss / 1024, killed)
+
+
+def _inside(act: Callable[[], None], seconds: float, out: Path, err: Path) -> int:
+    for path, stream in ((out, 1), (err, 2)):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT), stream)
+    sys.stdout, sys.stderr = (open(stream, "w", closefd=False, errors="replace") for stream in (1, 2))  # noqa: SIM115
+    resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
+    resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
+    signal.signal(signal.SIGXCPU, signal.SIG_DFL)
+    try:
+        act()
+        code = 0
+    except SystemExit as ending:
+        code = ending.code if isinstance(ending.code, int) else int(ending.code is not None)
+    except BaseException:
+        traceback.print_exc()
+        code = 70
+    sys.stdout.flush()
+    sys.stderr.flush()
+    return code
+
+
+def _kill(child: int) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(child, signal.SIGKILL)
+
+
+def _signal(number: int) -> str:
+    return f"ended by {signal.Signals(number).name}"
