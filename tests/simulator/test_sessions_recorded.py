@@ -30,6 +30,7 @@ from ipoa_mission.link.messages import (
     Reached,
     Text,
 )
+from ipoa_mission.link.orders import SET_MESSAGE_INTERVAL
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import meet
@@ -82,10 +83,16 @@ class Playback:
     def __init__(self, recorded: list[Said]) -> None:
         self._ahead: list[Said] = []
         asked: Message | None = None
+        acknowledged: set[Message] = set()
         for one in recorded:
-            if not one.by_client or one.message != asked:  # a repeated question is not waited for
-                self._ahead.append(one)
-            asked = one.message if one.by_client else asked
+            if one.by_client and one.message != asked:
+                asked = one.message
+                acknowledged.clear()
+            elif one.by_client or one.message in acknowledged:
+                continue  # a repeated question is not waited for; that for a stream was asked up to three times then
+            elif isinstance(one.message, CommandAck) and one.message.command == SET_MESSAGE_INTERVAL:
+                acknowledged.add(one.message)
+            self._ahead.append(one)
         self._codec = Codec(250, 1)
         self._clock = 0.0, 0.0  # a moment of the channel, and the recorded one
         self._outbox: list[bytes] = []
