@@ -29,7 +29,7 @@ from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.wind import CALM, Wind
 
-DOUBT, DOUBT_SHARE = 0.15, 0.0075  # half the width of the interval: seconds, and share of the time
+DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half the width of the interval: seconds, and share of the time
 
 #: Of these only the flight to their place is modeled.
 ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})

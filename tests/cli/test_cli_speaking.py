@@ -173,7 +173,7 @@ def test_ctrl_c_while_planning_leaves_nothing_behind(run: Run, missions: Path, m
         raise KeyboardInterrupt
 
     monkeypatch.setattr(planner, "search", interrupted, raising=False)
-    monkeypatch.setattr("ipoa_mission.flight.flight.plan_path", interrupted)
+    monkeypatch.setattr("ipoa_mission.routing.seek.plan_path", interrupted)
     ended = run(f"plan {missions}/sitl.toml --out out")
     assert (ended.code, ended.out) == (130, "")
     assert ended.err == "error: stopped: nothing was written\n"

@@ -188,8 +188,8 @@ def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> No
     scenario = world()
     px4, ardupilot = (flight(scenario, (100.0, 40.0, 20.0), autopilot=autopilot) for autopilot in (PX4, ARDUPILOT))
     (hint,) = [f.hint for f in check_mission(px4, scenario) if f.hint]
-    assert hint.startswith("RTL_RETURN_ALT and RTL_DESCEND_ALT = 35 make it clear, ")
-    higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 35.0, RTL_DESCEND_ALT = 35.0"})
+    assert hint.startswith("RTL_RETURN_ALT and RTL_DESCEND_ALT = 40 make it clear, ")
+    higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 40.0, RTL_DESCEND_ALT = 40.0"})
     assert not any("the way home" in words for words in said(px4, higher))
     other = world(**{"px4": "ardupilot", "RTL_RETURN_ALT = 25.0": "RTL_ALT = 1500"})
     (hint,) = [f.hint for f in check_mission(ardupilot, other) if f.hint]

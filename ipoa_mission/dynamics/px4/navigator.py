@@ -38,7 +38,7 @@ def take_off(top: Enu, limits: Px4Limits) -> Order:
 
 def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
     """The order to fly to a waypoint; `beyond` counts where it does not ask to stay."""
-    holds = max(item.params[0], 0.0) if item.command in HOLDING else 0.0
+    holds = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # no number: no hold
     own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
     return leg(start, goal, None if holds > 0 else beyond, limits, cruise)._replace(
         radius=item.params[1] if own else limits.radius,
