@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 
-from ipoa_mission.checks.finding import Finding, error, warning
+from ipoa_mission.checks.finding import Finding, Severity, error, warning
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.measured import not_measured
 from ipoa_mission.tube.promise import Kept, Promise, promise_of
 
 NEAR = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above the ground", "bounds": "inside {}"}
@@ -26,6 +27,8 @@ def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | Non
     """
     if promise is None or promise.confidence is None:
         return
+    if why := not_measured(mission.autopilot, scenario.wind.speed):
+        yield Finding(Severity.WARNING, None, why)
     for kept in promise.broken:
         item = mission.items[kept.item - 1]
         touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius

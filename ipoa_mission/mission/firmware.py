@@ -1,4 +1,4 @@
-"""From a mission to the items that go over the wire, and back, for each firmware; the tables are in `firmware_facts`.
+"""From a mission to the items that go over the wire, and back, for each firmware (tables: `autopilots.firmware`).
 
 ArduPilot's list begins with home and it flies from item 1; PX4's begins with the first thing done. That is the
 oldest trap of mission uploads (a list without home is accepted, and its take-off silently vanishes), and it is

@@ -1,6 +1,6 @@
 """The measured habits of ArduCopter 4.7 and PX4 1.17 in the mission service, one field a habit, as data.
 
-What each firmware stores and drops is in `mission.firmware_facts`; how it judges an item in `judgement`.
+What each firmware stores and drops is in `autopilots.firmware`; how it judges an item in `judgement`.
 """
 
 from collections.abc import Mapping
@@ -71,7 +71,6 @@ class Personality:
     judges_after_ack: bool
     reached_repeats: int  # how often MISSION_ITEM_REACHED is said again
     reached_slot_s: float  # an item that is done within this time of another hides it
-    rewinds_after_landing: bool  # a mission that ends in LAND stands at its first item again
     takes_orders_as_items: bool  # an item with current 2 ("go there now") or 3 ("change altitude")
     clears_all: bool  # MISSION_CLEAR_ALL of type 255, or of one that does not exist
     stored_text: Mapping[int, str]  # said when a list has been taken
@@ -147,7 +146,6 @@ ARDUCOPTER = Personality(
     judges_after_ack=False,
     reached_repeats=0,
     reached_slot_s=0.02,
-    rewinds_after_landing=True,
     takes_orders_as_items=True,
     clears_all=False,
     stored_text=MappingProxyType({MissionType.MISSION: "Flight plan received"}),
@@ -205,7 +203,6 @@ PX4 = Personality(
     judges_after_ack=True,
     reached_repeats=10,
     reached_slot_s=0.1,
-    rewinds_after_landing=False,
     takes_orders_as_items=False,
     clears_all=True,
     stored_text=MappingProxyType({}),

@@ -42,11 +42,6 @@ class Program:
         height = item.altitude - self._frame.home.altitude if frame == Frame.GLOBAL else item.altitude
         return height if math.isfinite(height) else now
 
-    def is_above_home(self, index: int) -> bool:
-        """Whether the height of item `index` is counted from home."""
-        item = self.items[index]
-        return plain_frame(item.frame) != Frame.GLOBAL and math.isfinite(item.altitude)
-
     def place(self, index: int, now: Triple) -> Triple:
         """Where item `index` is, east, north, up; what it leaves open is where the vehicle is `now`."""
         item = self.items[index]

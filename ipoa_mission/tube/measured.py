@@ -6,6 +6,7 @@ believes of its own position.
 
 from types import MappingProxyType
 
+from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.tube.law import Law
 from ipoa_mission.tube.spread import Spread
@@ -13,6 +14,8 @@ from ipoa_mission.tube.spread import Spread
 NOT_VALID = (
     "PX4 in wind, winds above 8 m/s, other airframes and parameters than the simulators', what satellites are wrong by"
 )
+
+STRONGEST = 8.0  # the strongest wind in which ArduCopter was flown [m/s]
 
 ARDUCOPTER = Law(
     level=Spread((0.0, 0.02, 0.05, 0.09, 0.24, 0.48, 0.82), (1.0, 0.5, 0.1, 0.05, 0.01, 0.002, 0.0005)),
@@ -33,6 +36,16 @@ PX4 = Law(
     not_valid=NOT_VALID,
 )
 _LAWS = MappingProxyType({Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4})
+
+
+def not_measured(autopilot: Autopilot, wind: float) -> str | None:
+    """Why nothing measured stands behind the tube in this wind [m/s], in words; None where something does."""
+    if wind == 0.0 or (autopilot is Autopilot.ARDUPILOT and wind <= STRONGEST):
+        return None
+    flown = f"flown in wind up to {STRONGEST:g} m/s" if autopilot is Autopilot.ARDUPILOT else "not flown in wind"
+    return (
+        f"{FIRMWARE[autopilot].name} was {flown}: what its flights keep in {wind:g} m/s is extrapolated, not measured"
+    )
 
 
 def law_of(autopilot: Autopilot, wind: float = 0.0) -> Law:
