@@ -50,8 +50,8 @@ def shipped() -> dict[str, Callable[..., Any]] | None:
 
 
 def file_name(cpu: str) -> str:
-    """The library for a CPU."""
-    return f"kernels-{platform.system()}-{cpu}.so"
+    """The library for a CPU; by its ending it is no module of Python."""
+    return f"kernels-{platform.system()}-{cpu}.bin"
 
 
 def sources_digest() -> str:
