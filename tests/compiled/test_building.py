@@ -61,7 +61,7 @@ def test_an_object_is_linked_to_a_library_that_loads(
     compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     llvm = pytest.importorskip("llvmlite.binding")
-    from tools.machine_code.compile import RUNTIME, linker, link
+    from tools.machine_code.compile import RUNTIME, link, linker
 
     if compiler == "zig":
         monkeypatch.setattr(shutil, "which", lambda name: None)
@@ -79,6 +79,7 @@ def test_an_object_is_linked_to_a_library_that_loads(
     library.angle.restype, library.angle.argtypes = ctypes.c_double, [ctypes.c_double]
     assert library.angle(1.0) == pytest.approx(0.7853981633974483)
     assert [path.name for path in tmp_path.iterdir()] == ["small.bin"]
-    with pytest.raises(subprocess.CalledProcessError):  # what the C library lacks, as Python's own functions
-        missing = sine + "declare void @Py_DecRef(i8*)\ndefine void @no(i8* %o) { call void @Py_DecRef(i8* %o)\n ret void }\n"
-        link(machine.emit_object(llvm.parse_assembly(missing)), tmp_path / "wrong.bin")
+    needs_python = "declare void @Py_DecRef(i8*)\ndefine void @no(i8* %o) { call void @Py_DecRef(i8* %o)\n ret void }\n"
+    missing = machine.emit_object(llvm.parse_assembly(sine + needs_python))
+    with pytest.raises(subprocess.CalledProcessError):
+        link(missing, tmp_path / "wrong.bin")
