@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.modes import MISSION_MODE, RETURN_MODES
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import Command
+from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
@@ -26,7 +26,6 @@ CONFIRMED_S = 3.0
 DISARMING = ("Disarming motors", "Disarmed")
 SOON_S = 2.0
 IN_AIR = 0.5  # above home [m]
-LAST_NAV = 95  # MAV_CMD_NAV_LAST
 
 
 @dataclass(frozen=True)

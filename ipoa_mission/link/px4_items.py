@@ -10,11 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.commands import FLOWN_TO, Command, Frame
+from ipoa_mission.commands import FLOWN_TO, TAKEOFFS, Command, Frame
 from ipoa_mission.items import Item
 from ipoa_mission.link.logged import Begun
-
-CLIMBS = {Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF}
 
 
 def items_begun(told: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
@@ -37,7 +35,7 @@ def items_begun(told: Any | None, result: Any | None) -> Iterator[tuple[float, B
 
 def _joined(before: Item, item: Item) -> Item:
     """An item out of two of its steps."""
-    if before.command in CLIMBS and item.command == Command.NAV_WAYPOINT:
+    if before.command in TAKEOFFS and item.command == Command.NAV_WAYPOINT:
         place = (item.latitude_deg, item.longitude_deg, item.altitude)
         return Item(before.command, item.frame, before.params, *place)
     return before if item.command == Command.NAV_WAYPOINT else item

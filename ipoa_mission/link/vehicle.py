@@ -16,6 +16,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.commands import LAST_NAV
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
@@ -33,7 +34,7 @@ from ipoa_mission.link.departure import (
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier, Line, converse
-from ipoa_mission.link.logbook import LAST_NAV, FlightRecord, Logbook, watch
+from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STATION_COMPONENT,

@@ -4,9 +4,8 @@ import math
 from collections.abc import Sequence
 
 from ipoa_mission.autopilots.modes import knows_mode, mode_name
-from ipoa_mission.commands import Command, Frame
+from ipoa_mission.commands import LAST_NAV, Command, Frame
 from ipoa_mission.link.codec import EVERYONE
-from ipoa_mission.link.logbook import LAST_NAV
 from ipoa_mission.link.messages import CommandResult
 from ipoa_mission.simulator.flight import FlightMode, MissionState
 from ipoa_mission.simulator.reporting import CRITICAL, INFO, WARNING, Reporting

@@ -91,8 +91,7 @@ def infeasibility(items: Sequence[Item], home: Geodetic, parameters: Parameters)
         if seq == 0 and item.command == Command.NAV_LAND:
             return Infeasible("Mission rejected: starts with landing", "starts_w_landing")
         if item.command == Command.NAV_TAKEOFF:
-            height = item.altitude - (home.altitude if item.frame in (Frame.GLOBAL, Frame.GLOBAL_INT) else 0.0)
-            if height - 1.0 < radius:
+            if item.height(home) - 1.0 < radius:
                 return Infeasible("Mission rejected: Takeoff altitude too low!", "takeoff_too_low", (radius + 1.0,))
             if has_position:
                 return Infeasible("Mission rejected: takeoff not first waypoint item", "takeoff_not_first")

@@ -1,11 +1,11 @@
 """What the built-in autopilot is and tells by itself: its state, its streams, and what it says at once."""
 
 from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.commands import LAST_NAV
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
-from ipoa_mission.link.logbook import LAST_NAV
 from ipoa_mission.link.messages import Message, MissionType
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
