@@ -21,9 +21,10 @@ from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.heights import foot_of, height_of, meters
 from ipoa_mission.maps.kinds import TOP_AMSL, Reason, are_all_buildings, as_openstreetmap, why_passed_over
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
-from ipoa_mission.maps.planar import polygons_of, rings_of, to_plane
+from ipoa_mission.maps.planar import polygons_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
+from ipoa_mission.world.polygon import rings_of
 
 LEAST = 0.1  # what stands is at least so high [m]
 Ground: TypeAlias = Callable[[NDArray[np.float64]], Vector]  # height under points (n, 2), (n,) [m]

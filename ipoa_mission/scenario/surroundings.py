@@ -15,7 +15,6 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import Zone, join_zones
 from ipoa_mission.maps.buildings import Standing, raise_buildings
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
-from ipoa_mission.maps.planar import rings_of
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import ObstacleSection
@@ -30,7 +29,7 @@ from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.obstacles import Zone as NoFly
-from ipoa_mission.world.polygon import Polygon
+from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
 BEYOND = 100.0  # what lies farther outside the bounds is left out [m]

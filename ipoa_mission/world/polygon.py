@@ -19,7 +19,17 @@ from ipoa_mission.geometry import Vector
 Ring: TypeAlias = tuple[tuple[float, float], ...]  # corners (east, north) [m], in either sense, not closed
 Plane: TypeAlias = NDArray[np.float64]  # (n, 2) east, north [m]
 FEW_EDGES = 6
+CORNERS = 4  # of the polygon round a corner that is rounded, for a quarter turn
 NARROW = 1e-8  # spans are not halved any further [m]
+
+
+def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
+    """The outer ring and the holes of a valid polygon of shapely."""
+    outer, *holes = (
+        tuple((float(east), float(north)) for east, north in shapely.get_coordinates(ring)[:-1])
+        for ring in (shape.exterior, *shape.interiors)
+    )
+    return outer, tuple(holes)
 
 
 @dataclass(frozen=True)
@@ -42,6 +52,10 @@ class Polygon:
     def shape(self) -> shapely.Polygon:
         """The same polygon as shapely knows it."""
         return shapely.Polygon(self.outer, self.holes)
+
+    def buffered(self, by: float) -> shapely.Geometry:
+        """Its shape, larger by so much [m]; less than 0: smaller, and perhaps in pieces, or nothing."""
+        return shapely.buffer(self.shape, by, quad_segs=CORNERS)
 
     @property
     def starts(self) -> Plane:

@@ -12,7 +12,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.nearest import closest_approach, foot, least, levels, straightened
 from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Column, expect_positive
 from ipoa_mission.world.obstacles.upright import Upright, upright_distance
-from ipoa_mission.world.polygon import Plane, Polygon, Ring
+from ipoa_mission.world.polygon import Plane, Polygon, Ring, rings_of
 
 TOUCHING = 1e-6  # a leg that goes through may have been tried at the walls only [m]
 
@@ -59,6 +59,11 @@ class Prism(Upright):
     def parts(self) -> tuple["Prism"]:
         """Itself."""
         return (self,)
+
+    def grown(self, aside: float, below: float, above: float) -> "Prism":
+        """Larger by so much, corners rounded."""
+        outer, holes = rings_of(self.footprint.buffered(aside))
+        return type(self)(self.name, outer, holes, self.base - below, self.top + above)
 
     def distance(self, points: Points) -> Vector:
         """Signed distance of points (n, 3), (n,)."""
