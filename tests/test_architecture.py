@@ -9,7 +9,7 @@ import ipoa_mission
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
-GROUND = {"errors", "files", "finding", "geometry", "wind"}
+GROUND = {"errors", "files", "finding", "geometry", "progress", "wind"}
 
 #: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
 MAY_IMPORT = {

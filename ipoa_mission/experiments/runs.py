@@ -25,6 +25,7 @@ from ipoa_mission.experiments.rivals import RIVALS
 from ipoa_mission.experiments.rows import Row, Trial, line_of, open_to_append, read_rows
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
+from ipoa_mission.progress import Progress, count, silent
 
 #: Where along a run its best cost is kept: shares of the evaluations it spent.
 CHECKPOINTS = np.linspace(0, 1, 26)
@@ -72,11 +73,13 @@ def measure(
     trials: Iterable[Trial],
     path: Path,
     executor: Executor,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = silent,
+    what: str = "",
 ) -> list[Row]:
     """Run what `path` does not hold yet, append it there, and return the rows of all `trials`, in their order.
 
-    `progress(done, all)` is called at the start and after each run. Whatever ends it early, what waits is cancelled.
+    `progress` is told at the start and after each run how many of `what` are done. Whatever ends it early, what waits
+    is cancelled.
 
     Raises:
         BadInput: `path` is not a file of runs, or a trial cannot be run.
@@ -84,15 +87,14 @@ def measure(
     """
     wanted = list(dict.fromkeys(trials))
     known = {row.trial: row for row in read_rows(path)}
-    tell = progress or (lambda _done, _all: None)
     if known.keys() >= set(wanted):
-        tell(len(wanted), len(wanted))
+        count(progress, len(wanted), len(wanted), what)
         return [known[trial] for trial in wanted]
     with open_to_append(path) as file:
         known = {row.trial: row for row in read_rows(path)}  # now that nobody else adds to them
         missing = [trial for trial in wanted if trial not in known]
         done = len(wanted) - len(missing)
-        tell(done, len(wanted))
+        count(progress, done, len(wanted), what)
         waiting = [executor.submit(run_trial, trial) for trial in missing]
         try:
             for future in as_completed(waiting):
@@ -101,7 +103,7 @@ def measure(
                 file.write(line_of(row))
                 file.flush()
                 done += 1
-                tell(done, len(wanted))
+                count(progress, done, len(wanted), what)
         finally:
             for future in waiting:
                 future.cancel()

@@ -19,7 +19,7 @@ from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
-from ipoa_mission.planning.search import Progress
+from ipoa_mission.progress import Progress, silent
 from ipoa_mission.report.page import Subject, page_html
 from ipoa_mission.routing.assemble import Option, assemble
 from ipoa_mission.routing.build import build_mission
@@ -106,9 +106,7 @@ class Flight:
         write_atomically(Path(path), page_html(subject, record))
 
 
-def plan_flight(
-    scenario: Scenario, seed: int = 0, wind: Wind | None = None, progress: Progress = lambda done, words: None
-) -> Flight:
+def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, progress: Progress = silent) -> Flight:
     """Plan a path, choose waypoints, prove, check and time the mission, and see that the battery lasts.
 
     `wind`, if given, goes before the scenario's own. It counts for the choice of the route, for the tube and the times.

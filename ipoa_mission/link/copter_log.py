@@ -14,13 +14,13 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.link.dataflash import read_records
 from ipoa_mission.link.logged import Begun, Fixes, Held, Log, item_begun, presence
-from ipoa_mission.link.messages import Current, Message, ParamValue, Text
+from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1
 HOME = 1  # ORGN.Type
-FLOAT, INFO = 9, 6  # MAV_PARAM_TYPE_REAL32, MAV_SEVERITY_INFO
+FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 KINDS = frozenset({"POS", "XKF1", "NKF1", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
 #: What flew, in the log's own words: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
 NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")

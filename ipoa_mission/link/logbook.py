@@ -1,7 +1,7 @@
 """What happened on a flight, by the vehicle's own clock, gathered from whatever it says."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
@@ -13,6 +13,7 @@ from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.orders import COMPONENT_ARM_DISARM
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
+from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.world.frame import Geodetic, apart
 
 #: A vehicle that says nothing for so long is lost.
@@ -102,6 +103,11 @@ class Logbook:
     def lands(self) -> bool:
         """Whether the mission brings the vehicle to the ground."""
         return bool(self._items) and brings_down(self._items[self._final].command)
+
+    @property
+    def total(self) -> int:
+        """How many items there are."""
+        return len(self._items)
 
     @property
     def done(self) -> int:
@@ -220,10 +226,10 @@ class Logbook:
         return ""
 
 
-def watch(logbook: Logbook, progress: Callable[[int], None]) -> Dialogue[FlightRecord]:
+def watch(logbook: Logbook, progress: Progress = silent) -> Dialogue[FlightRecord]:
     """Listen until the flight is over: disarmed, or, for a mission that does not land, flown.
 
-    The logbook hears the same messages first. `progress` is told how many items are done.
+    The logbook hears the same messages first. `progress` is told of items done.
 
     Raises:
         NoAnswer: the vehicle is not heard any more.
@@ -233,7 +239,7 @@ def watch(logbook: Logbook, progress: Callable[[int], None]) -> Dialogue[FlightR
     while heard is not None:
         if logbook.done != told:
             told = logbook.done
-            progress(told)
+            count(progress, told, logbook.total, "item ")
         if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
         heard = yield Pause(LOST_S)

@@ -21,7 +21,7 @@ from ipoa_mission.link import wire
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import EVERYONE, Heard, Target
-from ipoa_mission.link.conversations import MissionRefused, Progress, list_name, silent
+from ipoa_mission.link.conversations import MissionRefused, list_name
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.item_run import ItemRun
@@ -39,6 +39,7 @@ from ipoa_mission.link.upload import NO_MISSION, ReadBackDiffers, Unflyable
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate, degrees
 from ipoa_mission.mission.firmware import compare
+from ipoa_mission.progress import Progress, count, silent
 
 PRESENCE_S = 10.0
 POLL_S = 0.05
@@ -195,7 +196,7 @@ class MavsdkVehicle(Vehicle):
             difference = compare(items, self.download_items(kind), self.autopilot)
             if difference is not None:
                 raise ReadBackDiffers(kind, difference)
-            progress(len(items), len(items))
+            count(progress, len(items), len(items))
             if interrupt.take():
                 raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}")
         if self.autopilot is Autopilot.PX4 and kind == MissionType.MISSION and items:
@@ -235,7 +236,7 @@ class MavsdkVehicle(Vehicle):
         """One list as it stands on the wire."""
         read = (self._raw.download_mission, self._raw.download_geofence, self._raw.download_rallypoints)[kind]
         items = tuple(_read(item) for item in self._transfer(kind, read))
-        progress(len(items), len(items))
+        count(progress, len(items), len(items))
         return items
 
     def _transfer(self, kind: int, act: Callable[[], Any]) -> Any:

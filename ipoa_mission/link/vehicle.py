@@ -22,7 +22,6 @@ from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, Target
-from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.departure import (
     READY_S,
     Departure,
@@ -50,6 +49,7 @@ from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
+from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic
 
 T = TypeVar("T")
@@ -237,13 +237,13 @@ class Vehicle:
     def prepare(
         self,
         first: int = 0,
-        report: Callable[[str], None] = lambda words: None,
+        progress: Progress = silent,
         permit: Callable[[Geodetic], object] | None = None,
     ) -> None:
         """Bring a vehicle on the ground to where it can be armed and will begin with item `first` of `Mission.items`.
 
-        `report` is told what is waited for. `permit` is told where the vehicle stands, and raises an error if no flight
-        may begin there; left out, that is `check_start` without a scenario.
+        `progress` is told what is waited for. `permit` is told where the vehicle stands, and raises an error if no
+        flight may begin there; left out, that is `check_start` without a scenario.
 
         Raises:
             NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
@@ -254,7 +254,7 @@ class Vehicle:
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
-        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, report)
+        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, progress)
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
@@ -274,8 +274,8 @@ class Vehicle:
         with self._known_state():
             self._hold(depart(self._departure))
 
-    def watch(self, progress: Callable[[int], None] = lambda done: None) -> FlightRecord:
-        """Wait until the flight is over; `progress` is told how many items are done.
+    def watch(self, progress: Progress = silent) -> FlightRecord:
+        """Wait until the flight is over; `progress` is told of items done.
 
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.

@@ -14,8 +14,7 @@ import numpy as np
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.renamed import by_old_names
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
-from ipoa_mission.dynamics.px4.airframe import GRAVITY
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import Program
 from ipoa_mission.simulator.ardupilot_pilot import ArduPilotPilot

@@ -6,12 +6,13 @@ import random
 from ipoa_mission.autopilots.px4 import px4_limits
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
-from ipoa_mission.dynamics.px4.airframe import GRAVITY, SIH, SIH_SENSES
+from ipoa_mission.dynamics.px4.airframe import SIH, SIH_SENSES
 from ipoa_mission.dynamics.px4.body import carried
 from ipoa_mission.dynamics.px4.navigator import law, leg, stay, take_off, way_down, way_home, waypoint
 from ipoa_mission.dynamics.px4.senses import no_errors
 from ipoa_mission.dynamics.px4.state import Enu, Order
 from ipoa_mission.dynamics.px4.step import at_rest, begun, is_over, step
+from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.simulator.vehicle import Vehicle
