@@ -10,7 +10,7 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target, message_name
 from ipoa_mission.link.events import mission_event
-from ipoa_mission.link.messages import CommandResult, Message, MissionType
+from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
 from ipoa_mission.simulator.file_service import FileService
@@ -18,7 +18,6 @@ from ipoa_mission.simulator.flight import Flight, FlightMode
 from ipoa_mission.simulator.judgement import infeasibility
 from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import PERSONALITIES
-from ipoa_mission.simulator.reporting import CRITICAL
 from ipoa_mission.simulator.transfers import Transfers
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
