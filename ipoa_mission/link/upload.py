@@ -11,7 +11,6 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import (
     DOUBTFUL,
-    WARNING,
     MissionRefused,
     VehicleTexts,
     list_name,
@@ -21,7 +20,7 @@ from ipoa_mission.link.conversations import (
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
 from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
-from ipoa_mission.link.messages import Ack, Current, Message, MissionType, Request, Result
+from ipoa_mission.link.messages import WARNING, Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.mission.firmware import Difference
 from ipoa_mission.progress import Progress, count, silent
 
