@@ -26,9 +26,9 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     yield from _home(mission)
     for seq, item in enumerate(mission.items, start=1):
         if item.command in FLOWN_TO | FIRMWARE[mission.autopilot].placed.keys() and item.frame != Frame.MISSION:
-            found = list(_position(seq, item, mission))
-            yield from found
-            if not found:
+            findings = list(_position(seq, item, mission))
+            yield from findings
+            if not findings:
                 yield from _far(seq, item, mission.home)
             yield from _height(seq, item, mission)
     yield from _fence(mission)

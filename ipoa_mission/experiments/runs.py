@@ -52,18 +52,18 @@ def _run(trial: Trial) -> Row:
     rng = np.random.default_rng([*trial.problem.encode(), *trial.case.encode(), trial.dimension, trial.run])
     started = time.process_time()
     if trial.algorithm in RIVALS:
-        found = RIVALS[trial.algorithm](problem.cost, problem.box, trial.budget, rng)
+        optimum = RIVALS[trial.algorithm](problem.cost, problem.box, trial.budget, rng)
     else:
         optimizer = build_optimizer(trial.algorithm, json.loads(trial.settings))
-        found = minimize(problem.cost, problem.box, optimizer, rng, trial.budget or None)
+        optimum = minimize(problem.cost, problem.box, optimizer, rng, trial.budget or None)
     seconds = time.process_time() - started
     return Row(
         trial,
-        found.cost,
-        int(found.evaluations[-1]),
+        optimum.cost,
+        int(optimum.evaluations[-1]),
         seconds,
-        _at_checkpoints(found),
-        problem.measure(found),
+        _at_checkpoints(optimum),
+        problem.measure(optimum),
         date.today().isoformat(),
         _versions(),
     )
@@ -86,20 +86,20 @@ def measure(
         MissionError: another process is adding runs to `path`, or a library is missing.
     """
     wanted = list(dict.fromkeys(trials))
-    known = {row.trial: row for row in read_rows(path)}
-    if known.keys() >= set(wanted):
+    row_of = {row.trial: row for row in read_rows(path)}
+    if row_of.keys() >= set(wanted):
         count(progress, len(wanted), len(wanted), what)
-        return [known[trial] for trial in wanted]
+        return [row_of[trial] for trial in wanted]
     with open_to_append(path) as file:
-        known = {row.trial: row for row in read_rows(path)}  # now that nobody else adds to them
-        missing = [trial for trial in wanted if trial not in known]
+        row_of = {row.trial: row for row in read_rows(path)}  # now that nobody else adds to them
+        missing = [trial for trial in wanted if trial not in row_of]
         done = len(wanted) - len(missing)
         count(progress, done, len(wanted), what)
         waiting = [executor.submit(run_trial, trial) for trial in missing]
         try:
             for future in as_completed(waiting):
                 row = future.result()
-                known[row.trial] = row
+                row_of[row.trial] = row
                 file.write(line_of(row))
                 file.flush()
                 done += 1
@@ -107,13 +107,13 @@ def measure(
         finally:
             for future in waiting:
                 future.cancel()
-    return [known[trial] for trial in wanted]
+    return [row_of[trial] for trial in wanted]
 
 
-def _at_checkpoints(found: Optimum) -> tuple[float, ...]:
+def _at_checkpoints(optimum: Optimum) -> tuple[float, ...]:
     """The best cost known when a share of all evaluations had been spent; before the first batch, its best."""
-    spent = np.searchsorted(found.evaluations, CHECKPOINTS * found.evaluations[-1], side="right") - 1
-    return tuple(float(h) for h in found.history[np.maximum(spent, 0)])
+    spent = np.searchsorted(optimum.evaluations, CHECKPOINTS * optimum.evaluations[-1], side="right") - 1
+    return tuple(float(h) for h in optimum.history[np.maximum(spent, 0)])
 
 
 def _versions() -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Finding
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.checks.way_home import told as told_of_way_home
+from ipoa_mission.checks.way_home import climb_for_way_home
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
@@ -131,10 +131,10 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
     promise = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
     findings = refuse_errors(check_mission(mission, scenario, promise))
-    found = estimate(mission, wind=scenario.wind.air())
-    energy = flight_energy(scenario, found.track.times, found.track.points, found.track.speeds)
+    predicted = estimate(mission, wind=scenario.wind.air())
+    energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
     expect_to_come_home(scenario, energy)
-    told = (finding.message for finding in findings)
-    remarks = (*told, *told_of_way_home(mission), *scenario.remarks, *left_out(mission))
+    messages = (finding.message for finding in findings)
+    remarks = (*messages, *climb_for_way_home(mission), *scenario.remarks, *left_out(mission))
     proof = prove_mission(mission, scenario)
-    return Flight(scenario, plan, options, mission, proof, promise, findings, found, energy, remarks)
+    return Flight(scenario, plan, options, mission, proof, promise, findings, predicted, energy, remarks)

@@ -52,8 +52,8 @@ class MissionRefused(MissionError):
         self.result, self.kind, self.seq, self.words = result, kind, seq, words
         name = Result(result).name if result in set(Result) else str(result)
         where = "" if seq is None else f" at item {seq}"
-        said = f": {words}" if words else ""
-        super().__init__(f"the vehicle refused the {list_name(kind)}{where} with {name}{said}")
+        reason = f": {words}" if words else ""
+        super().__init__(f"the vehicle refused the {list_name(kind)}{where} with {name}{reason}")
 
 
 def list_name(kind: int) -> str:
@@ -74,13 +74,13 @@ class VehicleTexts:
         """Keep what it says in words, or by the number of an event."""
         match message:
             case Text(severity, text) if severity <= self.faintest:
-                said = text.rstrip("\t ")  # PX4 marks a text that an event repeats by a tab
+                words = text.rstrip("\t ")  # PX4 marks a text that an event repeats by a tab
             case Event(number, _, arguments):
-                said = words_of(number, arguments) or ""
+                words = words_of(number, arguments) or ""
             case _:
                 return
-        if said and said not in self.words:
-            self.words = [*self.words[-7:], said]
+        if words and words not in self.words:
+            self.words = [*self.words[-7:], words]
 
     def __str__(self) -> str:
         return "; ".join(self.words)

@@ -82,8 +82,10 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
     state.heard -= set(NEEDED.values())
     if not (yield from until(lambda: state.heard >= set(NEEDED.values()), STREAM_S)):
         unheard = [name for name, kind in NEEDED.items() if kind not in state.heard]
-        said = f"; it refused to send {', '.join(refused)}" if refused else ""
-        raise NotReady(f"the vehicle does not send {', '.join(unheard)}{said}", hint="without it no flight is watched")
+        refusal = f"; it refused to send {', '.join(refused)}" if refused else ""
+        raise NotReady(
+            f"the vehicle does not send {', '.join(unheard)}{refusal}", hint="without it no flight is watched"
+        )
 
 
 def unsubscribe() -> Dialogue[None]:

@@ -234,13 +234,13 @@ def watch(logbook: Logbook, progress: Progress = silent) -> Dialogue[FlightRecor
     Raises:
         NoAnswer: the vehicle is not heard any more.
     """
-    told = -1
+    done = -1
     heard = yield Pause(LOST_S)
     while heard is not None:
-        if logbook.done != told:
-            told = logbook.done
-            count(progress, told, logbook.total, "item ")
+        if logbook.done != done:
+            done = logbook.done
+            count(progress, done, logbook.total, "item ")
         if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
         heard = yield Pause(LOST_S)
-    raise NoAnswer(f"the vehicle has not been heard for {LOST_S:g} s, after item {told}")
+    raise NoAnswer(f"the vehicle has not been heard for {LOST_S:g} s, after item {done}")

@@ -76,9 +76,9 @@ def connect(url: str, system: int | None = None, log: str | Path | None = None) 
         raise LinkDown(f"{address}: cannot be opened: {result.name}")
     until = time.monotonic() + PRESENCE_S
     while time.monotonic() < until:
-        for found in instance.get_systems():
-            if found.has_autopilot() and found.is_connected() and system in (None, found.get_system_id()):
-                return MavsdkVehicle(instance, found)
+        for candidate in instance.get_systems():
+            if candidate.has_autopilot() and candidate.is_connected() and system in (None, candidate.get_system_id()):
+                return MavsdkVehicle(instance, candidate)
         time.sleep(POLL_S)
     instance.destroy()
     raise NoAnswer(f"{url}: no autopilot is heard", hint="is it running, and does it send to this address?")
@@ -115,9 +115,9 @@ class MavsdkLine:
         """See `Carrier`."""
         name, fields = wire.write(message)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}
-        said = json.dumps({key: _to_json(value) for key, value in addressed.items()}, allow_nan=False)
+        text = json.dumps({key: _to_json(value) for key, value in addressed.items()}, allow_nan=False)
         self._direct.send_message(
-            self._message(name, STATION_SYSTEM, STATION_COMPONENT, target.system, target.component, said)
+            self._message(name, STATION_SYSTEM, STATION_COMPONENT, target.system, target.component, text)
         )
 
     def receive(self, until: float) -> list[Heard]:

@@ -149,9 +149,9 @@ def _global(topics: dict[str, Any]) -> tuple[Vector, Vector, Vector, Vector]:
 
 def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
     """Times, latitude, longitude and altitude out of local positions, where they have a reference on the Earth."""
-    known = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
+    referenced = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
     columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
-    rows = np.column_stack([np.asarray(place[name], float) for name in columns])[known]
+    rows = np.column_stack([np.asarray(place[name], float) for name in columns])[referenced]
     rows = rows[np.isfinite(rows).all(axis=1)]
     latitude, longitude = _unprojected(rows[:, 1], rows[:, 2], np.radians(rows[:, 4]), np.radians(rows[:, 5]))
     return rows[:, 0] / 1e6, latitude, longitude, rows[:, 6] - rows[:, 3]

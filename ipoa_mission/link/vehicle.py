@@ -107,28 +107,28 @@ def meet(
 
     While it listens for others it pings, so that the first timers already know how slow the link is.
     """
-    found: dict[int, Found] = {}
+    autopilots: dict[int, Found] = {}
     trips: dict[int, float] = {}
     until = line.now() + PRESENCE_S
     is_met = False
     while line.now() < until:
         heard = line.receive(until)
-        found |= autopilots_in(heard)
+        autopilots |= autopilots_in(heard)
         trips |= round_trips_in(heard, line.now())
-        if not is_met and (system in found if system is not None else found):
+        if not is_met and (system in autopilots if system is not None else autopilots):
             is_met = True
             until = line.now() + OTHERS_S
             line.send(Ping(round(line.now() * 1e6), 0))
-    if system is not None and system not in found:
-        others = f"; heard: {', '.join(map(str, sorted(found)))}" if found else ""
+    if system is not None and system not in autopilots:
+        others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
-    if not found:
+    if not autopilots:
         raise NoAnswer("no autopilot is heard")
-    if system is None and len(found) > 1:
+    if system is None and len(autopilots) > 1:
         raise MissionError(
-            f"several vehicles are heard: {', '.join(map(str, sorted(found)))}", hint="choose one by its system id"
+            f"several vehicles are heard: {', '.join(map(str, sorted(autopilots)))}", hint="choose one by its system id"
         )
-    one = found[system] if system is not None else found.popitem()[1]
+    one = autopilots[system] if system is not None else autopilots.popitem()[1]
     if not anyway:
         line.expect_alone(one.system)
     return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
@@ -140,16 +140,16 @@ class Vehicle:
     def __init__(
         self,
         line: Carrier,
-        found: Found,
+        heard: Found,
         patience: Patience = SPECIFIED,
         fast: bool = True,
         round_trip_s: float | None = None,
         anyway: bool = False,
     ) -> None:
         self.line = line
-        self.system = found.system
-        self.autopilot = found.autopilot
-        self.state = VehicleState(found.autopilot, found.is_ready, found.armed)
+        self.system = heard.system
+        self.autopilot = heard.autopilot
+        self.state = VehicleState(heard.autopilot, heard.is_ready, heard.armed)
         self._fast = fast
         self._anyway = anyway
         self._capabilities: int | None = None
@@ -158,7 +158,7 @@ class Vehicle:
         if round_trip_s is not None:
             self._tempo.sample(round_trip_s)
         self._mission: Mission | None = None
-        self._logbook = Logbook((), found.autopilot)
+        self._logbook = Logbook((), heard.autopilot)
         self._until = math.inf
 
     # --- missions ---------------------------------------------------------------------------------------------------
@@ -300,8 +300,8 @@ class Vehicle:
         A parameter that goes by several names is asked for by all of them at once.
         """
         names = [(one,) if isinstance(one, str) else tuple(one) for one in wanted]
-        known = self._hold(orders.parameters(names, self.autopilot))
-        return {name: value.param_value for name, value in known.items()}
+        values = self._hold(orders.parameters(names, self.autopilot))
+        return {name: value.param_value for name, value in values.items()}
 
     def set_parameter(self, name: str, value: float) -> None:
         """Give a parameter another value, and see that the vehicle took it.
@@ -384,5 +384,5 @@ class Vehicle:
         while not self.state.booted and self.autopilot is Autopilot.ARDUPILOT:
             if self.line.now() >= until:
                 raise NoAnswer(f"the vehicle has not finished its start-up within {STARTUP_S:g} s")
-            for found in autopilots_in(self.line.receive(until)).values():
-                self.state.booted |= found.system == self.system and found.is_ready
+            for heard in autopilots_in(self.line.receive(until)).values():
+                self.state.booted |= heard.system == self.system and heard.is_ready

@@ -87,8 +87,8 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
     for feature, shape, counted in zip(features, shapes, near, strict=True):
         why = _why_passed_over(feature, rules, every) if counted else FAR
         if why is None:
-            found = mistakes.attempt(_standings, feature, shape, rules, counts) or []
-            standing += [_over_home(s, feature, frame) for s in found]
+            standings = mistakes.attempt(_standings, feature, shape, rules, counts) or []
+            standing += [_over_home(s, feature, frame) for s in standings]
         else:
             passed.append(passed_over(feature, shape, why, path))
     mistakes.tell()

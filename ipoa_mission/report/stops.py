@@ -42,7 +42,7 @@ class Stop:
 
 def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Stop, ...]:
     """Every item in the order flown, with the leg that leads to it."""
-    found, airspace, items = [], scenario.airspace, as_flown(mission).items
+    rows, airspace, items = [], scenario.airspace, as_flown(mission).items
     curves = {leg.seq: leg for leg in cruise(mission, scenario) if leg.stray > 0}
     before, flying = np.zeros(3), False
     for time in estimate.items:
@@ -53,7 +53,7 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
         curve = curves.get(time.seq)
         way = curve.points if curve is not None else before + np.array([[0.0], [1.0]]) * leg
         between = place is not None and flying and item.command in MOVING and np.linalg.norm(leg) > 0
-        found.append(
+        rows.append(
             Stop(
                 item=item,
                 time=time,
@@ -69,7 +69,7 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
         )
         if place is not None:
             before, flying = place, True
-    return tuple(found)
+    return tuple(rows)
 
 
 def _place(item: Item, mission: Mission, scenario: Scenario) -> Vector | None:

@@ -55,8 +55,8 @@ def board(
 ) -> Vehicle:
     """A connected simulated vehicle that stands at the mission's home."""
     expect_known(parameters, mission.autopilot)
-    known = mission.with_parameters(parameters).parameters
-    autopilot = Autopilot(mission.autopilot, mission.home, known, nak_at=faults.nak_at, seed=seed, wind=wind)
+    values = mission.with_parameters(parameters).parameters
+    autopilot = Autopilot(mission.autopilot, mission.home, values, nak_at=faults.nak_at, seed=seed, wind=wind)
     station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)

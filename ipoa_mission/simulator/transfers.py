@@ -307,8 +307,8 @@ class Transfers:
             self._flush_reader((client, kind), reader)
         elif self._habits.answers_requests_at_any_time:
             items = self._read_back(kind)
-            known = seq < len(items)
-            self._say(ItemAt(seq, items[seq], kind) if known else Ack(Result.INVALID_SEQUENCE, kind), client)
+            exists = seq < len(items)
+            self._say(ItemAt(seq, items[seq], kind) if exists else Ack(Result.INVALID_SEQUENCE, kind), client)
 
     def _acknowledge(self, message: Ack, client: Target) -> None:
         incoming = self._incoming.get(self._slot(message.kind))

@@ -156,13 +156,13 @@ class PredictedFlight:
         nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, NO_TUBE)}
         for check in limits_kept(path, self.scenario, rim):
             meant = nominal.get((check.limit, check.required), check)
-            place = check.found.place
+            place = check.nearest.place
             yield Kept(
                 check.limit,
                 check.required,
-                meant.found.distance,
-                check.found.distance,
-                check.found.what,
+                meant.nearest.distance,
+                check.nearest.distance,
+                check.nearest.what,
                 self._item(part, place),
                 place,
                 True,

@@ -124,7 +124,7 @@ class Polygon:
         coefficients of 1, t, t^2. Spans of the leg in which one of few edges must be nearest are solved at once,
         longer ones are halved, and those that cannot hold the greatest distance are dropped.
         """
-        found, spans = [np.array([0.0, 1.0])], [(0.0, 1.0)]
+        parameters, spans = [np.array([0.0, 1.0])], [(0.0, 1.0)]
         length, greatest = float(np.linalg.norm(b - a)), 0.0
         while spans:
             low, high = spans.pop()
@@ -136,15 +136,15 @@ class Polygon:
             wanted = bool(self.contains(spot)[0]) == inside
             if wanted and here > greatest:
                 greatest = here
-                found.append(np.array([middle]))
+                parameters.append(np.array([middle]))
             if reach < NARROW or away.min() + reach / 2 < greatest or (not wanted and reach / 2 < away.min()):
                 continue
             near = away <= away.min() + reach
             if near.sum() <= FEW_EDGES:
-                found.append(_equal(np.vstack([self._squares(a, b, near), others])))
+                parameters.append(_equal(np.vstack([self._squares(a, b, near), others])))
             else:
                 spans += [(low, middle), (middle, high)]
-        return np.concatenate(found)
+        return np.concatenate(parameters)
 
     def _squares(self, a: Vector, b: Vector, edges: NDArray[np.bool_]) -> NDArray[np.float64]:
         """Squared distances along the line to the lines and corners of some edges: coefficients of 1, t, t^2."""

@@ -77,13 +77,13 @@ class Prism(Upright):
         for level in (self.base, self.top):
             rim = np.column_stack([corners, np.full(len(corners), level)])
             candidates += [foot(a, b, rim), closest_approach(a, b, rim, np.pad(edges, ((0, 0), (0, 1))))]
-        found, where = least(self, a, b, np.concatenate(candidates))
-        if found > TOUCHING:
-            return found, where
+        distance, where = least(self, a, b, np.concatenate(candidates))
+        if distance > TOUCHING:
+            return distance, where
         height, climb = a[2] - np.array([self.base, self.top]), b[2] - a[2]
         caps = np.column_stack([height**2, 2 * height * climb, np.full(2, climb**2)])
         inner = self.footprint.balance_parameters(a[:2], b[:2], caps, inside=True)
-        return min((found, where), least(self, a, b, inner))
+        return min((distance, where), least(self, a, b, inner))
 
     def outline(self) -> tuple[Plane, ...]:
         """The footprint and its holes."""
