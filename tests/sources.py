@@ -5,11 +5,12 @@ from pathlib import Path
 
 from tools import REPOSITORY
 
-PARTS = ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE", ".gitignore", "ipoa_mission", "missions", "tools")
+PARTS = ("pyproject.toml", "README.md", "LICENSE", ".gitignore", "ipoa_mission", "missions", "tools")
 
 
 def copy_sources(there: Path) -> Path:
     """Copy all that a wheel is built from."""
+    leftovers = shutil.ignore_patterns("__pycache__", "kernels-*", "kernels.json")
     there.mkdir()
     for part in PARTS:
         source = REPOSITORY / part
