@@ -15,9 +15,7 @@ def copy_sources(there: Path) -> Path:
     for part in PARTS:
         source = REPOSITORY / part
         if source.is_dir():
-            shutil.copytree(
-                source, there / part, ignore=shutil.ignore_patterns("__pycache__", "kernels-*", "kernels.json")
-            )
+            shutil.copytree(source, there / part, ignore=leftovers)
         else:
             shutil.copy(source, there / part)
     return there
