@@ -56,11 +56,12 @@ class Native:
         if not hasattr(value, "_fields"):
             return _pack(kind, value)
         key = (k, id(value))
-        if key not in self._kept:
+        kept = self._kept.get(key)
+        if kept is None:
             if len(self._kept) >= PACKED:
                 self._kept.clear()
-            self._kept[key] = value, _pack(kind, value)
-        return self._kept[key][1]
+            kept = self._kept[key] = value, _pack(kind, value)
+        return kept[1]
 
     def _unpacked(self, kind: Type, words: Any) -> tuple[Any, Any]:
         """A returned value, and the words after it."""
