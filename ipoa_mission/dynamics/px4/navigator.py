@@ -11,16 +11,17 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.wind import Wind
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANYWHERE = 1e9  # a radius that everything is within [m]
 
 
-def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: tuple[float, float], dt: float) -> Law:
-    """What holds for a noisy flight in steps of `dt` s; `wind` blows towards east and north [m/s]."""
+def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: Wind, dt: float) -> Law:
+    """What holds for a noisy flight in steps of `dt` s."""
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
-    return Law(limits, airframe, senses, float(wind[0]), float(wind[1]), *steps, turns=True, noisy=True)
+    return Law(limits, airframe, senses, wind.east, wind.north, *steps, turns=True, noisy=True)
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
