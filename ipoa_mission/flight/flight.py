@@ -4,6 +4,7 @@ import json
 import logging
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Finding
@@ -14,13 +15,11 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.flight.summary import summarize
 from ipoa_mission.items import Mission
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.report.page import Subject, page_html
 from ipoa_mission.routing.assemble import Option, assemble
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.prove_route import prove_mission
@@ -30,6 +29,9 @@ from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.tube.promise import Promise, promise_of
 from ipoa_mission.wind import Wind
+
+if TYPE_CHECKING:
+    from ipoa_mission.link.logbook import FlightRecord
 
 log = logging.getLogger(__name__)
 
@@ -87,12 +89,14 @@ class Flight:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
         return summarize(self)
 
-    def report(self, path: str | Path, record: FlightRecord | None = None) -> None:
+    def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
         """Write the page that shows it, and how it was flown if that is known.
 
         Raises:
             BadInput: the file cannot be written.
         """
+        from ipoa_mission.report.page import Subject, page_html
+
         subject = Subject(
             self.scenario,
             self.plan,

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ipoa_mission.autopilots.parameters import expect_known
 from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Parameters
 from ipoa_mission.items import Mission
 from ipoa_mission.link.codec import Codec
@@ -34,6 +35,7 @@ def fly(
     give the same bytes. The mission is not checked: what happens to a bad one can be seen here.
 
     Raises:
+        BadInput: a parameter is none of this autopilot's.
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
     """
     with board(mission, parameters, seed, faults, log, wind) as vehicle:
@@ -52,6 +54,7 @@ def board(
     wind: Wind = CALM,
 ) -> Vehicle:
     """A connected simulated vehicle that stands at the mission's home."""
+    expect_known(parameters, mission.autopilot)
     values = mission.with_parameters(parameters).parameters
     autopilot = Autopilot(mission.autopilot, mission.home, values, nak_at=faults.nak_at, seed=seed, wind=wind)
     station = Station(autopilot)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.autopilots.parameters import expect_known
 from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Autopilot, Parameters
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
@@ -73,8 +74,7 @@ def estimate(
 ) -> Estimate:
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
-    `parameters` of the vehicle go before those that the mission carries, and these before the autopilot's defaults;
-    names that the model does not use are passed over.
+    `parameters` of the vehicle go before those that the mission carries, and these before the autopilot's defaults.
     `fast` runs the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
     mission), plain (False), or, by default, compiled only where that is ready and quicker. The result is the same.
 
@@ -87,9 +87,10 @@ def estimate(
     True
 
     Raises:
-        BadInput: the mission has no end, or a parameter has no sense.
+        BadInput: the mission has no end, or a parameter has no sense or is none of this autopilot's.
         MissionError: the vehicle does not get on, as against a wind stronger than it can fly; or it is no multicopter.
     """
+    expect_known(parameters, mission.autopilot)
     mission = mission.with_parameters(parameters)
     route, prediction = predict(mission, wind, fast)
     items = _item_times(route, prediction)
