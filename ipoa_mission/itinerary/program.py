@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, Command, Frame, plain_frame
+from ipoa_mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, WAYPOINTS, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.world.frame import LocalFrame
@@ -85,7 +85,7 @@ def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[
     `later` are the items that follow in the order in which they come up; without it, in the order of their numbers.
     """
     if autopilot is Autopilot.ARDUPILOT:
-        waypoint = items[n].command in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
+        waypoint = items[n].command in WAYPOINTS
         if not waypoint or not items[n].params[0] < 1:
             return None
     for index in range(n + 1, len(items)) if later is None else later:
