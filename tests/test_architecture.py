@@ -56,11 +56,13 @@ MAY_IMPORT = {
     "simulator": {"link", "mission", "dynamics", "itinerary", "items", "autopilots", "commands", "world"},
     "report": set(),
     "flight": set(),
+    "learn": set(),
     "experiments": set(),
 }
-_BELOW_THE_REPORT = set(MAY_IMPORT) - {"report", "flight", "experiments", "simulator", "optimize", "maps"}
+_BELOW_THE_REPORT = set(MAY_IMPORT) - {"report", "flight", "learn", "experiments", "simulator", "optimize", "maps"}
 MAY_IMPORT["report"] = _BELOW_THE_REPORT
 MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
+MAY_IMPORT["learn"] = {"link", "timing", "dynamics", "itinerary", "items", "autopilots", "commands", "world"}
 MAY_IMPORT["experiments"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
 MAY_IMPORT["cli"] = set(MAY_IMPORT)
 

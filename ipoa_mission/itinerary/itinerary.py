@@ -11,7 +11,7 @@ import numpy as np
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Item, Mission
+from ipoa_mission.items import LEVEL, Ground, Item, Mission
 from ipoa_mission.itinerary.as_flown import as_flown
 from ipoa_mission.world.frame import LocalFrame
 
@@ -37,11 +37,15 @@ class Visit:
 
 @dataclass(frozen=True)
 class Itinerary:
-    """Visits in order, and for each where it lies: east, north, up (n, 3) [m]; NaN where an item names no place."""
+    """Visits in order, and for each where it lies: east, north, up (n, 3) [m]; NaN where an item names no place.
+
+    Landings come down to the `ground`.
+    """
 
     visits: tuple[Visit, ...]
     places: Points
     over_terrain: tuple[int, ...]
+    ground: Ground = LEVEL
 
 
 def itinerary(mission: Mission) -> Itinerary:
@@ -61,7 +65,7 @@ def itinerary(mission: Mission) -> Itinerary:
         if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT) and item.has_position
     )
     visits = tuple(Visit(n + 1, mission.items[n]) for n in order)
-    return Itinerary(visits, places[list(order)] if order else places[:0], over_terrain)
+    return Itinerary(visits, places[list(order)] if order else places[:0], over_terrain, mission.ground)
 
 
 def flying_already(route: Itinerary) -> float | None:

@@ -19,14 +19,12 @@ def fly(
     that is not reached within its patience: then there are fewer times than orders.
     """
     law = laws[0]
-    state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(seeds[0], seeds[1]))
+    state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(seeds[0], seeds[1]), height <= 0.0)
     done, samples = [0.0], [0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]
     for n in range(len(orders)):
         order = orders[n]
         if order.kind == TAKE_OFF and (state.body.on_ground or state.contact.stands):
-            there = state.body.place
-            place, ready = Enu(there.east, there.north, 0.0), state.time + law.limits.spool_up
-            state = at_rest(place, ready, state.nose.yaw, state.errors)
+            state = at_rest(state.body.place, state.time + law.limits.spool_up, state.nose.yaw, state.errors, True)
         state, steps = begun(state, order), 0
         while not is_over(state, order):
             if state.reached < 0.0 and state.time - state.begun > order.patience:
