@@ -102,6 +102,12 @@ STYLE = {
 SCANS = [
     {"complexItemType": "survey", "angle": 30, "entryLocation": 1, "polygon": [[y, x] for x, y in RING]},
     {"complexItemType": "CorridorScan", "CorridorWidth": 60, "EntryPoint": 2, "polyline": [[47, 8], [47.001, 8.002]]},
+    {
+        "complexItemType": "StructureScan",
+        "CameraCalc": STYLE["CameraCalc"],
+        "polygon": [[y, x] for x, y in RING[:4]],
+        **{"EntranceAltitude": 40, "GimbalPitch": 0, "ScanBottomAlt": 10, "StartFromTop": True, "StructureHeight": 50},
+    },
 ]
 SCAN_PLAN = {
     "fileType": "Plan",
