@@ -75,7 +75,7 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     return others
 
 
-def told(mission: Mission) -> Iterator[str]:
+def climb_for_way_home(mission: Mission) -> Iterator[str]:
     """That it climbs over its last place before it returns, where it does."""
     match mission.items:
         case (*_, before, last, end) if end.command == Command.NAV_RETURN_TO_LAUNCH:

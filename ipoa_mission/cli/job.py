@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
@@ -92,6 +93,7 @@ def adapt_scenario(
     if parameters:
         changed["parameters"] = overridden(scenario.vehicle.parameters, parameters)
     if changed or vehicle:
+        expect_own(changed.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
         changes["vehicle"] = scenario.vehicle.model_copy(update=changed)
     if vehicle is not None:
         changes["vehicle"] = changes["vehicle"].learned_as(read_vehicle(vehicle, changes["vehicle"].autopilot))

@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass, replace
 
 from ipoa_mission.autopilots.learned import LearnedVehicle
+from ipoa_mission.geometry import GRAVITY
 
-GRAVITY = 9.80665  # [m/s^2]
 TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
 THINNING = 9.6e-5  # by this share the air is thinner a metre higher [1/m]
 

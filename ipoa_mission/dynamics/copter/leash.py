@@ -19,7 +19,7 @@ from ipoa_mission.dynamics.copter.scurve import Limits
 from ipoa_mission.dynamics.copter.steps import SAMPLE_STEPS, control, move, towards
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points
-from ipoa_mission.itinerary.copter_spline import Place
+from ipoa_mission.itinerary.program import Place
 
 SLOWEST_POINT = 0.5  # the point brakes down to this speed and no further [m/s]
 EAGER = 2.0  # times the acceleration of waypoints, with which the point gains and loses speed

@@ -7,8 +7,7 @@ import math
 from typing import NamedTuple
 
 from ipoa_mission.autopilots.learned import LearnedVehicle
-
-GRAVITY = 9.80665  # [m/s^2]
+from ipoa_mission.geometry import GRAVITY
 
 
 class Airframe(NamedTuple):
