@@ -46,6 +46,7 @@ PX4_DEFAULTS: Parameters = MappingProxyType(
         "NAV_MC_ALT_RAD": 0.8,
         "COM_SPOOLUP_TIME": 1.0,
         "RTL_RETURN_ALT": 30.0,
+        "RTL_DESCEND_ALT": 10.0,
         "RTL_MIN_DIST": 10.0,
         "RTL_CONE_ANG": 45.0,
         "RTL_LAND_DELAY": 0.0,
@@ -191,6 +192,7 @@ class Px4Limits(NamedTuple):
     turns_first: bool
     returning: Px4Return
     land_delay: float
+    land_delay_height: float
     disarm_delay: float
     touchdown: Px4Touchdown
     has_range_finder: bool
@@ -252,6 +254,7 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         turns_first=p["MPC_YAW_MODE"] == TURN_FIRST,
         returning=Px4Return.of(p),
         land_delay=max(p["RTL_LAND_DELAY"], 0.0),
+        land_delay_height=p["RTL_DESCEND_ALT"],
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
         touchdown=Px4Touchdown.of(p),
         has_range_finder=abs(p["SIH_DISTSNSR_OVR"]) < NO_RANGE_FINDER,

@@ -71,7 +71,10 @@ def way_home(here: Enu, limits: Px4Limits, home: Enu) -> list[Order]:
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(here, top, None, limits, cruise)] if top != here else []
     *way, down = way_down(top, home, limits, cruise, limits.disarm_delay)
-    return [*climb, *way, *stay(down.goal._replace(up=top.up), limits, limits.land_delay), down]
+    over = down.goal._replace(up=top.up)
+    low = over._replace(up=max(min(top.up, limits.land_delay_height), home.up))
+    waits = [leg(over, low, None, limits, cruise), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
+    return [*climb, *way, *waits, down]
 
 
 class Planned(NamedTuple):
