@@ -13,6 +13,7 @@ from ipoa_mission.cli import (
     comparing,
     creating,
     flying,
+    learning,
     linking,
     mocking,
     planning,
@@ -43,7 +44,7 @@ VERBS = {
         showing.show,
         showing.export,
     ),
-    "Fly": (flying.fly, mocking.mock, comparing.compare),
+    "Fly": (flying.fly, mocking.mock, comparing.compare, learning.learn),
     "The mission on a vehicle": (
         linking.scan,
         linking.upload,

@@ -9,6 +9,7 @@ from ipoa_mission.cli.options import (
     AutopilotOption,
     FileArgument,
     JsonOption,
+    LearnedOption,
     ParameterFileOption,
     ParameterOption,
     WindOption,
@@ -29,6 +30,7 @@ def check(
         typer.Option("--scenario", metavar="SCENARIO", help="Check clearance, bounds and heights against it."),
     ] = None,
     autopilot: AutopilotOption = None,
+    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
@@ -40,12 +42,13 @@ def check(
     from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.cli.reading import read_with_parameters, read_world
 
-    mission, remarks = read_with_parameters(file, autopilot)
+    mission, remarks = read_with_parameters(file, autopilot, vehicle=vehicle)
     world, promise = read_world(scenario), None
     if world is not None:
         from ipoa_mission.checks.clearance import promise_if_known
+        from ipoa_mission.tube.flown_in import flown_in
 
-        promise = promise_if_known(mission.assuming(world.vehicle.autopilot_parameters()), world)
+        promise = promise_if_known(flown_in(mission, world), world)
     findings = check_mission(mission, world, promise)
     found = {finding.message for finding in findings}
     remarks = tuple(remark for remark in remarks if remark not in found) + (() if world is None else world.remarks)
@@ -78,6 +81,7 @@ def estimate(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
@@ -93,7 +97,7 @@ def estimate(
     from ipoa_mission.timing.estimate import estimate as predict
     from ipoa_mission.wind import CALM
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
+    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
     found = predict(mission, wind=read_wind_option(wind, wind_profile) or CALM)

@@ -12,6 +12,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.options import (
     AutopilotOption,
     JsonOption,
+    LearnedOption,
     ParameterFileOption,
     ParameterOption,
     expect_mission,
@@ -58,6 +59,7 @@ def compare(
     autopilot: AutopilotOption = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
+    vehicle: LearnedOption = None,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Also draw it: .png or .svg.")
     ] = None,
@@ -72,6 +74,7 @@ def compare(
     """
     from ipoa_mission.autopilots.modeled import beyond_the_model
     from ipoa_mission.flight.flown_clearance import flown_clearance
+    from ipoa_mission.learn.vehicle_file import read_vehicle
     from ipoa_mission.link.flight_log import read_flights
     from ipoa_mission.report.compare import compare_logged
     from ipoa_mission.scenario import read_scenario
@@ -92,10 +95,11 @@ def compare(
         raise BadInput(f"--picture: expected --flight N too: {log} has {len(numbers)} flights")
     given = read_parameter_options(param, param_file)
     world = None if scenario is None else read_scenario(scenario)
+    learned = None if vehicle is None else read_vehicle(vehicle, flown.autopilot)
     rows = []
     for n in numbers:
         flight = flown.flights[n - 1]
-        held = compare_logged(flight, mission, given) if flight.in_mission else None
+        held = compare_logged(flight, mission, given, learned) if flight.in_mission else None
         record = flight.record() if held is None else held.record
         clearance = None if world is None else flown_clearance(record, world, None if held is None else held.mission)
         rows.append(_Row(n, flight, record, held, clearance))

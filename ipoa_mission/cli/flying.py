@@ -18,6 +18,7 @@ from ipoa_mission.cli.options import (
     FromOption,
     JsonOption,
     KeyOption,
+    LearnedOption,
     LossOption,
     NakOption,
     OptimizerOption,
@@ -54,6 +55,7 @@ def fly(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     report: ReportOption = False,
     as_json: JsonOption = False,
     link: VehicleOption = None,
@@ -101,7 +103,7 @@ def fly(
     expect_folder(out)
     air = read_wind_option(wind, wind_profile)
     parameters = read_parameter_options(param, param_file)
-    job = prepare(source, seed, autopilot, optimizer, parameters, air)
+    job = prepare(source, seed, autopilot, optimizer, parameters, air, vehicle)
     if nak_at is not None and nak_at >= (sent := len(to_wire(job.mission))):
         raise BadInput(f"--nak-at: expected a number from 0 to {sent - 1}, not {nak_at}: {sent} items are sent")
     make_folder(out)
@@ -121,12 +123,12 @@ def fly(
             record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=job.wind)
     else:
         begun_at(job.mission, begin - 1)
-        with no_flight_yet(), connect_to(link, system, key, backend, None, log, timeout, anyway) as vehicle:
+        with no_flight_yet(), connect_to(link, system, key, backend, None, log, timeout, anyway) as flown:
             if not states_firmware(source, autopilot):
-                job = prepare(source, autopilot=vehicle.autopilot, parameters=parameters, wind=air)
+                job = prepare(source, autopilot=flown.autopilot, parameters=parameters, wind=air, vehicle=vehicle)
             if begin != 1:
                 job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=job.wind))
-            flight = RealFlight(job, vehicle, begin - 1, anyway, set_params)
+            flight = RealFlight(job, flown, begin - 1, anyway, set_params)
             told, record = flight.fly()
     remarks = told if job.flight else tuple(dict.fromkeys((*job.remarks, *told)))
     if report and job.flight is not None:

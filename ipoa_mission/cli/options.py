@@ -107,6 +107,10 @@ WindProfileOption: TypeAlias = Annotated[
         help="How the wind grows with height: by a power law up to the gradient height, like 0.14@60.",
     ),
 ]
+LearnedOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option("--vehicle", metavar="FILE", help="A vehicle that `learn` has written: its own drag, lag and delays."),
+]
 LinkOption: TypeAlias = Annotated[
     str,
     typer.Option(

@@ -5,6 +5,7 @@ from pathlib import Path
 from ipoa_mission.cli.options import (
     AutopilotOption,
     JsonOption,
+    LearnedOption,
     OptimizerOption,
     OutOption,
     ParameterFileOption,
@@ -34,6 +35,7 @@ def plan(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     report: ReportOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -48,7 +50,7 @@ def plan(
 
     expect_folder(out)
     parameters, air = read_parameter_options(param, param_file), read_wind_option(wind, wind_profile)
-    flight = plan_it(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters), seed, air)
+    flight = plan_it(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters, vehicle), seed, air)
     files = [*flight.write(out)]
     if report:
         files.append(out / f"{flight.name}.html")

@@ -1,11 +1,13 @@
 """Mission files that a user named, and what is said of the parameters that lie beside them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission
+from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.parameter_file import beside
 
@@ -16,9 +18,14 @@ SHOWN = 6  # parameters in a note
 
 
 def read_with_parameters(
-    file: Path, autopilot: Autopilot | None = None, parameters: Mapping[str, float] | None = None
+    file: Path,
+    autopilot: Autopilot | None = None,
+    parameters: Mapping[str, float] | None = None,
+    vehicle: Path | None = None,
 ) -> tuple[Mission, tuple[str, ...]]:
     """The mission in a file, on a vehicle that has `parameters` too, and remarks for the user.
+
+    `vehicle`: the file of what was learned of it.
 
     Raises:
         BadInput: the file, or the parameters beside it, cannot be read.
@@ -29,6 +36,8 @@ def read_with_parameters(
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
         more = len(mission.parameters) - SHOWN
         remarks += (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
+    if vehicle is not None:
+        mission = replace(mission, vehicle=read_vehicle(vehicle, mission.autopilot))
     return mission.with_parameters(parameters or {}), remarks
 
 

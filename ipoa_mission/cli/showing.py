@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.options import AutopilotOption, FileArgument, JsonOption
+from ipoa_mission.cli.options import AutopilotOption, FileArgument, JsonOption, LearnedOption
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 
 ScenarioOption = Annotated[
@@ -17,6 +17,7 @@ def show(
     file: FileArgument,
     scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
+    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and when each item will be done.
@@ -30,17 +31,17 @@ def show(
     from ipoa_mission.errors import MissionError
     from ipoa_mission.exports.table import mission_table
     from ipoa_mission.timing.estimate import estimate
+    from ipoa_mission.tube.flown_in import flown_in
     from ipoa_mission.wind import CALM
 
-    mission, remarks = read_with_parameters(file, autopilot)
+    mission, remarks = read_with_parameters(file, autopilot, vehicle=vehicle)
     world = read_world(scenario)
     rows, errors = mission_table(mission, world), refusals(mission)
     done: dict[int, float] = {}
     try:
         if not errors:
             wind = CALM if world is None else world.wind.air()
-            flown = mission if world is None else mission.assuming(world.vehicle.autopilot_parameters())
-            timed = estimate(flown, wind=wind)
+            timed = estimate(mission if world is None else flown_in(mission, world), wind=wind)
             done = {item.seq: item.done_s for item in timed.items}
         total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:

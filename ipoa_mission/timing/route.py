@@ -20,6 +20,7 @@ from ipoa_mission.timing.prediction import Track
 
 FIRST = WAYPOINTS | {Command.NAV_TAKEOFF}
 PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # the flown path is taken every metre, and averaged over so many [m]
+MOST_STEPS = 10_000  # a longer path is taken in longer steps
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def _smoothed(path: Points) -> Points:
     if len(path) < 2:
         return path
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
-    stops = np.linspace(0.0, traveled[-1], max(2, math.ceil(traveled[-1] / PATH_STEP) + 1))
+    stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / PATH_STEP) + 1), MOST_STEPS))
     even = np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
     if len(even) <= SMOOTHED_STEPS:
         return even[[0, -1]]
