@@ -12,6 +12,7 @@ from ipoa_mission.cli import (
     checking,
     comparing,
     creating,
+    demonstrating,
     flying,
     learning,
     linking,
@@ -35,6 +36,7 @@ app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 
 #: The verbs as `--help` shows them.
 VERBS = {
+    "Begin here": (demonstrating.demo,),
     "Plan and look": (
         creating.new,
         planning.plan,

@@ -166,9 +166,13 @@ def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]
 
 def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
     from ipoa_mission.report.compare import flown_track
-    from ipoa_mission.report.comparison_plot import draw_comparison
-    from ipoa_mission.report.plots import write_picture
 
+    try:
+        from ipoa_mission.report.comparison_plot import draw_comparison
+        from ipoa_mission.report.plots import write_picture
+    except ImportError:
+        hint = "pip install 'ipoa-mission[pictures]'"
+        raise MissionError("--picture needs matplotlib, which is not installed", hint=hint) from None
     flown_path = flown_track(one.mission, one.record)
     points = None if flown_path is None else flown_path.points
     write_picture(draw_comparison(one.comparison, one.estimate.track.points, points, title), picture)

@@ -41,6 +41,7 @@ from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_
 from ipoa_mission.cli.vehicles import Backend, connect_to, states_firmware
 
 if TYPE_CHECKING:
+    from ipoa_mission.flight import Flight
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.timing.estimate import Estimate
 
@@ -150,7 +151,7 @@ def fly(
         tell(
             *route_in_words(job.estimate),
             f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s; "
-            f"QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
+            f"{_kept(job.flight)}QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
         )
     if record.why_not:
         if not as_json:
@@ -172,6 +173,14 @@ def flight_as_json(found: "Estimate", record: "FlightRecord") -> dict[str, Any]:
         "estimate": estimate_as_json(found),
         "messages": list(record.messages),
     }
+
+
+def _kept(flight: "Flight | None") -> str:
+    """The clearance that flights keep, for the last line; nothing where none is known."""
+    kept = None if flight is None else flight.promise.clearance
+    if flight is None or kept is None or flight.promise.confidence is None:
+        return ""
+    return f"{100 * flight.promise.confidence:g} of 100 flights keep {kept.kept:.1f} m; "
 
 
 def _legs(found: "Estimate", record: "FlightRecord") -> list[tuple[str, ...]]:
