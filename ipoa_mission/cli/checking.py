@@ -1,7 +1,6 @@
 """`check` and `estimate`: what a mission file is worth before it flies."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -11,6 +10,7 @@ from ipoa_mission.cli.options import (
     JsonOption,
     ParameterFileOption,
     ParameterOption,
+    ScenarioOption,
     WindOption,
     WindProfileOption,
     read_parameter_options,
@@ -24,11 +24,12 @@ if TYPE_CHECKING:
 
 def check(
     file: FileArgument,
-    scenario: Annotated[
-        Path | None,
-        typer.Option("--scenario", metavar="SCENARIO", help="Check clearance, bounds and heights against it."),
-    ] = None,
+    scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
+    param: ParameterOption = None,
+    param_file: ParameterFileOption = None,
+    wind: WindOption = None,
+    wind_profile: WindProfileOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
@@ -39,9 +40,13 @@ def check(
     """
     from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.cli.reading import read_with_parameters, read_world
+    from ipoa_mission.errors import BadInput
 
-    mission, remarks = read_with_parameters(file, autopilot)
-    world, promise = read_world(scenario), None
+    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
+    air = read_wind_option(wind, wind_profile)
+    if air is not None and scenario is None:
+        raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
+    world, promise = read_world(scenario, air), None
     if world is not None:
         from ipoa_mission.checks.clearance import promise_if_known
 
@@ -73,6 +78,7 @@ def check(
 
 def estimate(
     file: FileArgument,
+    scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
@@ -82,21 +88,22 @@ def estimate(
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
 
-    Time zero is armed in the mission mode on the ground.
+    Time zero: armed, in the mission mode, on the ground.
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.commands import short_name
     from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
-    from ipoa_mission.wind import CALM
 
     mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
+    world = read_world(scenario, read_wind_option(wind, wind_profile))
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
-    found = predict(mission, wind=read_wind_option(wind, wind_profile) or CALM)
+    mission, air = in_world(mission, world, read_wind_option(wind, wind_profile))
+    found = predict(mission, wind=air)
     remarks += found.remarks
     if as_json:
         tell_json(estimate_as_json(found) | {"remarks": list(remarks)})
@@ -116,8 +123,8 @@ def estimate(
         for item in found.items
     ]
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "what keeps it slow"]
-    title = f"{file.name} on {mission.autopilot}; time zero: armed, in the mission mode, on the ground"
-    tell_table(title, columns, rows, width=100)
+    title = f"{file.name} on {mission.autopilot}, from arming"
+    tell_table(title, columns, rows)
     tell(*notes(remarks))
     tell(
         *route_in_words(found),
@@ -127,13 +134,13 @@ def estimate(
 
 
 def route_in_words(found: "Estimate") -> list[str]:
-    """How the route compares with the least time on it; nothing where there is no route."""
+    """How the route compares with the lower bound of its time; nothing where there is no route."""
     route = found.route
     if not route.seconds > 0:
         return []
     return [
-        f"first place to last waypoint {route.seconds:.1f} s, {route.ratio:.2f} times the least "
-        f"({route.least:.1f} s) on that path"
+        f"first place to last waypoint {route.seconds:.1f} s, {route.ratio:.2f} times the lower bound: "
+        f"{route.least:.1f} s, all at the limits of speed and acceleration"
     ]
 
 

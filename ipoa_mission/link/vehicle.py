@@ -108,7 +108,7 @@ def meet(
     """
     found: dict[int, Found] = {}
     trips: dict[int, float] = {}
-    until = line.now() + PRESENCE_S
+    until = line.now() + min(PRESENCE_S, patience.total_s)
     is_met = False
     while line.now() < until:
         heard = line.receive(until)
@@ -270,6 +270,7 @@ class Vehicle:
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
                 disarmed again if it was still on the ground.
         """
+        self._until = math.inf
         with self._known_state():
             self._hold(depart(self._departure))
 
@@ -312,6 +313,10 @@ class Vehicle:
         self._hold(orders.set_parameter(name, value, self.autopilot))
 
     # --- the rest ---------------------------------------------------------------------------------------------------
+
+    def give_up_after(self, seconds: float) -> None:
+        """Raise TimeUp in what is under way so many seconds from now; a flight that has begun is watched to its end."""
+        self._until = self.line.now() + seconds
 
     def close(self) -> None:
         """Close the line."""
@@ -379,9 +384,9 @@ class Vehicle:
 
     def _await_ready(self) -> None:
         """An ArduPilot that is still starting up answers every COUNT with NO_SPACE."""
-        until = self.line.now() + STARTUP_S
+        until = min(self.line.now() + STARTUP_S, self._until)
         while not self.state.booted and self.autopilot is Autopilot.ARDUPILOT:
             if self.line.now() >= until:
-                raise NoAnswer(f"the vehicle has not finished its start-up within {STARTUP_S:g} s")
+                raise NoAnswer("the vehicle has not finished its start-up")
             for found in autopilots_in(self.line.receive(until)).values():
                 self.state.booted |= found.system == self.system and found.is_ready

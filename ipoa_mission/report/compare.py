@@ -19,6 +19,7 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.prediction import Track
+from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
 #: Items that fly somewhere; the route is what lies between the first and the last of them.
@@ -111,7 +112,9 @@ class ComparedFlight:
     remarks: tuple[str, ...]
 
 
-def compare_logged(flight: LoggedFlight, mission: Mission | None, parameters: Parameters) -> ComparedFlight | None:
+def compare_logged(
+    flight: LoggedFlight, mission: Mission | None, parameters: Parameters, wind: Wind = CALM
+) -> ComparedFlight | None:
     """A flight of a log against the estimate of `mission`; without one, of what the log says that was flown.
 
     `parameters` go before those of the log, and these before the mission's own. None where nothing says which mission
@@ -121,7 +124,7 @@ def compare_logged(flight: LoggedFlight, mission: Mission | None, parameters: Pa
     if flown is None:
         return None
     flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
-    found = estimate(flown)
+    found = estimate(flown, wind=wind)
     record = flight.record(flown)
     comparison = compare_flight(found, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
