@@ -169,7 +169,7 @@ class Vehicle:
 
         Raises:
             Unsafe: the check found errors, and nothing was sent.
-            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, TimeUp, Cancelled.
+            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, TimeUp, Cancelled: it is not on the vehicle.
         """
         suited = replace(mission, autopilot=self.autopilot)
         if checked:
@@ -199,7 +199,7 @@ class Vehicle:
         """The mission on the vehicle, with its fence and rally points.
 
         Raises:
-            MissionRefused, NoAnswer, TimeUp.
+            MissionRefused, NoAnswer, TimeUp: it did not come whole.
         """
         with self._in_time():
             items = self.download_items(MissionType.MISSION, progress)
@@ -247,7 +247,7 @@ class Vehicle:
         Raises:
             NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
             Contested: another vehicle has come that uses its system id.
-            CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled.
+            CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled: it is not to be armed.
         """
         mission = self._mission
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
