@@ -47,6 +47,10 @@ class Item:
             and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
         )
 
+    def height(self, home: Geodetic) -> float:
+        """Its altitude over home [m]; one over terrain is taken as one over home."""
+        return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude
+
 
 @dataclass(frozen=True)
 class FencePolygon:

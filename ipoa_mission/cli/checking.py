@@ -139,7 +139,8 @@ def route_in_words(found: "Estimate") -> list[str]:
     if not route.seconds > 0:
         return []
     return [
-        f"first place to last waypoint {route.seconds:.1f} s: {route.ratio:.2f} times the lower bound, {route.least:.1f} s",
+        f"first place to last waypoint {route.seconds:.1f} s: "
+        f"{route.ratio:.2f} times the lower bound, {route.least:.1f} s",
         "lower bound: the same path at the vehicle's limits of speed and acceleration",
     ]
 

@@ -91,9 +91,9 @@ class ParameterTable:
         own = TYPES[self._autopilot].get(name, REAL32)
         if name not in self.values or (self._autopilot is Autopilot.PX4 and kind != own):
             return
-        told = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
-        if math.isfinite(told):
-            self.values[name] = told if own == REAL32 else float(round(told))
+        number = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
+        if math.isfinite(number):
+            self.values[name] = number if own == REAL32 else float(round(number))
 
     def _named(self, name: str, names: list[str]) -> list[ParamValue]:
         if name not in self.values:

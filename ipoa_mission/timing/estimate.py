@@ -1,12 +1,11 @@
 """How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
 
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
 from ipoa_mission.autopilots.parameters import expect_known
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Autopilot, Parameters
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
 from ipoa_mission.errors import MissionError
@@ -19,7 +18,6 @@ from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.timing.route import RouteTime, route_time
 from ipoa_mission.wind import CALM, Wind
 
-NO_PARAMETERS: Parameters = MappingProxyType({})
 EARTH_RADIUS = 6_371_000.0  # [m]
 
 
