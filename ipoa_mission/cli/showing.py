@@ -91,7 +91,7 @@ def show(
     ]
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
-    columns = ["item", "command", "leg\nm", "course\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
+    columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
     tell(f"{file.name}: {len(mission.items)} items for {mission.autopilot}")
     tell_table(place, columns, cells)
     climbs = [row.climb for row in rows if row.climb is not None]

@@ -31,14 +31,14 @@ ROUTE_COLUMNS = [
     "mode",
     "waypoints",
     "takes\ns",
-    "x lower\nbound",
+    "x curve\nat limits",
     "off the\ncurve, m",
     "clear",
 ]
 #: What the columns mean, said below the first table that has them.
 ROUTE_WORDS = (
     "curve: the smooth path that was planned; the waypoints stand for it, and flights cut its corners",
-    "lower bound: the time that the curve takes at the vehicle's limits of speed and acceleration",
+    "at limits: flown along the curve itself at the vehicle's limits of speed and acceleration",
     "clear: the clearance is kept by the path that this autopilot is predicted to fly",
 )
 

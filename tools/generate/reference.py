@@ -18,7 +18,8 @@ its parameters, errors and example here; in a checkout use `help(ipoa_mission.NA
 
 def page() -> str:
     """The text of the page."""
-    return HEAD + "\n".join(f"::: {module}.{name}" for name, module in sorted(ipoa_mission._WHERE.items())) + "\n"
+    public = ((name, getattr(ipoa_mission, name)) for name in ipoa_mission.__all__)
+    return HEAD + "\n".join(f"::: {one.__module__}.{name}" for name, one in public) + "\n"
 
 
 def main() -> None:
