@@ -24,6 +24,7 @@ from ipoa_mission.cli import (
     telling,
     verbosity,
 )
+from ipoa_mission.cli.interrupting import Interrupted
 from ipoa_mission.errors import MissionError
 
 app = typer.Typer(
@@ -69,6 +70,10 @@ def main() -> None:
     except MissionError as error:
         telling.tell_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)
+    except SystemExit as ended:
+        if ended.code == Interrupted.exit_code:  # Typer ends so, without a word
+            telling.tell_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
+        raise
 
 
 if __name__ == "__main__":

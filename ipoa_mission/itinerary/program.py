@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, WAYPOINTS, Command, Frame, plain_frame
+from ipoa_mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.world.frame import LocalFrame
