@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import BadInput
 from ipoa_mission.flight import plan_flight
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.approach import approaches
@@ -173,3 +174,12 @@ def test_wind_widens_the_tube_and_chooses_the_route(scenario_of: Callable[[], Sc
     assert not_measured(Autopilot.ARDUPILOT, 8.0) is None
     assert "up to 8 m/s" in str(not_measured(Autopilot.ARDUPILOT, 9.0))
     assert plan_flight(scenario.in_wind(Wind(5.0, 270.0))).estimate.total_s == flights[1].estimate.total_s
+
+
+def test_waypoints_that_an_autopilot_does_not_fly_are_refused_before_the_tube_is_looked_at(
+    scenario_of: Callable[[], Scenario],
+) -> None:
+    scenario = scenario_of()
+    route = scenario.route.model_copy(update={"mode": "spline"})
+    with pytest.raises(BadInput, match=r"route\.mode: .*only ArduPilot flies spline waypoints"):
+        plan_flight(scenario.model_copy(update={"route": route}))
