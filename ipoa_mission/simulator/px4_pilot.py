@@ -27,7 +27,7 @@ class PX4Pilot:
 
     def __init__(self, vehicle: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
         self._vehicle, self._now, self._limits = vehicle, situation, px4_limits(parameters)
-        self._law = law(self._limits, SIH, SIH_SENSES, (vehicle.wind.east, vehicle.wind.north), STEP_S)
+        self._law = law(self._limits, SIH, SIH_SENSES, vehicle.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds))
         self._orders: list[Order] = []

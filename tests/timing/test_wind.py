@@ -5,9 +5,11 @@ import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.frame import Geodetic
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
 
 FLOWN = read_flights(Autopilot.ARDUPILOT, IN_WIND)
@@ -77,3 +79,16 @@ def test_the_built_in_autopilot_flies_in_the_same_wind() -> None:
         flown.advance(flown.time_s + 1.0)
     done = {reached.index + 1: reached.time_s for reached in flown.reached}
     assert done[flight.last] - done[flight.first] == pytest.approx(float(flight.spans.mean()), rel=0.02)
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> None:
+    """At 10 m, a sixteenth of the gradient height, an exponent of a half leaves a quarter of the speed."""
+    home, there = Geodetic(47.4, 8.5, 400.0), Geodetic(47.403, 8.5, 400.0)
+    mission = Mission(home, (takeoff(home, 10.0), change_speed(8.0), waypoint(there, 10.0), land(there)), autopilot)
+    weak, grown, strong = (
+        estimate(mission, wind=wind, fast=True).route.seconds
+        for wind in (Wind(1.5, 0.0), Wind(6.0, 0.0, 0.5, 160.0), Wind(6.0, 0.0))
+    )
+    assert grown == pytest.approx(weak, rel=0.01)
+    assert strong > 1.05 * grown
