@@ -25,9 +25,10 @@ MOST_STEPS = 10_000  # a longer path is taken in longer steps
 
 @dataclass(frozen=True)
 class RouteTime:
-    """The route takes `seconds`; no vehicle with the same limits flies the same path in less than `least` [s].
+    """The route takes `seconds`; no vehicle that keeps the same limits flies the same path in less than `least` [s].
 
-    Both are NaN where a mission has no route: no two places that are waypoints or a take-off.
+    An autopilot may break its own limits, before the wind or where an ArduCopter's spline bends down steeply; what it
+    then takes is the least. Both are NaN where a mission has no route: no two places that are waypoints or a take-off.
     """
 
     seconds: float
@@ -66,7 +67,7 @@ def route_time(
     path = _smoothed(track.points[(track.times >= begin) & (track.times <= end)])
     if len(path) < 2:
         return NO_ROUTE
-    return RouteTime(end - begin, least_time(path, limits).seconds)
+    return RouteTime(end - begin, min(least_time(path, limits).seconds, end - begin))
 
 
 def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:

@@ -22,7 +22,8 @@ def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: Wind, dt: f
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
-    return Law(limits, airframe, senses, wind.east, wind.north, *steps, turns=True, noisy=True)
+    east, north, exponent, height = map(float, (wind.east, wind.north, wind.exponent, wind.gradient_height))
+    return Law(limits, airframe, senses, east, north, exponent, height, *steps, turns=True, noisy=True)
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
