@@ -156,6 +156,8 @@ class Vehicle:
         self._tempo = Tempo(patience)
         if round_trip_s is not None:
             self._tempo.sample(round_trip_s)
+        self.overhearing: Callable[[Message], None] = lambda message: None
+        """Told everything that the vehicle says while something is done with it."""
         self._mission: Mission | None = None
         self._logbook = Logbook((), found.autopilot)
         self._until = math.inf
@@ -345,6 +347,7 @@ class Vehicle:
     def _overhear(self, message: Message) -> None:
         self._logbook.note(message)
         self.state.note(message)
+        self.overhearing(message)
 
     @contextmanager
     def _known_state(self) -> Iterator[None]:

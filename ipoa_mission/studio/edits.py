@@ -96,7 +96,8 @@ def _put(document: Any, path: Path, value: Any) -> None:
         if isinstance(step, str) and step not in here:
             here[step] = tomlkit.table()
         here = here[step]
-    here[last] = value
+    before = here.get(last) if isinstance(last, str) else here[last]
+    here[last] = float(value) if isinstance(before, float) and isinstance(value, int) else value
 
 
 def _take(document: Any, path: Path) -> None:

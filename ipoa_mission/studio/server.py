@@ -66,7 +66,7 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
                     told = Trouble(of="edit", message=f"this message makes no sense: {error.error_count()} errors")
                     window.tell(told.model_dump(mode="json"))
                     continue
-                session.handle(request, window)
+                await session.handle(request, window)
         except WebSocketDisconnect:
             pass
         finally:
