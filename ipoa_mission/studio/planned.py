@@ -18,6 +18,7 @@ from ipoa_mission.report.stops import Stop, stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map
+from ipoa_mission.studio.vocabulary import LngLat
 from ipoa_mission.timing.bound import least_time
 from ipoa_mission.timing.route import kinematics
 from ipoa_mission.tube.limits import NO_TUBE, Rim, rim_of
@@ -103,7 +104,7 @@ def _sampled(curve: Spline) -> Points:
     return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
 
 
-def _tube(points: Points, rim: Rim, scenario: Scenario) -> tuple[tuple[answers.LngLat, ...], ...]:
+def _tube(points: Points, rim: Rim, scenario: Scenario) -> tuple[tuple[LngLat, ...], ...]:
     """The outline of where flights are, from above: rings, the outer one first."""
     if rim.level <= 0.0:
         return ()

@@ -22,7 +22,8 @@ def schema() -> dict[str, Any]:
     for name, members in unions.items():
         found["$defs"][name] = {"oneOf": [{"$ref": f"#/$defs/{member.__name__}"} for member in members]}
     found["$defs"]["Document"]["properties"]["scenario"] = {"$ref": "#/$defs/Scenario"}
-    return {"title": "Messages", "type": "object", "additionalProperties": False} | _plain(found)
+    definitions: dict[str, Any] = _plain(found)
+    return {"title": "Messages", "type": "object", "additionalProperties": False} | definitions
 
 
 def _plain(node: Any) -> Any:

@@ -74,7 +74,7 @@ class Session:
         try:
             match request:
                 case Edit():
-                    self._changed(self.document.edit(request.changes, request.label))
+                    self._changed(self.document.edit(request.changes, request.label, request.seen))
                 case Rewrite():
                     self._changed(self.document.rewrite(request.text, request.seen))
                 case Drag():

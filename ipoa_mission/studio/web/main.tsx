@@ -7,6 +7,7 @@ import { render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Bar, listenToKeys } from "./bar";
 import { Bindings, Candidates, Choices, Remarks } from "./findings";
+import { Drop } from "./drop";
 import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
 import { useHands } from "./hands";
@@ -58,6 +59,7 @@ function Page() {
           <Fly now={now} />
           <Choices now={now} />
           <Limits now={now} />
+          <Drop />
           <Remarks now={now} />
           <Text now={now} />
         </aside>
