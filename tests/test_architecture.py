@@ -9,10 +9,11 @@ import ipoa_mission
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
-GROUND = {"errors", "files", "finding", "geometry", "wind"}
+GROUND = {"errors", "files", "finding", "geometry", "progress", "wind"}
 
 #: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
 MAY_IMPORT = {
+    "compiled": set(),
     "commands": set(),
     "world": set(),
     "optimize": set(),
@@ -21,11 +22,11 @@ MAY_IMPORT = {
     "maps": {"world"},
     "items": {"autopilots", "commands", "world"},
     "itinerary": {"items", "autopilots", "commands", "world"},
-    "dynamics": {"itinerary", "items", "autopilots", "commands", "world"},
+    "dynamics": {"compiled", "itinerary", "items", "autopilots", "commands", "world"},
     "timing": {"dynamics", "itinerary", "items", "autopilots", "commands", "world"},
     "mission": {"items", "autopilots", "commands", "world"},
     "scenario": {"autopilots", "world", "maps", "energy"},
-    "planning": {"scenario", "world", "optimize", "autopilots"},
+    "planning": {"compiled", "scenario", "world", "optimize", "autopilots"},
     "tube": {"planning", "scenario", "timing", "itinerary", "items", "autopilots", "commands", "world"},
     "checks": {
         "tube",

@@ -101,5 +101,7 @@ def _fences(mission: Mission) -> Iterator[dict[str, Any]]:
             corners = [[round(lat, 7), round(lon, 7)] for lat, lon in fence.vertices]
             yield {"inclusion": fence.inclusion, "polygon_geodetic": corners}
         else:
-            center = dict(zip(("latitude_deg", "longitude_deg"), (round(degrees, 7) for degrees in fence.center), strict=True))
+            center = dict(
+                zip(("latitude_deg", "longitude_deg"), (round(degrees, 7) for degrees in fence.center), strict=True)
+            )
             yield {"inclusion": fence.inclusion, "center": center, "radius": fence.radius}

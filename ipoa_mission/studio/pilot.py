@@ -104,7 +104,7 @@ def _upload(flight: Flight, vehicle: Vehicle, tell: Callable[[str], None]) -> tu
     vehicle.expect_on_ground()
     tell("checking the mission against the vehicle")
     remarks = expect_fit(flight.mission, vehicle)
-    vehicle.upload(flight.mission, lambda done, total: tell(f"item {done} of {total}"), checked=False)
+    vehicle.upload(flight.mission, lambda _, words: tell(words), checked=False)
     idle = idle_fence(vehicle, flight.mission)
     others, missing = other_values(vehicle, flight.mission.parameters)
     lacking = (f"the vehicle has no parameter {name}" for name in missing)

@@ -169,11 +169,11 @@ def _choices(flight: Flight) -> Iterator[answers.Choice]:
 
 def _limits(flight: Flight) -> Iterator[answers.Limit]:
     for check in flight.proof.checks:
-        if math.isfinite(check.found.distance):
+        if math.isfinite(check.nearest.distance):
             yield answers.Limit(
                 limit=check.limit,
                 words=check.words(),
-                found=round(float(check.found.distance), 3),
+                found=round(float(check.nearest.distance), 3),
                 required=round(float(check.required), 3),
                 unit=check.unit,
                 holds=check.holds,

@@ -22,8 +22,8 @@ def schema() -> dict[str, Any]:
     for name, members in unions.items():
         found["$defs"][name] = {"oneOf": [{"$ref": f"#/$defs/{member.__name__}"} for member in members]}
     found["$defs"]["Document"]["properties"]["scenario"] = {"$ref": "#/$defs/Scenario"}
-    definitions: dict[str, Any] = _plain(found)
-    return {"title": "Messages", "type": "object", "additionalProperties": False} | definitions
+    plain: dict[str, Any] = _plain(found)
+    return {"title": "Messages", "type": "object", "additionalProperties": False} | plain
 
 
 def _plain(node: Any) -> Any:
