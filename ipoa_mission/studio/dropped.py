@@ -70,7 +70,7 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
         raise BadInput("the mission has no two places to fly between")
     table, home = parse_table(scenario), mission.home
     there = table["home"]
-    taken = (float(there["longitude_deg"]), float(there["latitude_deg"]))  # type: ignore[index, arg-type]
+    taken = (float(there["longitude_deg"]), float(there["latitude_deg"]))
     changes: list[Change] = [
         Shift(path=("home",), taken=taken, put_down=(home.longitude_deg, home.latitude_deg)),
         Put(path=("home", "altitude_amsl"), value=round(home.altitude, 2)),

@@ -115,9 +115,10 @@ def _flown(flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | No
     """The flight from here to its end; the built-in autopilot, which knows no clock, so many times as fast as real."""
 
     def permit(there: Geodetic) -> None:
-        check_start(flight.mission, 0, there, flight.scenario)
+        for words in check_start(flight.mission, 0, there, flight.scenario):
+            answer(State(phase="preparing", words=words))
 
-    vehicle.prepare(report=lambda words: answer(State(phase="preparing", words=words)), permit=permit)
+    vehicle.prepare(progress=lambda _, words: answer(State(phase="preparing", words=words)), permit=permit)
     vehicle.overhearing = Watch(flight, vehicle, answer, speedup).hear
     vehicle.start()
     answer(State(phase="flying", words="armed and started"))

@@ -13,6 +13,7 @@ pytest.importorskip("tomlkit")
 from ipoa_mission.studio.dropped import changes_of, keep
 from ipoa_mission.studio.edits import changed
 from ipoa_mission.studio.requests import Add, Change, Put, Shift, Take
+from ipoa_mission.studio.vocabulary import Path as Path_
 from tests.studio.conftest import MEADOW
 
 MISSIONS = MEADOW.parents[2] / "missions"
@@ -55,15 +56,14 @@ def test_what_is_not_there_cannot_be_changed(change: Change) -> None:
 
 def test_what_is_moved_is_moved_as_far_as_the_hand_went() -> None:
     text, step = MEADOW.read_text(), np.array([7.57, 11.12])
-    taken, put_down = (8.5, 47.3), (8.5001, 47.3001)
-    for path in (("goal",), ("obstacles", 0), ("obstacles", 1)):
-        after = parse_scenario(changed(text, [Shift(path=path, taken=taken, put_down=put_down)]), MEADOW)
-        before = parse_scenario(text, MEADOW)
-        if path == ("goal",):
-            moved = after.goal_point[:2] - before.goal_point[:2]
-        else:
-            moved = (after.airspace.obstacles[path[1]].bounds - before.airspace.obstacles[path[1]].bounds)[0, :2]
-        assert moved == pytest.approx(step, abs=0.02)
+    paths: list[Path_] = [("goal",), ("obstacles", 0), ("obstacles", 1)]
+    shifts = [Shift(path=path, taken=(8.5, 47.3), put_down=(8.5001, 47.3001)) for path in paths]
+    before, after = parse_scenario(text, MEADOW), parse_scenario(changed(text, shifts), MEADOW)
+    moved = [after.goal_point[:2] - before.goal_point[:2]]
+    for body, same in zip(before.airspace.obstacles, after.airspace.obstacles, strict=True):
+        moved.append((same.bounds - body.bounds)[0, :2])
+    for way in moved:
+        assert way == pytest.approx(step, abs=0.02)
 
 
 @pytest.mark.parametrize("name", ["campus", "downtown", "mountains", "sitl"])

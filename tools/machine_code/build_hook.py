@@ -1,4 +1,4 @@
-"""What hatchling asks when it builds: machine code for a wheel (and the studio's page), and only what git knows for a source distribution."""
+"""What hatchling asks when it builds: machine code for a wheel, and the studio's page if that is wished."""
 
 import os
 import shutil

@@ -9,9 +9,11 @@ export function Fly({ now }: { now: Studio }) {
   const [link, setLink] = useState("udpin:127.0.0.1:14550");
   const [speedup, setSpeedup] = useState(5);
   const phase = now.flight?.phase ?? "idle";
+  const [open, setOpen] = useState(false);
+  useEffect(() => { if (phase !== "idle") setOpen(true); }, [phase]);
   const idle = phase === "idle" || phase === "over";
   return (
-    <details class="panel" open={!idle || undefined}>
+    <details class="panel" open={open} onToggle={event => setOpen(event.currentTarget.open)}>
       <summary>Fly it</summary>
       {idle && (
         <div class="fly">
