@@ -40,7 +40,7 @@ def test_a_source_distribution_holds_what_git_knows_and_nothing_else(clone: Path
         files = {member.name.partition("/")[2] for member in packed if member.isfile()}
     tracked = subprocess.run(["git", "ls-files"], cwd=clone, capture_output=True, text=True, check=True).stdout.split()
     assert files - {"PKG-INFO"} <= set(tracked)
-    assert {"hatch_build.py", "tools/machine_code/compile.py", "missions/campus.toml"} <= files
+    assert {"tools/machine_code/build_hook.py", "tools/machine_code/compile.py", "missions/campus.toml"} <= files
 
 
 def test_without_a_c_compiler_the_build_asks_for_one_that_pip_can_install(clone: Path) -> None:
