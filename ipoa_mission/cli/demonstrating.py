@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
-from ipoa_mission.cli.options import JsonOption, OutOption, SeedOption
+from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, SeedOption
 
 
-def demo(out: OutOption = Path("demo"), seed: SeedOption = 0, as_json: JsonOption = False) -> None:
+def demo(
+    out: OutOption = Path("demo"), seed: SeedOption = 0, force: ForceOption = False, as_json: JsonOption = False
+) -> None:
     """Plan a flight over a campus, write its files, upload it to the built-in autopilot, fly it, report.
 
     The files go to the folder `demo`: campus.plan for QGroundControl, campus.html for a browser. It is
@@ -16,4 +18,4 @@ def demo(out: OutOption = Path("demo"), seed: SeedOption = 0, as_json: JsonOptio
     from ipoa_mission.cli.flying import fly
     from ipoa_mission.cli.packed import NAMES, or_packed
 
-    fly(or_packed(Path(NAMES[0])), out=out, seed=seed, report=True, as_json=as_json)
+    fly(or_packed(Path(NAMES[0])), out=out, seed=seed, report=True, force=force, as_json=as_json)

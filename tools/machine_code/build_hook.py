@@ -1,4 +1,4 @@
-"""What hatchling asks when it builds: machine code for a wheel, and only what git knows for a source distribution."""
+"""What hatchling asks when it builds: machine code for a wheel, and the studio's page if that is wished."""
 
 import os
 import re
@@ -43,6 +43,9 @@ class Built(BuildHookInterface):  # type: ignore[misc]
                 shutil.copy(file, root / "ipoa_mission" / "compiled" / file.name)
             else:
                 build_data["force_include"][str(file)] = f"ipoa_mission/compiled/{file.name}"
+        if os.environ.get("IPOA_MISSION_STUDIO") == "1":  # who does not want the studio needs no npm
+            for step in (["ci", "--no-audit", "--no-fund"], ["run", "build"]):
+                subprocess.run(["npm", *step], check=True, cwd=root / "ipoa_mission" / "studio" / "web")
         build_data["pure_python"] = version == "editable"
         if version != "editable":
             system = sysconfig.get_platform().replace("-", "_").replace(".", "_")
