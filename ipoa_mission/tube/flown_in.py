@@ -1,16 +1,18 @@
 """A mission as it is flown in the world of a scenario: by its vehicle, over its ground."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ipoa_mission.items import LEVEL, Ground, Mission
-from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.places import FlatTerrain
 from ipoa_mission.timing.estimate import EARTH_RADIUS
 
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
-def flown_in(mission: Mission, scenario: Scenario) -> Mission:
+
+def flown_in(mission: Mission, scenario: "Scenario") -> Mission:
     """The mission over the scenario's ground, on a vehicle with those of its parameters that it does not name itself.
 
     What was learned of the vehicle comes with the mission, else with the scenario.
@@ -19,8 +21,10 @@ def flown_in(mission: Mission, scenario: Scenario) -> Mission:
     return replace(flown, ground=ground_of(scenario), vehicle=mission.vehicle or scenario.vehicle.learned)
 
 
-def ground_of(scenario: Scenario) -> Ground:
+def ground_of(scenario: "Scenario") -> Ground:
     """How high the ground is above home, as an autopilot counts: from where it stands, on a round Earth."""
+    from ipoa_mission.scenario.places import FlatTerrain
+
     if isinstance(scenario.terrain, FlatTerrain):
         return LEVEL
     terrain = scenario.airspace.terrain
