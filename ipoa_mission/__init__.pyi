@@ -15,8 +15,8 @@ from ipoa_mission.errors import BadInput as BadInput
 from ipoa_mission.errors import MissionError as MissionError
 from ipoa_mission.exports import write_export as write_export
 from ipoa_mission.exports.table import mission_table as mission_table
-from ipoa_mission.flight import Flight as Flight
-from ipoa_mission.flight import plan_flight as plan_flight
+from ipoa_mission.flight.flight import Flight as Flight
+from ipoa_mission.flight.flight import plan_flight as plan_flight
 from ipoa_mission.items import FenceCircle as FenceCircle
 from ipoa_mission.items import FencePolygon as FencePolygon
 from ipoa_mission.items import Item as Item

@@ -45,7 +45,7 @@ from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_
 from ipoa_mission.cli.vehicles import Backend, connect_to, states_firmware
 
 if TYPE_CHECKING:
-    from ipoa_mission.flight import Flight
+    from ipoa_mission.flight.flight import Flight
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.timing.estimate import Estimate
 

@@ -14,7 +14,7 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.reading import read_with_parameters
 from ipoa_mission.cli.telling import progress_bar
-from ipoa_mission.flight import Flight, plan_flight
+from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.items import Mission
 from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.scenario import Scenario, read_scenario

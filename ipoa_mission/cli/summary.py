@@ -1,7 +1,7 @@
 """What a planned flight is like, in a few lines for a human."""
 
 from ipoa_mission.cli.telling import tell, tell_table
-from ipoa_mission.flight import Flight
+from ipoa_mission.flight.flight import Flight
 from ipoa_mission.tube.promise import Promise
 
 

@@ -13,8 +13,8 @@ from typing import Any
 
 from ipoa_mission.checks.start import check_start
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight import Flight
 from ipoa_mission.flight.boarding import expect_fit
+from ipoa_mission.flight.flight import Flight
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.set_up import idle_fence, other_values

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.energy.flight import Consumption
-from ipoa_mission.flight import Flight
+from ipoa_mission.flight.flight import Flight
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline

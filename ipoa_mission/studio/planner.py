@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight import Flight, plan_flight
+from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.read import parse_toml, scenario_of

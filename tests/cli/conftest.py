@@ -14,7 +14,7 @@ import typer
 
 from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.cli.app import app, main
-from ipoa_mission.flight import Flight, plan_flight
+from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
 from ipoa_mission.scenario import read_scenario

@@ -9,7 +9,7 @@ import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
-from ipoa_mission.flight import plan_flight
+from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.approach import approaches
 from ipoa_mission.tube.course import Course

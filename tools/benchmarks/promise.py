@@ -15,7 +15,7 @@ from scipy.stats import binomtest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight import Flight, plan_flight
+from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario
