@@ -11,13 +11,14 @@ from typing import TypeAlias
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import FINER, guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM, polish, settle
-from ipoa_mission.planning.problem import UNSAFE, Trail, follow, pose, refine
+from ipoa_mission.planning.problem import UNSAFE, PreparedProblem, Trail, follow, pose, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.search import Progress, Searcher, optimizer_of
 from ipoa_mission.planning.spline import Spline
@@ -35,6 +36,7 @@ CLOSER = 4  # times as many let it
 KEPT = 3  # curves that are searched again
 ROUNDS = 40  # at most, of searches piece by piece
 PIECE = 10  # control points that are then varied at a time
+PILED_UP = 0.02  # as a share of the usual distance between control points
 WANTED, TRIED = 2, 6  # curves that are settled and hold, and how many are tried for that
 
 
@@ -79,11 +81,11 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
     problem, proved = searcher.problem, list[tuple[Trail, Proof]]()
     for coarsest in range(len(FINER) - 1):
         for trail in _improve(_find_passages(searcher, coarsest, progress), searcher, progress)[:TRIED]:
-            proved.append(settle(trail, problem))
+            proved.append(_settle(trail, problem))
             if sum(proof.holds for _, proof in proved) == WANTED:
                 break
         if safe := [trail for trail, proof in proved if proof.holds]:
-            proved.append(settle(_finer(min(safe, key=problem.cost)), problem, enough=1e-8))
+            proved.append(_settle(_finer(min(safe, key=problem.cost)), problem, enough=1e-8))
             break
         if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why
@@ -128,6 +130,22 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
         found.append((problem.cost(better), better))
         found.sort(key=lambda pair: pair[0])
     return [trail for _, trail in found]
+
+
+def _settle(trail: Trail, problem: PreparedProblem, enough: float = 1e-7) -> tuple[Trail, Proof]:
+    """The curve settled; where its control points piled up, the cheaper of it and one that has them evenly apart.
+
+    Where they pile up a curve may turn a full circle within millimeters.
+    """
+    settled, proof = settle(trail, problem, enough)
+    control, task = settled.curve.control, problem.task
+    apart = leg_lengths(control)
+    if apart.min() > PILED_UP * np.median(apart):
+        return settled, proof
+    even = follow(settled.curve.sample(4 * len(control)), len(control) - 2, task)
+    even, even_proof = settle(even, problem, enough)
+    cheaper = curve_cost(even.curve, task).total < curve_cost(settled.curve, task).total
+    return (even, even_proof) if even_proof.holds and (cheaper or not proof.holds) else (settled, proof)
 
 
 def _finer(trail: Trail) -> Trail:
