@@ -11,8 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.geometry import leg_lengths
-from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.cost import curve_cost, even_cost
 from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
@@ -123,19 +122,15 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
 
 
 def _settle(trail: Trail, searcher: Searcher, enough: float = 1e-7) -> tuple[Trail, Proof]:
-    """The curve settled; where its control points piled up, the cheaper of it and one that has them evenly apart.
-
-    Where they pile up a curve may turn a full circle within millimeters.
-    """
+    """The curve settled; if control points that piled up hide a loop of it, once more with them evenly apart."""
     problem, task = searcher.problem, searcher.problem.task
     settled, proof = settle(trail, problem, enough)
-    control = settled.curve.control
-    apart = leg_lengths(control)
-    if apart.min() > searcher.strategy.piled_up * np.median(apart):
+    cost = curve_cost(settled.curve, task).total
+    if cost <= searcher.strategy.hidden_loop * even_cost(settled.curve, task).total:
         return settled, proof
-    even = follow(settled.curve.sample(4 * len(control)), len(control) - 2, task)
-    even, even_proof = settle(even, problem, enough)
-    cheaper = curve_cost(even.curve, task).total < curve_cost(settled.curve, task).total
+    count = len(settled.curve.control)
+    even, even_proof = settle(follow(settled.curve.sample(4 * count), count - 2, task), problem, enough)
+    cheaper = curve_cost(even.curve, task).total < cost
     return (even, even_proof) if even_proof.holds and (cheaper or not proof.holds) else (settled, proof)
 
 
