@@ -22,13 +22,13 @@ from ipoa_mission.scenario.limits import Limits
 
 Matrix: TypeAlias = NDArray[np.float64]
 ALL = slice(None)
-SHORTEST = 2.0  # spans of the spline between two via points, at least
-CLOSELY = 4  # times as many nodes when curves are compared
+MIN_SPANS_BETWEEN_VIA = 2.0  # spans of the spline between two via points, at least
+COMPARING_FACTOR = 4  # times as many nodes when curves are compared
 UNSAFE = 1e6  # a curve that costs more than this breaks a limit
-STEEPER = 1.1  # how much steeper than allowed a rough curve may be
+ROUGH_STEEPNESS = 1.1  # how much steeper than allowed a rough curve may be
 NARROW, MOST = 0.3, 4000  # curves are compared by legs as short as this [m], if so many are enough
 LENIENCE = 0.1  # what a rough curve may break a limit by; the fine polish mends it [m]
-USUAL = 50.0  # in a scene with less from start to goal, what is given in meters is smaller in proportion [m]
+FULL_SIZE = 50.0  # in a scene with less from start to goal, what is given in meters is smaller in proportion [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class PreparedProblem:
     @property
     def scale(self) -> float:
         """What is usual in meters counts so many times in this scene: 1, or less where all is small."""
-        return min(float(np.linalg.norm(self.task.places[-1] - self.task.places[0])) / USUAL, 1.0)
+        return min(float(np.linalg.norm(self.task.places[-1] - self.task.places[0])) / FULL_SIZE, 1.0)
 
     def costs(self, encoding: Encoding) -> Callable[[Candidates], Costs]:
         """The cost function of a search: candidates (m, D) to costs (m,) of that part of the path which they change."""
@@ -89,7 +89,7 @@ class PreparedProblem:
         """The cost of one curve, looked at closely, forgiven a limit broken a little: to compare rough curves by."""
         from ipoa_mission.planning._kernels import path_costs
 
-        nodes = trail.curve.points(np.linspace(0.0, 1.0, CLOSELY * self.nodes))
+        nodes = trail.curve.points(np.linspace(0.0, 1.0, COMPARING_FACTOR * self.nodes))
         legs = leg_lengths(nodes)
         lenience = LENIENCE * self.scale
         longest = max(1.5 * self.limits.obstacle_distance, NARROW * self.scale)
@@ -101,8 +101,8 @@ class PreparedProblem:
         rules = self.rules._replace(
             clearance=self.rules.clearance - lenience,
             height=self.rules.height - lenience,
-            climb=self.rules.climb * STEEPER,
-            descent=self.rules.descent * STEEPER,
+            climb=self.rules.climb * ROUGH_STEEPNESS,
+            descent=self.rules.descent * ROUGH_STEEPNESS,
             collision=UNSAFE,
         )
         return float(path_costs(np.ascontiguousarray(nodes.T)[None], chart, rules)[0])
@@ -124,7 +124,8 @@ def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = No
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
     stops = [0, *_corners(guide, task.places[1:-1]), len(guide) - 1]
     legs = np.diff(traveled[stops]) / traveled[-1]
-    legs = np.maximum(legs, min(SHORTEST / (inner - 1), 0.5 / len(legs)))  # or via points would share control points
+    least = min(MIN_SPANS_BETWEEN_VIA / (inner - 1), 0.5 / len(legs))  # or via points would share control points
+    legs = np.maximum(legs, least)
     reached = np.concatenate([[0.0], np.cumsum(legs) / legs.sum()])
     progress = np.interp(traveled, traveled[stops], reached)
     control = np.column_stack([np.interp(_greville(inner + 2), progress, guide[:, k]) for k in range(3)])
