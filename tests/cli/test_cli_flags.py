@@ -40,7 +40,8 @@ TOGETHER = (
 )
 #: Flag -> the verbs that must take it.
 TAKEN = {
-    "--json": "new plan check estimate show export fly mock compare scan upload download set-current clear reproduce",
+    "--json": "new plan studio check estimate show export fly mock compare "
+    "scan upload download set-current clear reproduce",
     "--force": "new plan export fly compare download",
     "--scenario": "check estimate show export compare",
     "--param": "plan check estimate show fly mock compare",
