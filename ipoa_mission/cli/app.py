@@ -12,7 +12,9 @@ from ipoa_mission.cli import (
     checking,
     comparing,
     creating,
+    demonstrating,
     flying,
+    learning,
     linking,
     mocking,
     planning,
@@ -35,6 +37,7 @@ app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 
 #: The verbs as `--help` shows them.
 VERBS = {
+    "Begin here": (demonstrating.demo,),
     "Plan and look": (
         creating.new,
         planning.plan,
@@ -44,7 +47,7 @@ VERBS = {
         showing.show,
         showing.export,
     ),
-    "Fly": (flying.fly, mocking.mock, comparing.compare),
+    "Fly": (flying.fly, mocking.mock, comparing.compare, learning.learn),
     "The mission on a vehicle": (
         linking.scan,
         linking.upload,

@@ -8,6 +8,7 @@ from ipoa_mission.cli.options import (
     AutopilotOption,
     FileArgument,
     JsonOption,
+    LearnedOption,
     ParameterFileOption,
     ParameterOption,
     ScenarioOption,
@@ -30,6 +31,7 @@ def check(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
@@ -42,15 +44,16 @@ def check(
     from ipoa_mission.cli.reading import read_with_parameters, read_world
     from ipoa_mission.errors import BadInput
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
+    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
     air = read_wind_option(wind, wind_profile)
     if air is not None and scenario is None:
         raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
     world, promise = read_world(scenario, air), None
     if world is not None:
         from ipoa_mission.checks.clearance import promise_if_known
+        from ipoa_mission.tube.flown_in import flown_in
 
-        promise = promise_if_known(mission.assuming(world.vehicle.autopilot_parameters()), world)
+        promise = promise_if_known(flown_in(mission, world), world)
     findings = check_mission(mission, world, promise)
     found = {finding.message for finding in findings}
     remarks = tuple(remark for remark in remarks if remark not in found) + (() if world is None else world.remarks)
@@ -84,6 +87,7 @@ def estimate(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
@@ -98,7 +102,7 @@ def estimate(
     from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
+    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
     world = read_world(scenario, read_wind_option(wind, wind_profile))
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))

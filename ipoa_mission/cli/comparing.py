@@ -13,6 +13,7 @@ from ipoa_mission.cli.options import (
     AutopilotOption,
     ForceOption,
     JsonOption,
+    LearnedOption,
     ParameterFileOption,
     ParameterOption,
     ScenarioOption,
@@ -62,6 +63,7 @@ def compare(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Also draw it: .png or .svg.")
     ] = None,
@@ -80,6 +82,7 @@ def compare(
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.flown_clearance import flown_clearance
+    from ipoa_mission.learn.vehicle_file import read_vehicle
     from ipoa_mission.link.flight_log import read_flights
     from ipoa_mission.report.compare import compare_logged
     from ipoa_mission.wind import CALM
@@ -103,10 +106,11 @@ def compare(
     given = read_parameter_options(param, param_file)
     air = read_wind_option(wind, wind_profile)
     world = read_world(scenario, air)
+    learned = None if vehicle is None else read_vehicle(vehicle, flown.autopilot)
     rows = []
     for n in numbers:
         flight = flown.flights[n - 1]
-        held = compare_logged(flight, mission, given, air or CALM) if flight.in_mission else None
+        held = compare_logged(flight, mission, given, learned, air or CALM) if flight.in_mission else None
         record = flight.record() if held is None else held.record
         clearance = None if world is None else flown_clearance(record, world, None if held is None else held.mission)
         rows.append(_Row(n, flight, record, held, clearance))
@@ -181,9 +185,13 @@ def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]
 
 def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
     from ipoa_mission.report.compare import flown_track
-    from ipoa_mission.report.comparison_plot import draw_comparison
-    from ipoa_mission.report.plots import write_picture
 
+    try:
+        from ipoa_mission.report.comparison_plot import draw_comparison
+        from ipoa_mission.report.plots import write_picture
+    except ImportError:
+        hint = "pip install 'ipoa-mission[pictures]'"
+        raise MissionError("--picture needs matplotlib, which is not installed", hint=hint) from None
     flown_path = flown_track(one.mission, one.record)
     points = None if flown_path is None else flown_path.points
     write_picture(draw_comparison(one.comparison, one.estimate.track.points, points, title), picture)

@@ -19,6 +19,7 @@ from ipoa_mission.cli.options import (
     FromOption,
     JsonOption,
     KeyOption,
+    LearnedOption,
     LogOption,
     LossOption,
     NakOption,
@@ -44,6 +45,7 @@ from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_
 from ipoa_mission.cli.vehicles import Backend, connect_to, states_firmware
 
 if TYPE_CHECKING:
+    from ipoa_mission.flight import Flight
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.timing.estimate import Estimate
 
@@ -60,6 +62,7 @@ def fly(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     report: ReportOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
@@ -115,11 +118,11 @@ def fly(
     air = read_wind_option(wind, wind_profile)
     parameters = read_parameter_options(param, param_file)
     if is_planned:
-        scenario = adapt_scenario(source, optimizer, planner, polish, autopilot, parameters)
+        scenario = adapt_scenario(source, optimizer, planner, polish, autopilot, parameters, vehicle)
         expect_free(not_as_written(out, scenario.name, report), force, ask=not as_json)
         job = planned(plan(scenario, seed, air))
     else:
-        job = read_job(source, autopilot, parameters, air)
+        job = read_job(source, autopilot, parameters, air, vehicle)
     if nak_at is not None and nak_at >= (sent := len(to_wire(job.mission))):
         raise BadInput(f"--nak-at: expected a number from 0 to {sent - 1}, not {nak_at}: {sent} items are sent")
     make_folder(out)
@@ -140,12 +143,12 @@ def fly(
             record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=job.wind)
     else:
         begun_at(job.mission, begin - 1)
-        with no_flight_yet(), connect_to(link, system, key, backend, given_log, log, timeout, anyway) as vehicle:
+        with no_flight_yet(), connect_to(link, system, key, backend, given_log, log, timeout, anyway) as flown:
             if not states_firmware(source, autopilot):
-                job = read_job(source, vehicle.autopilot, parameters, air)
+                job = read_job(source, flown.autopilot, parameters, air, vehicle)
             if begin != 1:
                 job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=job.wind))
-            flight = RealFlight(job, vehicle, begin - 1, anyway, set_params)
+            flight = RealFlight(job, flown, begin - 1, anyway, set_params)
             told, record = flight.fly()
     remarks = told if job.flight else tuple(dict.fromkeys((*job.remarks, *told)))
     if report and job.flight is not None:
@@ -168,7 +171,7 @@ def fly(
         tell(
             *([] if job.flight else route_in_words(job.estimate)),
             f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s; "
-            f"QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
+            f"{_kept(job.flight)}QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
         )
         tell(f"written: {', '.join(map(str, written[missions:]))}")
     if record.why_not:
@@ -191,6 +194,14 @@ def flight_as_json(found: "Estimate", record: "FlightRecord") -> dict[str, Any]:
         "estimate": estimate_as_json(found),
         "messages": list(record.messages),
     }
+
+
+def _kept(flight: "Flight | None") -> str:
+    """The clearance that flights keep, for the last line; nothing where none is known."""
+    kept = None if flight is None else flight.promise.clearance
+    if flight is None or kept is None or flight.promise.confidence is None:
+        return ""
+    return f"{100 * flight.promise.confidence:g} of 100 flights keep {kept.kept:.1f} m; "
 
 
 def _legs(found: "Estimate", record: "FlightRecord") -> list[tuple[str, ...]]:

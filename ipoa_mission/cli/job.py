@@ -16,6 +16,7 @@ from ipoa_mission.cli.reading import read_with_parameters
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.flight import Flight, plan_flight
 from ipoa_mission.items import Mission
+from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.wind import CALM, Wind
@@ -40,6 +41,7 @@ def read_job(
     autopilot: Autopilot | None = None,
     parameters: Mapping[str, float] | None = None,
     wind: Wind | None = None,
+    vehicle: Path | None = None,
 ) -> Job:
     """A job from a mission file.
 
@@ -47,7 +49,7 @@ def read_job(
         BadInput: the file is wrong.
         Unsafe: the mission fails a check.
     """
-    mission, remarks = read_with_parameters(source, autopilot, parameters)
+    mission, remarks = read_with_parameters(source, autopilot, parameters, vehicle)
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
     remarks += tuple(finding.message for finding in warnings)
@@ -73,6 +75,7 @@ def adapt_scenario(
     polish: bool = True,
     autopilot: Autopilot | None = None,
     parameters: Mapping[str, float] | None = None,
+    vehicle: Path | None = None,
 ) -> Scenario:
     """The scenario in a file, with what the command line says in its place."""
     scenario = read_scenario(path)
@@ -82,10 +85,12 @@ def adapt_scenario(
         changes["planning"] = scenario.planning.model_copy(update=planning)
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
-    vehicle: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
+    changed: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
     if parameters:
-        vehicle["parameters"] = overridden(scenario.vehicle.parameters, parameters)
-    if vehicle:
-        expect_own(vehicle.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
-        changes["vehicle"] = scenario.vehicle.model_copy(update=vehicle)
+        changed["parameters"] = overridden(scenario.vehicle.parameters, parameters)
+    if changed or vehicle:
+        expect_own(changed.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
+        changes["vehicle"] = scenario.vehicle.model_copy(update=changed)
+    if vehicle is not None:
+        changes["vehicle"] = changes["vehicle"].learned_as(read_vehicle(vehicle, changes["vehicle"].autopilot))
     return scenario.model_copy(update=changes)

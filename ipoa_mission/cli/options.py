@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
+from ipoa_mission.cli.packed import or_packed
 from ipoa_mission.cli.vehicles import Backend
 from ipoa_mission.errors import BadInput
 
@@ -40,12 +41,12 @@ class Optimizer(StrEnum):
 
 
 def expect_scenario(path: Path) -> Path:
-    """Raise BadInput for a mission file where a scenario is expected."""
+    """The scenario's file, or one that is packed; BadInput for a mission file."""
     if path.suffix.lower() in (".plan", ".waypoints"):
         raise BadInput(
             f"{path}: expected a scenario (.toml), not a mission", hint=f"fly takes missions: ipoa-mission fly {path}"
         )
-    return path
+    return or_packed(path)
 
 
 def expect_mission(path: Path) -> Path:
@@ -58,14 +59,18 @@ def expect_mission(path: Path) -> Path:
 
 
 ScenarioArgument: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML).")
+    Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML), or `campus`.")
 ]
 FileArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="FILE", callback=expect_mission, help="Mission file: .plan or .waypoints.")
 ]
 FileOrScenario: TypeAlias = Annotated[
     Path,
-    typer.Argument(metavar="SCENARIO|FILE", help="Scenario (.toml) to plan first, or mission (.plan, .waypoints)."),
+    typer.Argument(
+        metavar="SCENARIO|FILE",
+        callback=or_packed,
+        help="Scenario (.toml, or `campus`) to plan first, or mission (.plan, .waypoints).",
+    ),
 ]
 ScenarioOption: TypeAlias = Annotated[
     Path | None,
@@ -121,6 +126,10 @@ WindProfileOption: TypeAlias = Annotated[
         metavar="EXPONENT@M",
         help="How the wind grows with height: by a power law up to the gradient height, like 0.14@60.",
     ),
+]
+LearnedOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option("--vehicle", metavar="FILE", help="A vehicle that `learn` has written: its own drag, lag and delays."),
 ]
 LinkOption: TypeAlias = Annotated[
     str,

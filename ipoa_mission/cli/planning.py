@@ -6,6 +6,7 @@ from ipoa_mission.cli.options import (
     AutopilotOption,
     ForceOption,
     JsonOption,
+    LearnedOption,
     OptimizerOption,
     OutOption,
     ParameterFileOption,
@@ -35,6 +36,7 @@ def plan(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     report: ReportOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
@@ -54,7 +56,7 @@ def plan(
 
     expect_folder(out)
     parameters, air = read_parameter_options(param, param_file), read_wind_option(wind, wind_profile)
-    adapted = adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters)
+    adapted = adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters, vehicle)
     expect_free(not_as_written(out, adapted.name, report), force, ask=not as_json)
     flight = plan_it(adapted, seed, air)
     files = [*flight.write(out)]

@@ -1,11 +1,13 @@
 """Mission files that a user named, and what is said of the parameters that lie beside them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission
+from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.parameter_file import beside
 
@@ -17,9 +19,14 @@ SHOWN = 6  # parameters in a note
 
 
 def read_with_parameters(
-    file: Path, autopilot: Autopilot | None = None, parameters: Mapping[str, float] | None = None
+    file: Path,
+    autopilot: Autopilot | None = None,
+    parameters: Mapping[str, float] | None = None,
+    vehicle: Path | None = None,
 ) -> tuple[Mission, tuple[str, ...]]:
     """The mission in a file, on a vehicle that has `parameters` too, and remarks for the user.
+
+    `vehicle`: the file of what was learned of it.
 
     Raises:
         BadInput: the file, or the parameters beside it, cannot be read.
@@ -30,6 +37,8 @@ def read_with_parameters(
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
         more = len(mission.parameters) - SHOWN
         remarks += (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
+    if vehicle is not None:
+        mission = replace(mission, vehicle=read_vehicle(vehicle, mission.autopilot))
     return mission.with_parameters(parameters or {}), remarks
 
 
@@ -48,9 +57,10 @@ def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | Non
 
 
 def in_world(mission: Mission, world: "Scenario | None", wind: "Wind | None" = None) -> tuple[Mission, "Wind"]:
-    """The mission on the scenario's vehicle, and the wind: what was given goes before the scenario's own."""
+    """The mission over the ground of the scenario on its vehicle, and the wind: the given one goes before its own."""
+    from ipoa_mission.tube.flown_in import flown_in
     from ipoa_mission.wind import CALM
 
     if world is None:
         return mission, wind or CALM
-    return mission.assuming(world.vehicle.autopilot_parameters()), wind or world.wind.air()
+    return flown_in(mission, world), wind or world.wind.air()

@@ -12,6 +12,7 @@ from ipoa_mission.cli.options import (
     FileArgument,
     ForceOption,
     JsonOption,
+    LearnedOption,
     ParameterFileOption,
     ParameterOption,
     ScenarioOption,
@@ -44,6 +45,7 @@ def show(
     param_file: ParameterFileOption = None,
     wind: WindOption = None,
     wind_profile: WindProfileOption = None,
+    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and when each item will be done.
@@ -58,7 +60,7 @@ def show(
     from ipoa_mission.exports.table import mission_table
     from ipoa_mission.timing.estimate import estimate
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file))
+    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
     air = read_wind_option(wind, wind_profile)
     world = read_world(scenario, air)
     rows, errors = mission_table(mission, world), refusals(mission)

@@ -81,37 +81,22 @@ def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, .
     Raises:
         Unsafe, FarFromHome: it would crash or be refused, and `anyway` does not say to send it all the same.
     """
-    from ipoa_mission.checks.check import check_mission
-    from ipoa_mission.checks.unsafe import refuse_errors
+    from ipoa_mission.flight.boarding import expect_fit
     from ipoa_mission.link.set_up import idle_fence
 
-    _expect_firmware(mission, vehicle, anyway)
-    findings = check_mission(replace(mission, autopilot=vehicle.autopilot))
-    warnings = findings if anyway else refuse_errors(findings)
     with left_behind("nothing was sent"):
-        homes = _compare_home(mission, vehicle, anyway)
+        remarks = expect_fit(mission, vehicle, anyway)
     with left_behind("the mission on the vehicle may be the old or the new one"), progress_bar("upload") as show:
         vehicle.upload(mission, show, checked=False)
     log.info("%d items on system %d, read back and equal", len(mission.items), vehicle.system)
     with left_behind("the new mission is on the vehicle"):
         idle = idle_fence(vehicle, mission)
-    return (*homes, *(finding.message for finding in warnings), *([idle] if idle else []))
+    return (*remarks, *([idle] if idle else []))
 
 
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
     """Whether it is known what a mission file is for: `.waypoints` does not say, and serves whoever is there."""
     return autopilot is not None or file.suffix.lower() != ".waypoints"
-
-
-def _expect_firmware(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> None:
-    from ipoa_mission.errors import MissionError
-
-    if mission.autopilot is not vehicle.autopilot and not anyway:
-        raise MissionError(
-            f"the mission was made for {mission.autopilot}, and the vehicle is {vehicle.autopilot}: "
-            "its path and its time would be others",
-            hint=f"make it for {vehicle.autopilot} (--autopilot {vehicle.autopilot}), or send it with --anyway",
-        )
 
 
 def get(vehicle: "AnyVehicle") -> "Mission":
@@ -122,17 +107,3 @@ def get(vehicle: "AnyVehicle") -> "Mission":
         return vehicle.download()
     with progress_bar("download") as show:
         return vehicle.download(show)
-
-
-def _compare_home(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, ...]:
-    from ipoa_mission.cli.homes import compare_homes
-    from ipoa_mission.link.dialogue import NoAnswer
-
-    try:
-        there = vehicle.home()
-    except NoAnswer:
-        there = None
-    if there is None:
-        return ("the vehicle does not say where its home is: nobody compared it with the mission's",)
-    log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
-    return compare_homes(mission, there, anyway)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
-LEVEL = 0.5  # [m] below which a leg has no heading
+LEAST_LEVEL = 0.5  # [m] below which a leg has no heading
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def _above_ground(item: Item, mission: Mission, height: float, scenario: "Scenar
 def _heading(legs: list[Leg]) -> float | None:
     for leg in reversed(legs):
         for step in np.diff(leg.points, axis=0)[::-1]:
-            if np.hypot(step[0], step[1]) > LEVEL:
+            if np.hypot(step[0], step[1]) > LEAST_LEVEL:
                 return float(np.degrees(np.arctan2(step[0], step[1])) % 360.0)
     return None
 

@@ -29,6 +29,7 @@ from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.tube.flown_in import flown_in
 from ipoa_mission.tube.promise import Promise, promise_of
 from ipoa_mission.wind import Wind
 
@@ -130,7 +131,7 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     chosen = [option.route for option in options if option.mode == scenario.route.mode]
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
-    promise = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
+    promise = promise_of(flown_in(mission, scenario), scenario)
     findings = refuse_errors(check_mission(mission, scenario, promise))
     predicted = estimate(mission, wind=scenario.wind.air())
     energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)

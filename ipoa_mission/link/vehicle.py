@@ -157,6 +157,8 @@ class Vehicle:
         self._tempo = Tempo(patience)
         if round_trip_s is not None:
             self._tempo.sample(round_trip_s)
+        self.overhearing: Callable[[Message], None] = lambda message: None
+        """Told everything that the vehicle says while something is done with it."""
         self._mission: Mission | None = None
         self._logbook = Logbook((), heard.autopilot)
         self._until = math.inf
@@ -351,6 +353,7 @@ class Vehicle:
     def _overhear(self, message: Message) -> None:
         self._logbook.note(message)
         self.state.note(message)
+        self.overhearing(message)
 
     @contextmanager
     def _known_state(self) -> Iterator[None]:

@@ -250,7 +250,7 @@ def _listed(node: Node) -> list[ListedItem]:
 
 def _complex(node: Node) -> list[ListedItem]:
     transects = node.get("TransectStyleComplexItem")
-    items = transects.get("Items") if transects else None
+    items = (transects or node).get("Items")
     if items is None:
         return [ListedItem(item, node, None) for item in lay_out(node)]
     return [read_item(child) for child in items.array()]

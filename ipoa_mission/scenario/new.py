@@ -21,7 +21,7 @@ from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
 ROOM = 12.0  # a suggested take-off or goal has so much room around it [m]
 APART = 200.0  # and lies no farther than this from the middle of the map, along either axis [m]
-STEP = 4.0  # distance between the places that are tried [m]
+TRIED_SPACING = 4.0  # distance between the places that are tried [m]
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
         standing = find_buildings(features, BuildingRules(take="all"), frame, path).standing
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in standing]
     reach = np.minimum(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0) / 2 + 2 * ROOM, APART)
-    sides = [np.arange(-each, each + STEP, STEP) for each in reach]
+    sides = [np.arange(-each, each + TRIED_SPACING, TRIED_SPACING) for each in reach]
     places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     near = shapely.STRtree(shapes).query(shapely.points(places), "dwithin", ROOM)[0]
     free = np.delete(places, np.unique(near), axis=0)

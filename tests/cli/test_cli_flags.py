@@ -27,8 +27,9 @@ from tools.generate import verbs
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SITL, CAMPUS = MISSIONS / "sitl.plan", MISSIONS / "campus.plan"
-#: Flags that say something else in `mock`, which is an autopilot, in `reproduce`, and where a link may be left out.
-SEVERAL = {"--autopilot": 2, "--link": 3, "--out": 2, "--seed": 2}
+#: Flags that say something else in `mock`, which is an autopilot, in `reproduce` and `demo` by what `--out` is without,
+#: in `learn`, which writes one file, and where a link may be left out.
+SEVERAL = {"--autopilot": 2, "--link": 3, "--out": 4, "--seed": 2}
 #: What goes together: who takes one of these takes all.
 TOGETHER = (
     {"--param", "--param-file"},
@@ -40,9 +41,9 @@ TOGETHER = (
 )
 #: Flag -> the verbs that must take it.
 TAKEN = {
-    "--json": "new plan studio check estimate show export fly mock compare "
+    "--json": "demo new plan studio check estimate show export fly mock compare learn "
     "scan upload download set-current clear reproduce",
-    "--force": "new plan export fly compare download",
+    "--force": "demo learn new plan export fly compare download",
     "--scenario": "check estimate show export compare",
     "--param": "plan check estimate show fly mock compare",
     "--wind": "plan check estimate show fly compare",
