@@ -18,6 +18,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
+LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
 LEAST_LEVEL = 0.5  # [m] below which a leg has no heading
 
 
@@ -67,6 +68,8 @@ def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Sce
     on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     height = mission.altitude_above_home(item) if placed else math.nan
     points = np.vstack([leg.points for leg in legs]) if legs else None
+    if scenario is not None and points is not None and item.command in LANDINGS:  # whatever its altitude says
+        height = float(points[-1, 2] - scenario.frame.local(mission.home)[2])
     return Row(
         seq=seq,
         command=command_name(item.command),

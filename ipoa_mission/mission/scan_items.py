@@ -15,6 +15,8 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item
 from ipoa_mission.mission.document import Node
+from ipoa_mission.mission.scan_shapes import corners_of, trigger
+from ipoa_mission.mission.structure_scan import lay_out_structure
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 LEAST_SPACING = 0.5  # transects nearer to each other are one in the middle [m]
@@ -47,13 +49,15 @@ def lay_out(node: Node) -> list[Item]:
         BadInput: naming the place, where the geometry does not say enough.
     """
     name = node["complexItemType"].text()
+    if name == "StructureScan":
+        return lay_out_structure(node)
     if name not in ("survey", "CorridorScan") or node.get("TransectStyleComplexItem") is None:
         raise BadInput(
             f'{node.where}: expected the waypoints of the complex item "{name}", but it holds none',
-            hint="only surveys and corridor scans can be laid out from their geometry",
+            hint="only surveys, corridor scans and structure scans can be laid out from their geometry",
         )
     style = _style(node["TransectStyleComplexItem"])
-    corners = _corners(node["polygon" if name == "survey" else "polyline"], 3 if name == "survey" else 2)
+    corners = corners_of(node["polygon" if name == "survey" else "polyline"], 3 if name == "survey" else 2)
     frame = LocalFrame(Geodetic(*corners[0].tolist()))
     plane = frame.to_local(corners[:, 0], corners[:, 1], 0.0)[:, :2]
     transects = _survey(node, plane, style) if name == "survey" else _corridor(node, plane, style)
@@ -84,17 +88,6 @@ def _style(node: Node) -> _Style:
         frame=level,
         in_turnaround=trigger is None or trigger.flag(),
     )
-
-
-def _corners(node: Node, least: int) -> Points:
-    """Latitude and longitude, (n, 2)."""
-    places = [each.array(2, "numbers (latitude, longitude)") for each in node.array()]
-    corners = np.array([[value.number("degrees") for value in place] for place in places]).reshape(-1, 2)
-    if len(corners) < least or (np.abs(corners) > (90.0, 180.0)).any():
-        raise node.wrong(f"{least} corners or more, as latitude and longitude in degrees")
-    if np.ptp(corners, axis=0).max() > 1.0:
-        raise node.wrong("corners within a degree of each other")
-    return corners
 
 
 def _survey(node: Node, plane: Points, style: _Style) -> list[Points]:
@@ -195,17 +188,17 @@ def _items(transects: list[Points], style: _Style, frame: LocalFrame) -> Iterato
         if style.turnaround > 0:
             yield _waypoint(first, style, frame)
             if always and ends[0]:
-                yield _trigger(style.trigger)
+                yield trigger(style.trigger)
         for k, place in enumerate(transect):
             yield _waypoint(place, style, frame)
             if style.trigger > 0 and k == 0:
-                yield _trigger(style.trigger)
+                yield trigger(style.trigger)
         if style.trigger > 0 and (not always or (ends[1] and style.turnaround <= 0)):
-            yield _trigger(0.0)
+            yield trigger(0.0)
         if style.turnaround > 0:
             yield _waypoint(last, style, frame)
             if always and ends[1]:
-                yield _trigger(0.0)
+                yield trigger(0.0)
 
 
 def _beyond(transect: Points, distance: float) -> Points:
@@ -218,7 +211,3 @@ def _waypoint(place: Points, style: _Style, frame: LocalFrame) -> Item:
     latitude, longitude, _ = frame.to_geodetic(np.array([[place[0], place[1], 0.0]]))
     params = (0.0, 0.0, 0.0, math.nan)
     return Item(Command.NAV_WAYPOINT, style.frame, params, float(latitude[0]), float(longitude[0]), style.altitude)
-
-
-def _trigger(distance: float) -> Item:
-    return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, 1.0, 0.0))
