@@ -139,3 +139,12 @@ FLOWN_TO = frozenset(
         Command.NAV_TAKEOFF,
     }
 )
+#: What an altitude of 0 is for: the ground is below a landing, and a take-off climbs to it.
+TO_THE_GROUND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
+TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
+#: Commands that end a flight on the ground.
+ENDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
+WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
+#: Commands whose param1 is a time to stay at their place [s].
+HOLDING = WAYPOINTS | {Command.NAV_LOITER_TIME}
+LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle

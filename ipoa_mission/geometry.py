@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 Points: TypeAlias = NDArray[np.float64]  # (n, 3) east, north, up [m]
 Vector: TypeAlias = NDArray[np.float64]  # (n,)
 
+GRAVITY = 9.80665  # standard gravity [m/s^2]
+
 
 def leg_lengths(points: Points) -> Vector:
     """Length of each leg between consecutive points, (n-1,) [m]."""

@@ -7,6 +7,7 @@ Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPil
 import math
 from dataclasses import dataclass, field, replace
 
+from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
@@ -45,6 +46,10 @@ class Item:
             and self.frame != Frame.MISSION
             and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
         )
+
+    def height(self, home: Geodetic) -> float:
+        """Its altitude over home [m]; one over terrain is taken as one over home."""
+        return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude
 
 
 @dataclass(frozen=True)
@@ -101,7 +106,12 @@ class Mission:
         return OTHER_VEHICLES.get(self.vehicle_type, f"a vehicle of MAV_TYPE {self.vehicle_type}")
 
     def with_parameters(self, parameters: Parameters) -> "Mission":
-        """The same on a vehicle that has these parameters too; they go before those that it carries."""
+        """The same on a vehicle that has these parameters too; they go before those that it carries.
+
+        Raises:
+            BadInput: one of them is the other firmware's.
+        """
+        expect_own(parameters, self.autopilot)
         return replace(self, parameters=overridden(self.parameters, parameters)) if parameters else self
 
     def assuming(self, parameters: Parameters) -> "Mission":

@@ -9,10 +9,11 @@ import ipoa_mission
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
-GROUND = {"errors", "files", "finding", "geometry", "wind"}
+GROUND = {"errors", "files", "finding", "geometry", "progress", "wind"}
 
 #: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
 MAY_IMPORT = {
+    "compiled": set(),
     "commands": set(),
     "world": set(),
     "optimize": set(),
@@ -21,11 +22,11 @@ MAY_IMPORT = {
     "maps": {"world"},
     "items": {"autopilots", "commands", "world"},
     "itinerary": {"items", "autopilots", "commands", "world"},
-    "dynamics": {"itinerary", "items", "autopilots", "commands", "world"},
+    "dynamics": {"compiled", "itinerary", "items", "autopilots", "commands", "world"},
     "timing": {"dynamics", "itinerary", "items", "autopilots", "commands", "world"},
     "mission": {"items", "autopilots", "commands", "world"},
     "scenario": {"autopilots", "world", "maps", "energy"},
-    "planning": {"scenario", "world", "optimize", "autopilots"},
+    "planning": {"compiled", "scenario", "world", "optimize", "autopilots"},
     "tube": {"planning", "scenario", "timing", "itinerary", "items", "autopilots", "commands", "world"},
     "checks": {
         "tube",
@@ -56,17 +57,19 @@ MAY_IMPORT = {
     "simulator": {"link", "mission", "dynamics", "itinerary", "items", "autopilots", "commands", "world"},
     "report": set(),
     "flight": set(),
+    "studio": set(),
     "experiments": set(),
 }
-_BELOW_THE_REPORT = set(MAY_IMPORT) - {"report", "flight", "experiments", "simulator", "optimize", "maps"}
+_BELOW_THE_REPORT = set(MAY_IMPORT) - {"report", "flight", "studio", "experiments", "simulator", "optimize", "maps"}
 MAY_IMPORT["report"] = _BELOW_THE_REPORT
 MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
 MAY_IMPORT["experiments"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
+MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"experiments", "optimize"}
 MAY_IMPORT["cli"] = set(MAY_IMPORT)
 
 #: Modules that may own a socket, a clock or pymavlink; everything else is pure.
 IMPURE = {
-    "socket": {"link/channel.py"},
+    "socket": {"link/channel.py", "studio/server.py"},
     "serial": {"link/channel.py"},
     "pymavlink": {"link/codec.py", "link/dataflash.py"},  # messages on the wire, and the format of a log
 }
@@ -75,6 +78,7 @@ NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
     "simulator",
     "report",
     "flight",
+    "studio",
     "experiments",
     "cli",
     "exports",

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import GRAVITY
 
-GRAVITY = 9.80665  # [m/s^2]
 RANGE_LAG_S = 0.14  # by which PX4's height over the ground lags behind a range finder that is sinking
 RELAXED_THRUST = 0.6  # of the way from the least thrust to that of hovering: less is low, where hovering is learned
 STAGES = 3  # of being sure: in contact, perhaps landed, landed

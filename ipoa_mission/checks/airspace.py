@@ -60,4 +60,4 @@ def _broken(leg: Leg, scenario: Scenario) -> list[Check]:
 
 def _touches(broken: Check, scenario: Scenario) -> bool:
     solid = broken.limit in ("obstacles", "ground")
-    return solid and broken.found.distance < scenario.vehicle.radius - ROUNDING["m"]
+    return solid and broken.nearest.distance < scenario.vehicle.radius - ROUNDING["m"]

@@ -49,10 +49,12 @@ def check_mission(
             legs = flown_legs(mission, frame, scenario.airspace.ground)
             findings += [*_check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
             promise = promise_if_known(mission, scenario) if promise is None else promise
-            told = {finding.seq for finding in findings if finding not in positions}
-            findings += [found for found in check_clearance(mission, scenario, promise) if found.seq not in told]
+            judged = {finding.seq for finding in findings if finding not in positions}
+            findings += [
+                finding for finding in check_clearance(mission, scenario, promise) if finding.seq not in judged
+            ]
             findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
-    return tuple(sorted(findings, key=lambda found: (found.severity is Severity.WARNING, found.seq or 0)))
+    return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
 
 
 def _check_fence(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iterator[Finding]:

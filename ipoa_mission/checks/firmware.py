@@ -7,16 +7,12 @@ from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
-from ipoa_mission.commands import Command, Frame, command_name
+from ipoa_mission.commands import ENDINGS, HOLDING, TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import to_wire
 
-TAKEOFFS = {Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF}
-LANDINGS = {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_LOITER_UNLIM}
-#: Commands whose param1 is a time that ArduPilot keeps in whole seconds.
-HOLDS = {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME}
-LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits
+LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits, in whole seconds
 MAY_PRECEDE_TAKEOFF = {Command.NAV_DELAY}
 
 
@@ -72,14 +68,14 @@ def _params(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
         if abs(value) > SINGLE_MAX:
             yield error(seq, item, f"param{n}: expected a number that fits in single precision, not {value:g}")
     hold = item.params[0]
-    if item.command in HOLDS and math.isfinite(hold):
+    if item.command in HOLDING and math.isfinite(hold):
         if hold < 0:
             yield error(seq, item, f"param1: expected a hold of zero seconds or more, not {hold:g}")
         elif firmware.home_is_item_0 and hold > LONGEST_HOLD_S:
             yield error(seq, item, f"param1: expected a hold of at most {LONGEST_HOLD_S} s, not {hold:g}")
         elif firmware.home_is_item_0 and not hold.is_integer():
             yield warning(seq, item, f"param1: ArduPilot holds for whole seconds: {int(hold)} s, not {hold:g}")
-    if item.command in HOLDS and math.isnan(hold) and not firmware.home_is_item_0:
+    if item.command in HOLDING and math.isnan(hold) and not firmware.home_is_item_0:
         yield error(seq, item, "param1: expected a hold in seconds, not NaN, at which PX4 stays for ever")
     if item.command == Command.DO_CHANGE_SPEED and not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
         yield error(seq, item, f"param2: expected a speed above zero, not {item.params[1]:g}")
@@ -122,6 +118,6 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
 
 def _ending(mission: Mission) -> Iterator[Finding]:
     flown = [(seq, item) for seq, item in enumerate(mission.items, 1) if item.command < Command.CONDITION_DELAY]
-    if flown and flown[-1][1].command not in LANDINGS:
+    if flown and flown[-1][1].command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
         seq, last = flown[-1]
         yield warning(seq, last, "the mission ends in the air, where the vehicle stays")

@@ -35,15 +35,15 @@ def check_ground(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) ->
             f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
         )
     parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
-    told = set[tuple[int, float]]()
+    reported = set[tuple[int, float]]()
     for leg in legs:
         if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
             continue
         height = scenario.frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
-        found = _landing(mission.autopilot, parameters, height)
-        if found is not None and (leg.seq, round(height, 1)) not in told:
-            told.add((leg.seq, round(height, 1)))
-            words, hint = found
+        descent = _landing(mission.autopilot, parameters, height)
+        if descent is not None and (leg.seq, round(height, 1)) not in reported:
+            reported.add((leg.seq, round(height, 1)))
+            words, hint = descent
             item = f"item {leg.seq} ({command_name(mission.items[leg.seq - 1].command)})"
             east, north = leg.points[-1, :2]
             where = f"at east {east:.1f}, north {north:.1f} the ground is {_apart(height)} home"

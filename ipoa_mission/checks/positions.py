@@ -11,7 +11,7 @@ from ipoa_mission.checks.finding import Finding, Severity, error, warning
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.itinerary.as_flown import is_as_high_as_now, is_here
+from ipoa_mission.itinerary.program import is_as_high_as_now, is_here
 from ipoa_mission.world.frame import Geodetic
 
 FAR, TOO_FAR = 10_000.0, 100_000.0  # [m] from home
@@ -26,9 +26,9 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     yield from _home(mission)
     for seq, item in enumerate(mission.items, start=1):
         if item.command in FLOWN_TO | FIRMWARE[mission.autopilot].placed.keys() and item.frame != Frame.MISSION:
-            found = list(_position(seq, item, mission))
-            yield from found
-            if not found:
+            findings = list(_position(seq, item, mission))
+            yield from findings
+            if not findings:
                 yield from _far(seq, item, mission.home)
             yield from _height(seq, item, mission)
     yield from _fence(mission)

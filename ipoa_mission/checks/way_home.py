@@ -71,12 +71,12 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0)):
         value = altitude / unit
         if _is_clear(_ways_home(mission.with_parameters(dict.fromkeys(names, value)), scenario), roomy):
-            told = f"{' and '.join(names)} = {value:.0f} make{'s' * (len(names) == 1)} it clear"
-            return f"{told}, in the vehicle and under [vehicle.parameters]; or {others}"
+            setting = f"{' and '.join(names)} = {value:.0f} make{'s' * (len(names) == 1)} it clear"
+            return f"{setting}, in the vehicle and under [vehicle.parameters]; or {others}"
     return others
 
 
-def told(mission: Mission) -> Iterator[str]:
+def climb_for_way_home(mission: Mission) -> Iterator[str]:
     """That it climbs over its last place before it returns, where it does."""
     match mission.items:
         case (*_, before, last, end) if end.command == Command.NAV_RETURN_TO_LAUNCH:

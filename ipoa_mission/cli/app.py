@@ -18,6 +18,7 @@ from ipoa_mission.cli import (
     planning,
     reproducing,
     showing,
+    studying,
     telling,
     verbosity,
 )
@@ -36,6 +37,7 @@ VERBS = {
     "Plan and look": (
         creating.new,
         planning.plan,
+        studying.studio,
         checking.check,
         checking.estimate,
         showing.show,

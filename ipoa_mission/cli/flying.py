@@ -1,7 +1,5 @@
 """`fly`: a mission in the air, on a real vehicle or on the built-in autopilot."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -119,7 +117,7 @@ def fly(
     if link is None:
         from ipoa_mission.simulator.fly import fly as fly_here
 
-        with left_behind(f"the flight was broken off; {log} has it so far"), _flight_bar(len(job.mission.items)) as bar:
+        with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
             record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=job.wind)
     else:
         begun_at(job.mission, begin - 1)
@@ -129,7 +127,7 @@ def fly(
             if begin != 1:
                 job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=job.wind))
             flight = RealFlight(job, vehicle, begin - 1, anyway, set_params)
-            told, record = flight.fly(_flight_bar)
+            told, record = flight.fly()
     remarks = told if job.flight else tuple(dict.fromkeys((*job.remarks, *told)))
     if report and job.flight is not None:
         written.append(out / f"{job.name}.html")
@@ -172,12 +170,6 @@ def flight_as_json(found: "Estimate", record: "FlightRecord") -> dict[str, Any]:
         "estimate": estimate_as_json(found),
         "messages": list(record.messages),
     }
-
-
-@contextmanager
-def _flight_bar(total: int) -> Iterator[Callable[[int], None]]:
-    with progress_bar("flying") as show:
-        yield lambda done: show(done / max(total, 1), f"item {done} of {total}")
 
 
 def _legs(found: "Estimate", record: "FlightRecord") -> list[tuple[str, ...]]:

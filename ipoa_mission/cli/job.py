@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
@@ -88,5 +89,6 @@ def adapt_scenario(
     if parameters:
         vehicle["parameters"] = overridden(scenario.vehicle.parameters, parameters)
     if vehicle:
+        expect_own(vehicle.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
         changes["vehicle"] = scenario.vehicle.model_copy(update=vehicle)
     return scenario.model_copy(update=changes)

@@ -63,6 +63,7 @@ def mock(
 
     Example: `ipoa-mission mock --autopilot ardupilot --link tcpin:127.0.0.1:5760 --speedup 10`
     """
+    from ipoa_mission.autopilots.parameters import expect_own
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.errors import BadInput
     from ipoa_mission.link.address import parse_address
@@ -77,6 +78,7 @@ def mock(
     address = parse_address(link)
     faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
     parameters = read_parameter_options(param, param_file)
+    expect_own(parameters, autopilot)
     signer = signer_of(key, "mock")
     place = {"latitude_deg": latitude_deg, "longitude_deg": longitude_deg, "altitude_amsl": altitude}
     told = {"autopilot": str(autopilot), "link": str(address), "system": system or 1, "home": place, "speedup": speedup}

@@ -1,6 +1,5 @@
 """Options that several verbs share, each said once."""
 
-import logging
 import math
 from dataclasses import replace
 from enum import StrEnum
@@ -15,8 +14,6 @@ from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.wind import Wind
-
-log = logging.getLogger(__name__)
 
 #: Headings under which `--help` gathers options.
 ON_THE_LINK = "The link"
@@ -234,19 +231,6 @@ JsonOption: TypeAlias = Annotated[
 ]
 
 
-def _known(name: str) -> str:
-    """The same name; a warning if no model uses it, which is most often a slip of the finger."""
-    from difflib import get_close_matches
-
-    from ipoa_mission.autopilots.parameters import known_parameters
-
-    known = known_parameters()
-    if name not in known:
-        meant = get_close_matches(name, known, 1)
-        log.warning("--param %s changes nothing%s", name, f"; did you mean {meant[0]}?" if meant else "")
-    return name
-
-
 def read_wind_option(given: str | None, profile: str | None = None) -> "Wind | None":
     """The wind as it was given: a speed [m/s], an @, and the direction that it comes from [deg]; None: none was.
 
@@ -284,7 +268,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
     """Parameters from a file, then those named on the command line, which win.
 
     Raises:
-        BadInput: what is not NAME=VALUE with a number, or a file that cannot be read.
+        BadInput: what is not NAME=VALUE with a known name and a number, or a file that cannot be read.
     """
     parameters: dict[str, float] = {}
     if file is not None:
@@ -296,7 +280,18 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
         try:
             if not (name.strip() and equals and abs(number := float(value)) <= SINGLE_MAX):
                 raise ValueError
-            parameters[_known(name.strip().upper())] = number
         except ValueError:
             raise BadInput(f"--param {text}: expected NAME=VALUE with a number, like WPNAV_ACCEL=250") from None
+        parameters[_known(name.strip().upper())] = number
     return parameters
+
+
+def _known(name: str) -> str:
+    """The same name, if either firmware's models know it: what else a vehicle has may come from a file."""
+    from ipoa_mission.autopilots.parameters import expect_known
+
+    try:
+        expect_known([name])
+    except BadInput as error:
+        raise BadInput(f"--param {error}", hint=error.hint or "--param-file takes any parameter") from None
+    return name

@@ -1,9 +1,9 @@
 """A flight on a vehicle at the other end of a link, from the first look at it until it stands again."""
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from ipoa_mission.checks.start import NotAtStart, check_start
 from ipoa_mission.cli.interrupting import left_behind
@@ -16,8 +16,6 @@ from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
-
-FlightBar: TypeAlias = Callable[[int], AbstractContextManager[Callable[[int], None]]]
 
 
 @contextmanager
@@ -41,7 +39,7 @@ class RealFlight:
     set_params: bool = False
     remarks: tuple[str, ...] = ()
 
-    def fly(self, flight_bar: FlightBar) -> tuple[tuple[str, ...], "FlightRecord"]:
+    def fly(self) -> tuple[tuple[str, ...], "FlightRecord"]:
         """Upload, make ready, arm, start, watch: what the user should know, and the flight.
 
         Raises:
@@ -53,10 +51,10 @@ class RealFlight:
             self.remarks += self._parameters()
             self.remarks += put(job.mission, vehicle, self.anyway)
             with left_behind("the vehicle was not armed"), progress_bar("getting ready") as show:
-                vehicle.prepare(self.first, lambda words: show(0.0, words), self._permit)
+                vehicle.prepare(self.first, show, self._permit)
             with left_behind("see the hint", hint="look at it"):
                 vehicle.start()
-            with left_behind("nobody watches, and the vehicle flies on"), flight_bar(len(job.mission.items)) as bar:
+            with left_behind("nobody watches, and the vehicle flies on"), progress_bar("flying") as bar:
                 return self.remarks, vehicle.watch(bar)
         except MissionError as error:
             from ipoa_mission.cli.flying import flight_as_json

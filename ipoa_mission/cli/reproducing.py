@@ -34,14 +34,7 @@ def reproduce(
     make_folder(out)
     kept = f"the runs made so far are kept in {out}; the same command goes on from there"
     with left_behind(kept), progress_bar("measuring") as show:
-        files = measure(
-            what,
-            runs,
-            out,
-            jobs,
-            executor,
-            lambda name, done, total: show(done / max(total, 1), f"{name}: {done} of {total}"),
-        )
+        files = measure(what, runs, out, jobs, executor, show)
     if as_json:
         tell_json({"written": [str(file) for file in files]})
     else:

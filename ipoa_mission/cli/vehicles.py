@@ -88,7 +88,7 @@ def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, .
     with left_behind("nothing was sent"):
         homes = _compare_home(mission, vehicle, anyway)
     with left_behind("the mission on the vehicle may be the old or the new one"), progress_bar("upload") as show:
-        vehicle.upload(mission, lambda done, total: show(done / max(total, 1), f"{done} of {total}"), checked=False)
+        vehicle.upload(mission, show, checked=False)
     log.info("%d items on system %d, read back and equal", len(mission.items), vehicle.system)
     with left_behind("the new mission is on the vehicle"):
         idle = idle_fence(vehicle, mission)
@@ -118,7 +118,7 @@ def get(vehicle: "AnyVehicle") -> "Mission":
     if not isinstance(vehicle, Vehicle):
         return vehicle.download()
     with progress_bar("download") as show:
-        return vehicle.download(lambda done, total: show(done / max(total, 1), f"{done} of {total}"))
+        return vehicle.download(show)
 
 
 def _compare_home(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
-"""The step-by-step modules a second time, compiled by numba: one source, two speeds.
+"""The step-by-step modules a second time, compiled: one source, two speeds.
 
-Compiling takes seconds, once on a machine (numba keeps the result beside the source); after that a mission takes
-milliseconds. Both say the same, so the choice is one of time only.
+The machine code is what was shipped, or numba's: that takes seconds, once on a machine (numba keeps the result beside
+the source). Both speeds say the same, so the choice is one of time only.
 """
 
 import importlib
@@ -9,16 +9,21 @@ import importlib.util
 import sys
 from functools import lru_cache
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+from ipoa_mission.compiled import njit
+from ipoa_mission.compiled.library import shipped
 
 
-def stepping(plain: ModuleType, fast: bool | None, steps: float) -> ModuleType:
+def stepping(plain: ModuleType, fast: bool | None, steps: float) -> Any:
     """The module itself, or compiled if `fast`; None takes whichever is sooner ready with so many steps.
 
     Plain code does some thirty steps a millisecond; to load numba and what it has kept takes a second.
     """
     if fast is None:
-        fast = f"{plain.__name__}_compiled" in sys.modules or (steps > 50_000 and _is_kept(_source(plain)))
+        at_hand = shipped() is not None or f"{plain.__name__}_compiled" in sys.modules
+        fast = at_hand or (steps > 50_000 and _is_kept(_source(plain)))
     return compiled(plain) if fast else plain
 
 
@@ -35,16 +40,18 @@ def _is_kept(source: Path) -> bool:
 
 
 @lru_cache(maxsize=4)
-def compiled(plain: ModuleType) -> ModuleType:
-    """The module with its `@jit` functions compiled."""
-    import numba
-
+def compiled(plain: ModuleType) -> Any:
+    """The module with its `@jit` functions compiled; of machine code that was shipped, those that Python calls."""
+    kernels = shipped()
+    if kernels is not None:
+        of = f"{plain.__name__}."
+        return SimpleNamespace(**{name[len(of) :]: kernel for name, kernel in kernels.items() if name.startswith(of)})
     full = f"{plain.__name__}_compiled"
     spec = importlib.util.spec_from_file_location(full, _source(plain))
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    module.jit = numba.njit(cache=True)  # type: ignore[attr-defined]
+    module.jit = njit(cache=True)  # type: ignore[attr-defined]
     sys.modules[full] = module  # numba's cache looks functions up by the name of their module
     spec.loader.exec_module(module)
     return module

@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import GRAVITY, Vector
 
-GRAVITY = 9.80665  # [m/s^2]
 KAPPA = 1.15  # induced power over the ideal: uneven inflow and tip losses (Leishman, section 2.8)
 
 

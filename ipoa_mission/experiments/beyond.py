@@ -45,7 +45,7 @@ def table_equal(rows: Sequence[Row]) -> Table:
             + ".",
             f"Mean rank: {ranking(list(EQUAL), means)}.",
             "IPOA better / not told apart / worse (rank-sum, Holm over the twelve functions, 0.05): "
-            + "; ".join(f"than {rival.upper()} {_counted(found)}" for rival, found in signs.items())
+            + "; ".join(f"than {rival.upper()} {_counted(outcomes)}" for rival, outcomes in signs.items())
             + ".",
         ],
     )
@@ -170,7 +170,7 @@ def _ours_against(of: Callable[[str, str], Samples], cases: Sequence[str]) -> di
 def _sentence(signs: dict[str, list[str]], cases: int) -> str:
     return (
         f"{OURS} better / not told apart / worse (rank-sum, Holm over the {cases}, 0.05): "
-        + "; ".join(f"than {rival} {_counted(found)}" for rival, found in signs.items())
+        + "; ".join(f"than {rival} {_counted(outcomes)}" for rival, outcomes in signs.items())
         + "."
     )
 

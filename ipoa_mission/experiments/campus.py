@@ -56,24 +56,24 @@ def campus_problem(case: str, dimension: int) -> Problem:
         raise BadInput(f"dimension: expected {3 * scenario.planning.control_points}, not {dimension}")
     problem = path_problem(scenario)
 
-    def measure(found: Optimum) -> Measures:
-        measures = problem.measure(found)
+    def measure(optimum: Optimum) -> Measures:
+        measures = problem.measure(optimum)
         if measures["feasible"]:
             control = np.array(measures["control"], dtype=np.float64).reshape(-1, 3)
-            measures |= flown(Spline(control), scenario, found)
+            measures |= flown(Spline(control), scenario, optimum)
         return measures
 
     return Problem(problem.cost, problem.box, measure)
 
 
-def flown(curve: Spline, scenario: Scenario, found: Optimum) -> Measures:
+def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
     """How long the path takes from its first waypoint to its last [s], flown (`time`) and estimated beforehand.
 
     The safety distance is not asked of the legs between waypoints, for the search kept it at its nodes only; where even
     so no choice of waypoints is clear, `flyable` is 0 and there are no times.
     """
     close = scenario.model_copy(update={"safety_distance": 0.0})
-    plan = Plan(curve, curve_cost(curve, close), prove_curve(curve, close), "", 0, found.evaluations, found.history)
+    plan = Plan(curve, curve_cost(curve, close), prove_curve(curve, close), "", 0, optimum.evaluations, optimum.history)
     try:
         mission = assemble(plan, close)
     except NoRoute:

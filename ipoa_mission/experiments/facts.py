@@ -100,7 +100,7 @@ def signs(f: Mapping[str, float | str]) -> dict[str, bool]:
 
 def _on_functions(rows: Sequence[Row], equal: Sequence[Row]) -> Facts:
     against = ipoa_against(rows)
-    every = [sign for found in against.values() for sign in found]
+    every = [sign for outcomes in against.values() for sign in outcomes]
     score = {name: mean_log_error(rows, name) for name in ALGORITHMS}
     alike = {name: mean_log_error(equal, name, settings_text(**wanted)) for name, wanted in EQUAL.items()}
     spent = {name: np.mean([row.evaluations for row in rows if row.trial.algorithm == name]) for name in ALGORITHMS}
@@ -119,9 +119,9 @@ def _on_functions(rows: Sequence[Row], equal: Sequence[Row]) -> Facts:
         "losses": every.count("-"),
         "ties": every.count("="),
         "losses_to": ", ".join(
-            f"{name.upper()} ({found.count('-')})" for name, found in against.items() if "-" in found
+            f"{name.upper()} ({outcomes.count('-')})" for name, outcomes in against.items() if "-" in outcomes
         ),
-        "printed_small_p": sum(p < 0.05 for found in published.TABLE_4.values() for p in found),
+        "printed_small_p": sum(p < 0.05 for outcomes in published.TABLE_4.values() for p in outcomes),
     }
 
 
@@ -181,10 +181,10 @@ def _box(rows: Sequence[Row], function: str, name: str) -> float:
 def _of_strategies_and_readings(rows: Sequence[Row]) -> Facts:
     table = table_ablation(rows)
     column = next(k for k, words in enumerate(table.heading) if words.startswith("better"))
-    told = {row[0]: row[column] for row in table.rows if row[0].startswith("without ")}
-    better, _, worse = (int(count) for count in told["without all four"].split(" / "))
+    counts_without = {row[0]: row[column] for row in table.rows if row[0].startswith("without ")}
+    better, _, worse = (int(count) for count in counts_without["without all four"].split(" / "))
     return {
-        "strategies": "; ".join(f"{label} {counts}" for label, counts in told.items()),
+        "strategies": "; ".join(f"{label} {counts}" for label, counts in counts_without.items()),
         "without_all_better": better,
         "without_all_worse": worse,
         "score_default": mean_log_error(rows, "ipoa"),
@@ -215,13 +215,13 @@ def _on_maps(rows: Sequence[Row]) -> Facts:
     length = {name: mean_over_maps(rows, name, "distance") for name in ALGORITHMS}
     cost = {name: mean_over_maps(rows, name) for name in ALGORITHMS}
     shortest, cheapest = min(length, key=length.__getitem__), min(cost, key=cost.__getitem__)
-    told, cmaes = on_length(rows, list(MAPS))["poa"], ours_against_on_maps(rows)["rcmaes"]
+    against_poa, cmaes = on_length(rows, list(MAPS))["poa"], ours_against_on_maps(rows)["rcmaes"]
     return {
         "length_ipoa": length["ipoa"],
         "length_poa": length["poa"],
         "shorter_than_poa": per_cent(length["ipoa"], length["poa"]),
-        "maps_told": len(told) - told.count("="),
-        "maps_shorter": told.count("+"),
+        "maps_told": len(against_poa) - against_poa.count("="),
+        "maps_shorter": against_poa.count("+"),
         "shortest": shortest.upper(),
         "shortest_length": length[shortest],
         "cheapest": cheapest.upper(),
@@ -237,31 +237,34 @@ def _on_maps(rows: Sequence[Row]) -> Facts:
 
 
 def _of_measures(rows: Sequence[Row]) -> Facts:
-    found: Facts = {}
+    facts_of_measures: Facts = {}
     tables = [*published.TABLE_6.values(), *published.TABLE_7.values()]
     for measure in ("turn", "iterations"):
         printed = [value for table in tables for value in table[measure]]
-        found |= {f"printed_least_{measure}": min(printed), f"printed_most_{measure}": max(printed)}
+        facts_of_measures |= {f"printed_least_{measure}": min(printed), f"printed_most_{measure}": max(printed)}
     for name, measure in (("turn", "turn"), ("smooth_turn", "turn_smooth"), ("iterations", "iterations")):
         ours = [mean_over_maps(rows, algorithm, measure) for algorithm in ALGORITHMS]
-        found |= {f"least_{name}": min(ours), f"most_{name}": max(ours)}
+        facts_of_measures |= {f"least_{name}": min(ours), f"most_{name}": max(ours)}
     early = int(np.argmin(np.abs(CHECKPOINTS - 0.08)))
     still = [row.history[early] / row.cost - 1 for row in rows if row.trial.algorithm in ALGORITHMS]
-    return found | {"above_the_end": float(np.median(still))}
+    return facts_of_measures | {"above_the_end": float(np.median(still))}
 
 
 def _on_the_campus(rows: Sequence[Row]) -> Facts:
     def mean(name: str, measure: str) -> str:
         values = [row.measures.get(measure) for row in rows if row.trial.algorithm == name]
-        known = [value for value in values if isinstance(value, float)]
-        return f"{np.mean(known):.1f}" if known else "no"
+        measured = [value for value in values if isinstance(value, float)]
+        return f"{np.mean(measured):.1f}" if measured else "no"
 
-    found: Facts = {}
+    facts_of_campus: Facts = {}
     for called, name in (("ipoa", "ipoa"), ("poa", "poa"), ("ours", OURS)):
-        found |= {f"campus_length_{called}": mean(name, "distance"), f"campus_time_{called}": mean(name, "time")}
+        facts_of_campus |= {
+            f"campus_length_{called}": mean(name, "distance"),
+            f"campus_time_{called}": mean(name, "time"),
+        }
         flown = sum(row.measures.get("flyable") == 1 for row in rows if row.trial.algorithm == name)
-        found[f"flown_{called}"] = flown
-    return found
+        facts_of_campus[f"flown_{called}"] = flown
+    return facts_of_campus
 
 
 def _of_chaos() -> Facts:

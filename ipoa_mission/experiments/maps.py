@@ -120,8 +120,8 @@ def path_problem(scenario: Scenario) -> Problem:
     guide = np.vstack([scenario.start_point, scenario.goal_point])
     encoding = encode("absolute", guide, scenario.planning.control_points, 0.0, scenario)
 
-    def measure(found: Optimum) -> Measures:
-        return measures_of(encoding.curve(found.x), scenario) | {"iterations": iterations_to_converge(found)}
+    def measure(optimum: Optimum) -> Measures:
+        return measures_of(encoding.curve(optimum.x), scenario) | {"iterations": iterations_to_converge(optimum)}
 
     return Problem(pose(scenario).costs(encoding), encoding.box, measure)
 
@@ -141,7 +141,7 @@ def measures_of(curve: Spline, scenario: Scenario) -> Measures:
     least = {"obstacles": np.inf, "ground": np.inf, "bounds": np.inf}
     for check in prove_curve(curve, scenario).checks:
         if check.limit in least:
-            least[check.limit] = min(least[check.limit], check.found.distance)
+            least[check.limit] = min(least[check.limit], check.nearest.distance)
     clearance = min(least["obstacles"] - scenario.vehicle.radius, least["ground"])
     return {
         "distance": round(polyline_length(curve.sample(1000)), 4),
@@ -154,7 +154,7 @@ def measures_of(curve: Spline, scenario: Scenario) -> Measures:
     }
 
 
-def iterations_to_converge(found: Optimum, iterations: int = 1000) -> float:
+def iterations_to_converge(optimum: Optimum, iterations: int = 1000) -> float:
     """The iteration, of a thousand, at which the best cost was within 1 % of what the search ended with."""
-    first = int(np.argmax(found.history <= found.cost + CONVERGED * abs(found.cost)))
-    return float(round(found.evaluations[first] / found.evaluations[-1] * iterations, 1))
+    first = int(np.argmax(optimum.history <= optimum.cost + CONVERGED * abs(optimum.cost)))
+    return float(round(optimum.evaluations[first] / optimum.evaluations[-1] * iterations, 1))

@@ -18,11 +18,11 @@ def findings(made: Mapping[str, Table | str], sources: Mapping[str, Sequence[str
     `sources` names the series that each table or figure is made of. A sentence whose sign does not hold, as may be
     with few runs, says so.
     """
-    known = facts(rows)
-    holds = signs(known)
+    values = facts(rows)
+    holds = signs(values)
     shown = {name: _shown(name, item, sources[name], folder) for name, item in made.items()}
     words = re.sub(r"(?m)^\* \[(\w+)\] ", lambda m: "* " if holds[m[1]] else f"* {NOT_SO}", template())
-    return filled(words.format_map({**known, **shown, "folder": folder, "measured": _measured(rows)}))
+    return filled(words.format_map({**values, **shown, "folder": folder, "measured": _measured(rows)}))
 
 
 def template() -> str:

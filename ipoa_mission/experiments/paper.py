@@ -22,12 +22,12 @@ _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {
 
 def errors(rows: Sequence[Row], function: str, algorithm: str, settings: str = "{}") -> NDArray[np.float64]:
     """Cost less the optimum of every run, in the order of the runs."""
-    found = [
+    costs = [
         (row.trial.run, row.cost)
         for row in rows
         if (row.trial.case, row.trial.algorithm, row.trial.settings) == (function, algorithm, settings)
     ]
-    return np.array([cost for _, cost in sorted(found)])
+    return np.array([cost for _, cost in sorted(costs)])
 
 
 def mean_log_error(rows: Sequence[Row], algorithm: str, settings: str = "{}") -> float:
@@ -113,10 +113,10 @@ def table_4(rows: Sequence[Row]) -> Table:
     """Rank-sum tests of IPOA against each rival: ours, corrected by Holm over all sixty, and the printed p."""
     rivals = published.RIVALS_OF_TABLE_4
     raw = [rank_sum(ipoa, other) for rival in rivals for ipoa, other in _pairs(rows, rival)]
-    signs = [sign for found in ipoa_against(rows).values() for sign in found]
+    signs = [sign for outcomes in ipoa_against(rows).values() for sign in outcomes]
     cells = [f"{p:.2g}, Holm {q:.2g} ({sign})" for p, q, sign in zip(raw, holm(raw), signs, strict=True)]
     columns = [cells[k : k + len(FUNCTIONS)] for k in range(0, len(cells), len(FUNCTIONS))]
-    printed = [p for found in published.TABLE_4.values() for p in found]
+    printed = [p for outcomes in published.TABLE_4.values() for p in outcomes]
     return Table(
         f"Table 4. Wilcoxon rank-sum, IPOA against each, {runs_of(rows)} runs. Each cell: our p, with Holm's "
         "correction over all sixty (+ IPOA better, - worse, = not told apart at 0.05) · printed p.",

@@ -22,12 +22,12 @@ def of_map(
     rows: Sequence[Row], case: str, algorithm: str, measure: str | None = None, settings: str = "{}"
 ) -> NDArray[np.float64]:
     """The cost of every run on a map, or one of its measures, in the order of the runs."""
-    found = []
+    values = []
     for row in rows:
         if (row.trial.case, row.trial.algorithm, row.trial.settings) == (case, algorithm, settings):
             value = row.cost if measure is None else row.measures[measure]
-            found.append((row.trial.run, value))
-    return np.array([value for _, value in sorted(found)], dtype=np.float64)
+            values.append((row.trial.run, value))
+    return np.array([value for _, value in sorted(values)], dtype=np.float64)
 
 
 def mean_over_maps(rows: Sequence[Row], algorithm: str, measure: str | None = None) -> float:
@@ -66,12 +66,12 @@ def table_5(rows: Sequence[Row]) -> Table:
 
 def table_6(rows: Sequence[Row]) -> Table:
     """Length, iterations to convergence, turn and distance to obstacles on the five maps with eight obstacles."""
-    return _flights("Table 6", rows, {k: (f"map-8-{k}", found) for k, found in published.TABLE_6.items()})
+    return _flights("Table 6", rows, {k: (f"map-8-{k}", printed) for k, printed in published.TABLE_6.items()})
 
 
 def table_7(rows: Sequence[Row]) -> Table:
     """The same on the maps with six and ten obstacles."""
-    return _flights("Table 7", rows, {k: (f"map-{k}-1", found) for k, found in published.TABLE_7.items()})
+    return _flights("Table 7", rows, {k: (f"map-{k}-1", printed) for k, printed in published.TABLE_7.items()})
 
 
 def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[str, published.Numbers]]]) -> Table:
@@ -103,9 +103,9 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
         f"(printed {per_cent(float(printed_length['ipoa']), float(printed_length[name]))})"
         for name in published.ALGORITHMS[1:]
     )
-    told = "; ".join(
-        f"{rival.upper()} {' / '.join(str(found.count(sign)) for sign in '+=-')}"
-        for rival, found in on_length(rows, cases).items()
+    comparison = "; ".join(
+        f"{rival.upper()} {' / '.join(str(outcomes.count(sign)) for sign in '+=-')}"
+        for rival, outcomes in on_length(rows, cases).items()
     )
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
@@ -115,7 +115,7 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
         [
             f"Length of IPOA's paths against each: {gains}.",
             f"Told to be shorter / not told apart / longer on the maps (rank-sum, Holm over {len(cases)} maps and five "
-            f"rivals, 0.05): {told}.",
+            f"rivals, 0.05): {comparison}.",
             *([f"Mean rank by length: {_ranked_by_length(rows, cases)}."] if len(cases) > 2 else []),
             "Distance is the smooth curve's length. Iterations: when, of a thousand, the best cost was within 1 % of "
             "its last. Turn: mean angle between adjacent legs of the control points, the nodes that the algorithms "
@@ -187,8 +187,8 @@ def table_8(rows: Sequence[Row]) -> Table:
 
 def _known(rows: Sequence[Row], algorithm: str, measure: str) -> list[float]:
     """A measure of all runs that have it."""
-    found = [row.measures[measure] for row in rows if row.trial.algorithm == algorithm and measure in row.measures]
-    return [value for value in found if not isinstance(value, list)]
+    values = [row.measures[measure] for row in rows if row.trial.algorithm == algorithm and measure in row.measures]
+    return [value for value in values if not isinstance(value, list)]
 
 
 def table_improvements() -> Table:
@@ -198,11 +198,11 @@ def table_improvements() -> Table:
         for rival, claimed in claims.items():
             k = published.ALGORITHMS.index(rival)
             cells = []
-            for measure, said in zip(published.IMPROVED[where][0], claimed, strict=True):
+            for measure, claim in zip(published.IMPROVED[where][0], claimed, strict=True):
                 rows = [table[measure] for table in published.IMPROVED[where]]
                 follows = float(np.mean([(row[k] - row[0]) / row[k] for row in rows])) * 100
-                mark = "" if abs(follows - said) < 0.1 else " **!**"
-                cells.append(f"{measure} {said:.2f} % · {follows:.2f} %{mark}")
+                mark = "" if abs(follows - claim) < 0.1 else " **!**"
+                cells.append(f"{measure} {claim:.2f} % · {follows:.2f} %{mark}")
             lines.append([where, rival.upper(), *cells])
     return Table(
         "Improvements of IPOA that the text claims · that follow from its tables (mean over the maps); "

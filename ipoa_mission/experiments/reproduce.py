@@ -27,6 +27,7 @@ from ipoa_mission.experiments.series import (
 )
 from ipoa_mission.experiments.tables import Table
 from ipoa_mission.files import write_atomically
+from ipoa_mission.progress import Progress, silent
 
 
 @dataclass(frozen=True)
@@ -79,14 +80,14 @@ def reproduce(
     out: Path,
     jobs: int,
     executor: str | None,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: Progress = silent,
 ) -> list[Path]:
     """Measure and write one of `ITEMS`, or "all" of them and the page of findings; returns the files written.
 
     Runs are kept in `out`/rows, one CSV file a series, and not repeated. Tables are written to `out` as Markdown and
     CSV, figures as SVG; the page of findings is written beside `out`, under its name with `.md`. `runs` is how many of
     each (None: as many as the paper). `jobs` processes run them, or the workers of the Dask scheduler at `executor`.
-    `progress(series, done, all)` is called after each run.
+    `progress` is told after each run.
 
     Raises:
         BadInput: `what`, `runs`, `jobs` or `executor` is wrong.
@@ -119,7 +120,7 @@ def _measure(
     out: Path,
     jobs: int,
     address: str | None,
-    progress: Callable[[str, int, int], None] | None,
+    progress: Progress,
 ) -> Rows:
     """The rows of every series, measured if they are not in `out` yet."""
     if not series:
@@ -127,12 +128,7 @@ def _measure(
     rows = {}
     with open_executor(jobs, address) as executor:
         for name, one in series.items():
-
-            def tell(done: int, every: int, name: str = name) -> None:
-                if progress is not None:
-                    progress(name, done, every)
-
-            rows[name] = measure(one.trials(runs), out / "rows" / f"{name}.csv", executor, tell)
+            rows[name] = measure(one.trials(runs), out / "rows" / f"{name}.csv", executor, progress, f"{name}: ")
     return rows
 
 

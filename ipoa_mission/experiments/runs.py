@@ -25,6 +25,7 @@ from ipoa_mission.experiments.rivals import RIVALS
 from ipoa_mission.experiments.rows import Row, Trial, line_of, open_to_append, read_rows
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
+from ipoa_mission.progress import Progress, count, silent
 
 #: Where along a run its best cost is kept: shares of the evaluations it spent.
 CHECKPOINTS = np.linspace(0, 1, 26)
@@ -51,18 +52,18 @@ def _run(trial: Trial) -> Row:
     rng = np.random.default_rng([*trial.problem.encode(), *trial.case.encode(), trial.dimension, trial.run])
     started = time.process_time()
     if trial.algorithm in RIVALS:
-        found = RIVALS[trial.algorithm](problem.cost, problem.box, trial.budget, rng)
+        optimum = RIVALS[trial.algorithm](problem.cost, problem.box, trial.budget, rng)
     else:
         optimizer = build_optimizer(trial.algorithm, json.loads(trial.settings))
-        found = minimize(problem.cost, problem.box, optimizer, rng, trial.budget or None)
+        optimum = minimize(problem.cost, problem.box, optimizer, rng, trial.budget or None)
     seconds = time.process_time() - started
     return Row(
         trial,
-        found.cost,
-        int(found.evaluations[-1]),
+        optimum.cost,
+        int(optimum.evaluations[-1]),
         seconds,
-        _at_checkpoints(found),
-        problem.measure(found),
+        _at_checkpoints(optimum),
+        problem.measure(optimum),
         date.today().isoformat(),
         _versions(),
     )
@@ -72,46 +73,47 @@ def measure(
     trials: Iterable[Trial],
     path: Path,
     executor: Executor,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = silent,
+    what: str = "",
 ) -> list[Row]:
     """Run what `path` does not hold yet, append it there, and return the rows of all `trials`, in their order.
 
-    `progress(done, all)` is called at the start and after each run. Whatever ends it early, what waits is cancelled.
+    `progress` is told at the start and after each run how many of `what` are done. Whatever ends it early, what waits
+    is cancelled.
 
     Raises:
         BadInput: `path` is not a file of runs, or a trial cannot be run.
         MissionError: another process is adding runs to `path`, or a library is missing.
     """
     wanted = list(dict.fromkeys(trials))
-    known = {row.trial: row for row in read_rows(path)}
-    tell = progress or (lambda _done, _all: None)
-    if known.keys() >= set(wanted):
-        tell(len(wanted), len(wanted))
-        return [known[trial] for trial in wanted]
+    row_of = {row.trial: row for row in read_rows(path)}
+    if row_of.keys() >= set(wanted):
+        count(progress, len(wanted), len(wanted), what)
+        return [row_of[trial] for trial in wanted]
     with open_to_append(path) as file:
-        known = {row.trial: row for row in read_rows(path)}  # now that nobody else adds to them
-        missing = [trial for trial in wanted if trial not in known]
+        row_of = {row.trial: row for row in read_rows(path)}  # now that nobody else adds to them
+        missing = [trial for trial in wanted if trial not in row_of]
         done = len(wanted) - len(missing)
-        tell(done, len(wanted))
+        count(progress, done, len(wanted), what)
         waiting = [executor.submit(run_trial, trial) for trial in missing]
         try:
             for future in as_completed(waiting):
                 row = future.result()
-                known[row.trial] = row
+                row_of[row.trial] = row
                 file.write(line_of(row))
                 file.flush()
                 done += 1
-                tell(done, len(wanted))
+                count(progress, done, len(wanted), what)
         finally:
             for future in waiting:
                 future.cancel()
-    return [known[trial] for trial in wanted]
+    return [row_of[trial] for trial in wanted]
 
 
-def _at_checkpoints(found: Optimum) -> tuple[float, ...]:
+def _at_checkpoints(optimum: Optimum) -> tuple[float, ...]:
     """The best cost known when a share of all evaluations had been spent; before the first batch, its best."""
-    spent = np.searchsorted(found.evaluations, CHECKPOINTS * found.evaluations[-1], side="right") - 1
-    return tuple(float(h) for h in found.history[np.maximum(spent, 0)])
+    spent = np.searchsorted(optimum.evaluations, CHECKPOINTS * optimum.evaluations[-1], side="right") - 1
+    return tuple(float(h) for h in optimum.history[np.maximum(spent, 0)])
 
 
 def _versions() -> str:

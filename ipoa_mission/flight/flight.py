@@ -4,23 +4,22 @@ import json
 import logging
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Finding
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.checks.way_home import told as told_of_way_home
+from ipoa_mission.checks.way_home import climb_for_way_home
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.flight.summary import summarize
 from ipoa_mission.items import Mission
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
-from ipoa_mission.planning.search import Progress
-from ipoa_mission.report.page import Subject, page_html
+from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, assemble
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.prove_route import prove_mission
@@ -30,6 +29,9 @@ from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.tube.promise import Promise, promise_of
 from ipoa_mission.wind import Wind
+
+if TYPE_CHECKING:
+    from ipoa_mission.link.logbook import FlightRecord
 
 log = logging.getLogger(__name__)
 
@@ -87,12 +89,14 @@ class Flight:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
         return summarize(self)
 
-    def report(self, path: str | Path, record: FlightRecord | None = None) -> None:
+    def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
         """Write the page that shows it, and how it was flown if that is known.
 
         Raises:
             BadInput: the file cannot be written.
         """
+        from ipoa_mission.report.page import Subject, page_html
+
         subject = Subject(
             self.scenario,
             self.plan,
@@ -106,9 +110,7 @@ class Flight:
         write_atomically(Path(path), page_html(subject, record))
 
 
-def plan_flight(
-    scenario: Scenario, seed: int = 0, wind: Wind | None = None, progress: Progress = lambda done, words: None
-) -> Flight:
+def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, progress: Progress = silent) -> Flight:
     """Plan a path, choose waypoints, prove, check and time the mission, and see that the battery lasts.
 
     `wind`, if given, goes before the scenario's own. It counts for the choice of the route, for the tube and the times.
@@ -129,10 +131,10 @@ def plan_flight(
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
     promise = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
     findings = refuse_errors(check_mission(mission, scenario, promise))
-    found = estimate(mission, wind=scenario.wind.air())
-    energy = flight_energy(scenario, found.track.times, found.track.points, found.track.speeds)
+    predicted = estimate(mission, wind=scenario.wind.air())
+    energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
     expect_to_come_home(scenario, energy)
-    told = (finding.message for finding in findings)
-    remarks = (*told, *told_of_way_home(mission), *scenario.remarks, *left_out(mission))
+    messages = (finding.message for finding in findings)
+    remarks = (*messages, *climb_for_way_home(mission), *scenario.remarks, *left_out(mission))
     proof = prove_mission(mission, scenario)
-    return Flight(scenario, plan, options, mission, proof, promise, findings, found, energy, remarks)
+    return Flight(scenario, plan, options, mission, proof, promise, findings, predicted, energy, remarks)

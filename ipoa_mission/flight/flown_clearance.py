@@ -79,7 +79,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     legs = [] if mission is None else cruise(mission, scenario)
     if mission is not None and legs:
         checks = prove_mission(mission, scenario).checks
-        planned = min(check.found.distance for check in checks if check.limit in ("obstacles", "ground"))
+        planned = min(check.nearest.distance for check in checks if check.limit in ("obstacles", "ground"))
         strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
         promise = promise_if_known(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
         kept = None if promise is None else promise.clearance
@@ -102,12 +102,12 @@ def _flown(record: FlightRecord, scenario: Scenario) -> Points:
 def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
     """The clearance, to an obstacle or to the ground, with the least left of what is required, and that."""
     world, limits = scenario.airspace, scenario.limits
-    found = [(world.obstacle_clearance(points), limits.obstacle_distance)]
+    clearances = [(world.obstacle_clearance(points), limits.obstacle_distance)]
     high = np.flatnonzero(points[:, 2] - world.ground(points) >= limits.height_above_ground)
     if len(high) and high[-1] > high[0]:
         ground = world.terrain_clearance(points[high[0] : high[-1] + 1])
-        found.append((ground, limits.height_above_ground))
-    return min(found, key=lambda one: one[0].distance - one[1])
+        clearances.append((ground, limits.height_above_ground))
+    return min(clearances, key=lambda one: one[0].distance - one[1])
 
 
 def _between(points: Points, first: Points, last: Points) -> Points:

@@ -35,9 +35,9 @@ def summarize(flight: "Flight") -> dict[str, Any]:
         "clearance": clearance_as_json(flight.promise)
         | {"curve": _clearance(plan.proof), "legs": _clearance(flight.proof)},
         "limits": [
-            {"limit": c.limit, "found": _rounded(c.found.distance), "required": _rounded(c.required), "unit": c.unit}
+            {"limit": c.limit, "found": _rounded(c.nearest.distance), "required": _rounded(c.required), "unit": c.unit}
             for c in flight.proof.checks
-            if math.isfinite(c.found.distance)
+            if math.isfinite(c.nearest.distance)
         ],
         "control_points": [[_rounded(value) for value in point] for point in plan.curve.control],
         "items": len(mission.items),

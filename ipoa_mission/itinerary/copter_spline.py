@@ -1,44 +1,18 @@
-"""The curve on which ArduCopter flies to a spline waypoint, and where it flies on without a stop.
+"""The curve on which ArduCopter flies to a spline waypoint.
 
 A cubic Hermite segment whose tangents are differences of places; an end where the copter stops has none. Source:
 ArduPilot's documentation of spline waypoints, and the recorded flights.
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from ipoa_mission.commands import Command
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Item
-from ipoa_mission.itinerary.itinerary import LAST_NAV
-
-Place = tuple[float, float, float]
+from ipoa_mission.itinerary.program import Place
 
 NO_TANGENT = (0.0, 0.0, 0.0)
 SHORTEST_TANGENT = 0.01  # a leg before that is shorter gives a spline no direction [m]
-
-#: After a waypoint the copter flies on into these; before everything else it stops.
-FLOWN_ON_INTO = frozenset(
-    {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}
-)
-
-
-def is_passed(item: Item) -> bool:
-    """Whether the copter does not wait at this item."""
-    return item.command in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT) and item.params[0] < 1
-
-
-def flies_on_to(items: Sequence[Item], n: int) -> int | None:
-    """The item that the copter flies on to without stopping at item n; those that do not move it are no hindrance."""
-    if not is_passed(items[n]):
-        return None
-    for later in range(n + 1, len(items)):
-        command = items[later].command
-        if command <= LAST_NAV:
-            return later if command in FLOWN_ON_INTO else None
-    return None
 
 
 def spline_tangents(

@@ -1,30 +1,20 @@
-"""What the vehicle meets in flight, one visit after the other: jumps followed, positions in metres around home.
-
-`up` is the height above home as the autopilot keeps it (a flat Earth), not the height over home's tangent plane.
-"""
+"""What the vehicle meets in flight, one visit after the other: jumps followed, nothing left open."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-import numpy as np
-
-from ipoa_mission.commands import Command, Frame
+from ipoa_mission.commands import LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item, Mission
-from ipoa_mission.itinerary.as_flown import as_flown
+from ipoa_mission.itinerary.program import Program, as_flown
 from ipoa_mission.world.frame import LocalFrame
 
 #: ArduPilot's own bound on what a mission may hold, taken here as a bound on what a loop may unroll to.
 MOST_VISITS = 20_000
-
-
-LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
-#: Above it, but they take time all the same.
+#: Above LAST_NAV, but they take time all the same.
 UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})
 #: They put off the commands after them, which the models take as done at once.
 CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
-TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
 
 
 @dataclass(frozen=True)
@@ -37,10 +27,10 @@ class Visit:
 
 @dataclass(frozen=True)
 class Itinerary:
-    """Visits in order, and for each where it lies: east, north, up (n, 3) [m]; NaN where an item names no place."""
+    """Visits in order, and the same as a program without jumps; `over_terrain` names items whose height is."""
 
     visits: tuple[Visit, ...]
-    places: Points
+    program: Program
     over_terrain: tuple[int, ...]
 
 
@@ -52,61 +42,40 @@ def itinerary(mission: Mission) -> Itinerary:
     Raises:
         BadInput: a jump leads nowhere or never ends.
     """
-    mission = as_flown(mission)
-    order = _followed(mission)
-    places = _places(mission)
-    over_terrain = tuple(
-        n
-        for n, item in enumerate(mission.items, 1)
-        if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT) and item.has_position
+    order = _unrolled(mission)
+    items = as_flown(replace(mission, items=tuple(mission.items[n] for n in order))).items
+    over_terrain = (
+        n + 1
+        for n, item in sorted(dict(zip(order, items, strict=True)).items())
+        if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT and item.has_position
     )
-    visits = tuple(Visit(n + 1, mission.items[n]) for n in order)
-    return Itinerary(visits, places[list(order)] if order else places[:0], over_terrain)
+    visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
+    return Itinerary(visits, Program(items, LocalFrame(mission.home), mission.autopilot), tuple(over_terrain))
 
 
 def flying_already(route: Itinerary) -> float | None:
     """The height over home [m] at which a mission without a take-off begins: that of its first place; else None."""
-    for visit, place in zip(route.visits, route.places, strict=True):
+    for visit, place in zip(route.visits, route.program.places, strict=True):
         command = visit.item.command
         if command <= LAST_NAV and command != Command.NAV_DELAY:
-            return None if command in TAKEOFFS or math.isnan(place[0]) else max(float(place[2]), 0.0)
+            return None if command in TAKEOFFS or math.isnan(place[0]) else max(0.0, float(place[2]))
     return None
 
 
-def _followed(mission: Mission) -> list[int]:
+def _unrolled(mission: Mission) -> list[int]:
     """Indices of the items in the order in which they come up, every DO_JUMP followed as often as it asks."""
-    left: dict[int, int] = {}
+    count = len(mission.items)
+    for n, item in enumerate(mission.items):
+        if item.command == Command.DO_JUMP and not 1 <= item.params[0] < count + 1:
+            raise BadInput(f"items[{n}].param1: expected an item from 1 to {count} to jump to, not {item.params[0]:g}")
+        if item.command == Command.DO_JUMP and not item.params[1] >= 0:
+            raise BadInput(f"items[{n}].param2: the jump never ends, so the flight has no time")
+    program = Program(mission.items, LocalFrame(mission.home), mission.autopilot)
     order: list[int] = []
-    at = 0
-    while at < len(mission.items):
-        item = mission.items[at]
+    at = program.after(-1)
+    while at is not None:
         if len(order) > MOST_VISITS:
             raise BadInput(f"items[{at}]: the mission's jumps make more than {MOST_VISITS} visits")
-        if item.command != Command.DO_JUMP:
-            order.append(at)
-            at += 1
-            continue
-        target, repeats = int(item.params[0]), int(item.params[1])
-        if not 1 <= target <= len(mission.items):
-            raise BadInput(
-                f"items[{at}].param1: expected an item from 1 to {len(mission.items)} to jump to, not {target}"
-            )
-        if repeats < 0:
-            raise BadInput(f"items[{at}].param2: the jump never ends, so the flight has no time")
-        remaining = left.setdefault(at, repeats)
-        left[at] = remaining - 1
-        at = target - 1 if remaining > 0 else at + 1
+        order.append(at)
+        at = program.after(at)
     return order
-
-
-def _places(mission: Mission) -> Points:
-    items = mission.items
-    if not items:
-        return np.zeros((0, 3))
-    lat, lon = (np.array([getattr(item, name) for item in items]) for name in ("latitude_deg", "longitude_deg"))
-    flat = LocalFrame(mission.home).to_local(lat, lon, np.full(len(items), mission.home.altitude))
-    up = np.array([mission.altitude_above_home(item) for item in items])
-    up = np.where(np.isnan(up), np.array([item.altitude for item in items]), up)
-    placed = np.array([item.has_position for item in items])
-    east, north = (np.where(placed, flat[:, axis], math.nan) for axis in (0, 1))
-    return np.column_stack([east, north, up])

@@ -21,8 +21,8 @@ from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item, Mission
-from ipoa_mission.itinerary.as_flown import as_flown
-from ipoa_mission.itinerary.copter_spline import Place, flies_on_to, spline_chords, spline_tangents
+from ipoa_mission.itinerary.copter_spline import spline_chords, spline_tangents
+from ipoa_mission.itinerary.program import Place, as_flown, onward
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
@@ -74,6 +74,20 @@ def join(legs: Sequence[Leg]) -> tuple[Points, float]:
     return points, max(leg.stray for leg in legs)
 
 
+def item_place(item: Item, mission: Mission, frame: LocalFrame, ground: Ground) -> Vector | None:
+    """Where an item lies, (3,) [m]; None if it names no place or no height."""
+    if not (item.has_position and math.isfinite(item.altitude)):
+        return None
+    amsl = mission.home.altitude
+    if _follows(item):
+        place = frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+        return np.array([*place[:2], ground(place[None, :])[0] + item.altitude])
+    amsl += mission.altitude_above_home(item)
+    if math.isnan(amsl):
+        return None
+    return frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+
+
 class _Flight:
     """Where the vehicle is, item after item."""
 
@@ -105,21 +119,11 @@ class _Flight:
                     yield self._onward(seq, item, target)
 
     def _target(self, item: Item) -> Vector | None:
-        """Where an item lies, (3,) [m]; None if it names no place or no height."""
-        if not (item.has_position and math.isfinite(item.altitude)):
-            return None
-        amsl = self.mission.home.altitude
-        if _follows(item):
-            place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
-            return np.array([*place[:2], self.ground(place[None, :])[0] + item.altitude])
-        amsl += self.mission.altitude_above_home(item)
-        if math.isnan(amsl):
-            return None
-        return self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+        return item_place(item, self.mission, self.frame, self.ground)
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
         """The leg to an item, straight or curved; the next one may begin with its direction."""
-        origin, following = self.at, flies_on_to(self.mission.items, seq - 1)
+        origin, following = self.at, onward(self.mission.items, seq - 1, self.mission.autopilot)
         is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot is Autopilot.ARDUPILOT
         if is_curve and not _follows(item) and np.linalg.norm(target - origin) > SHORTEST_CURVE:
             leg, arriving = self._curve(seq, target, following)
@@ -155,10 +159,9 @@ class _Flight:
         return np.asarray(points)
 
     def _takeoff(self, seq: int, item: Item) -> Iterator[Leg]:
-        height = item.altitude if math.isnan(h := self.mission.altitude_above_home(item)) else h
-        if not math.isfinite(height):
+        if not math.isfinite(item.altitude):
             return
-        yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + height)
+        yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + item.height(self.mission.home))
         target = self._target(item)
         if self.mission.autopilot is Autopilot.ARDUPILOT or target is None:
             return  # ArduCopter climbs where it stands, whatever position the take-off names

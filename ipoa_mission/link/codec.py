@@ -281,8 +281,8 @@ def is_old(frame: bytes) -> bool:
 
 def next_magic(data: bytes, at: int) -> int:
     """Where, from here on, a frame may begin; -1 if nowhere."""
-    found = _BEGINNING.search(data, at)
-    return found.start() if found else -1
+    match = _BEGINNING.search(data, at)
+    return match.start() if match else -1
 
 
 def _frame_length(data: bytes, start: int) -> int | None:

@@ -16,6 +16,7 @@ from ipoa_mission.link.events import words_of
 from ipoa_mission.link.item_payloads import Payloads, unpack_items
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import (
+    INFO,
     Ack,
     ClearAll,
     Count,
@@ -28,9 +29,9 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
+from ipoa_mission.progress import Progress, count, silent
 
 T = TypeVar("T")
-Progress = Callable[[int, int], None]
 Take = Callable[[int, ItemAt], int]
 
 #: Refusals after which a vehicle may still go on asking: a second COUNT or a stray item gets ERROR from PX4,
@@ -42,11 +43,6 @@ GRACE_S = 3.0
 ENDING_S = 3.0
 #: The words that explain a refusal come before it or just behind it.
 WORDS_S = 0.3
-INFO, WARNING = 6, 4  # MAV_SEVERITY; less is worse
-
-
-def silent(done: int, total: int) -> None:
-    """The progress callback that tells nobody."""
 
 
 class MissionRefused(MissionError):
@@ -56,8 +52,8 @@ class MissionRefused(MissionError):
         self.result, self.kind, self.seq, self.words = result, kind, seq, words
         name = Result(result).name if result in set(Result) else str(result)
         where = "" if seq is None else f" at item {seq}"
-        said = f": {words}" if words else ""
-        super().__init__(f"the vehicle refused the {list_name(kind)}{where} with {name}{said}")
+        reason = f": {words}" if words else ""
+        super().__init__(f"the vehicle refused the {list_name(kind)}{where} with {name}{reason}")
 
 
 def list_name(kind: int) -> str:
@@ -78,13 +74,13 @@ class VehicleTexts:
         """Keep what it says in words, or by the number of an event."""
         match message:
             case Text(severity, text) if severity <= self.faintest:
-                said = text.rstrip("\t ")  # PX4 marks a text that an event repeats by a tab
+                words = text.rstrip("\t ")  # PX4 marks a text that an event repeats by a tab
             case Event(number, _, arguments):
-                said = words_of(number, arguments) or ""
+                words = words_of(number, arguments) or ""
             case _:
                 return
-        if said and said not in self.words:
-            self.words = [*self.words[-7:], said]
+        if words and words not in self.words:
+            self.words = [*self.words[-7:], words]
 
     def __str__(self) -> str:
         return "; ".join(self.words)
@@ -112,21 +108,22 @@ def offer(
     items: Sequence[Item],
     kind: int,
     opening: type[Ask] | type[Tell] = Ask,
-    progress: Progress = silent,
+    asked: Callable[[int], None] = lambda seq: None,
     packed: Payloads | None = None,
 ) -> Dialogue[int | None]:
     """Offer a list. Returns ACCEPTED, or what else followed the last item: None for silence, a doubtful refusal.
 
     With `opening` Ask we are the client: the vehicle pulls one item at a time, in order, so a request for an earlier
     item is a late duplicate and stays unanswered. With Tell we are the vehicle, and the client may ask for any item.
-    `packed` are the items' payloads, where they have been made already.
+    `asked` is told of each item that is asked for, and at the end how many there are. `packed` are the items'
+    payloads, where they have been made already.
 
     Raises:
         MissionRefused: a refusal that ended the transfer.
         NoAnswer: silence before the last item was asked for.
     """
     in_order = opening is Ask
-    run = ItemsSent(kind, len(items), items=items, packed=packed, progress=progress)
+    run = ItemsSent(kind, len(items), items=items, packed=packed, asked=asked)
     last = len(items) - 1
     texts = VehicleTexts()
     step: Step = opening(Count(len(items), kind))
@@ -149,7 +146,7 @@ def offer(
                     step = Pause(ENDING_S)
             case Ack(Result.ACCEPTED, k) if k == kind:
                 if run.at == last or not in_order:
-                    progress(len(items), len(items))
+                    asked(len(items))
                     return Result.ACCEPTED
             case Ack(Result.INVALID_SEQUENCE, k) if k == kind:
                 run.doubt = Result.INVALID_SEQUENCE
@@ -240,12 +237,12 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
         MissionRefused, NoAnswer.
     """
     stored: list[Item | bytes] = []
-    count = yield from _open_list(kind)
+    total = yield from _open_list(kind)
     idle = 0
 
     def keep(one: Item | bytes) -> None:
         stored.append(one)
-        progress(len(stored), count)
+        count(progress, len(stored), total)
 
     def take(seq: int, heard: ItemAt) -> int:
         keep(heard.item)
@@ -254,17 +251,17 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
     while True:
         before = len(stored)
         try:
-            yield from fetch(count, kind, take, run=ItemsRead(kind, count, at=before, keep=keep))
+            yield from fetch(total, kind, take, run=ItemsRead(kind, total, at=before, keep=keep))
         except TimeUp as late:
-            raise TimeUp(f"{late}: {len(stored)} of {count} items of the {list_name(kind)} had come") from None
+            raise TimeUp(f"{late}: {len(stored)} of {total} items of the {list_name(kind)} had come") from None
         except NoAnswer as silence:
             idle = idle + 1 if len(stored) == before else 0
             if idle > 2:
                 raise
             again = yield from _open_list(kind, silence)
-            if again != count:  # another list has come in between
+            if again != total:  # another list has come in between
                 stored.clear()
-            count = again
+            total = again
         else:
             yield Remark(Ack(Result.ACCEPTED, kind))
             return stored

@@ -14,13 +14,13 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.link.dataflash import read_records
 from ipoa_mission.link.logged import Begun, Fixes, Held, Log, item_begun, presence
-from ipoa_mission.link.messages import Current, Message, ParamValue, Text
+from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1
 HOME = 1  # ORGN.Type
-FLOAT, INFO = 9, 6  # MAV_PARAM_TYPE_REAL32, MAV_SEVERITY_INFO
+FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 KINDS = frozenset({"POS", "XKF1", "NKF1", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
 #: What flew, in the log's own words: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
 NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
@@ -48,52 +48,52 @@ def read_copter_log(path: Path) -> Log:
     Raises:
         BadInput: the file cannot be read, holds no positions, or is of another vehicle than a copter.
     """
-    found = _Gathered()
+    gathered = _Gathered()
     for kind, values in read_records(path, KINDS):
-        _note(found, kind, values)
-    if found.vehicle and found.vehicle != "Copter":
-        raise BadInput(f"{path}: expected the log of a copter, not of ArduPilot's {found.vehicle}")
-    if len(found.fixes) < 2:
+        _note(gathered, kind, values)
+    if gathered.vehicle and gathered.vehicle != "Copter":
+        raise BadInput(f"{path}: expected the log of a copter, not of ArduPilot's {gathered.vehicle}")
+    if len(gathered.fixes) < 2:
         raise BadInput(f"{path}: expected an ArduPilot log with positions (POS), but there are none")
-    fixes = _fixes(np.array(found.fixes), np.array(found.velocities))
-    return Log(Autopilot.ARDUPILOT, fixes, (*_states(found), *found.events), found.version)
+    fixes = _fixes(np.array(gathered.fixes), np.array(gathered.velocities))
+    return Log(Autopilot.ARDUPILOT, fixes, (*_states(gathered), *gathered.events), gathered.version)
 
 
-def _note(found: _Gathered, kind: str, values: dict[str, Any]) -> None:
+def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
     """One record."""
     time = values["TimeUS"] / 1e6
-    if found.begins is None:
-        found.begins = time
-    said: list[Message] = []
+    if gathered.begins is None:
+        gathered.begins = time
+    messages: list[Message] = []
     match kind:
         case "POS":
-            found.fixes.append((time, *(values[name] for name in ("Lat", "Lng", "Alt", "RelHomeAlt"))))
+            gathered.fixes.append((time, *(values[name] for name in ("Lat", "Lng", "Alt", "RelHomeAlt"))))
         case "XKF1" | "NKF1" if values.get("C", 0) == 0:
-            found.velocities.append((time, values["VN"], values["VE"], values["VD"]))
+            gathered.velocities.append((time, values["VN"], values["VE"], values["VD"]))
         case "MODE":
-            found.modes.append((time, values["ModeNum"]))
+            gathered.modes.append((time, values["ModeNum"]))
         case "ARM":
-            found.arming.append((time, bool(values["ArmState"])))
+            gathered.arming.append((time, bool(values["ArmState"])))
         case "EV" if values["Id"] in (ARMED_EVENT, DISARMED_EVENT):
-            found.arming.append((time, values["Id"] == ARMED_EVENT))
+            gathered.arming.append((time, values["Id"] == ARMED_EVENT))
         case "MISE":
             begins = Begun(values["CNum"], values["CTot"], _item(values))
-            said = [begins, Current(begins.seq, begins.total)]
+            messages = [begins, Current(begins.seq, begins.total)]
         case "CMD":
-            said = _list(found.items, values)
+            messages = _list(gathered.items, values)
         case "ORGN" if values["Type"] == HOME:
-            said = [HomePosition(values["Lat"], values["Lng"], values["Alt"])]
+            messages = [HomePosition(values["Lat"], values["Lng"], values["Alt"])]
         case "PARM":
-            said = [ParamValue(values["Name"], values["Value"], FLOAT, 0, 0)]
+            messages = [ParamValue(values["Name"], values["Value"], FLOAT, 0, 0)]
             if values["Name"] == "LOG_DISARMED":
-                found.opened_by_arming = values["Value"] == 0
+                gathered.opened_by_arming = values["Value"] == 0
         case "MSG":
             text = values["Message"]
             begun, named = item_begun(text), NAMED.match(text)
-            said = [*([begun] if begun else []), Text(INFO, text)]
+            messages = [*([begun] if begun else []), Text(INFO, text)]
             if named:
-                found.vehicle, found.version = named.groups()
-    found.events += [(time, message) for message in said]
+                gathered.vehicle, gathered.version = named.groups()
+    gathered.events += [(time, message) for message in messages]
 
 
 def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
@@ -113,26 +113,26 @@ def _item(values: dict[str, Any]) -> Item:
     return Item(values["CId"], frame, params, values["Lat"], values["Lng"], values["Alt"])
 
 
-def _states(found: _Gathered) -> list[tuple[float, Message]]:
+def _states(gathered: _Gathered) -> list[tuple[float, Message]]:
     """A heartbeat at every change of arming or mode.
 
     With LOG_DISARMED 0 a log is opened by the arming, and has no record of it.
     """
-    begins = found.begins or 0.0
-    armed = not found.arming[0][1] if found.arming else found.opened_by_arming
+    begins = gathered.begins or 0.0
+    armed = not gathered.arming[0][1] if gathered.arming else gathered.opened_by_arming
     mode = 0
-    said: list[tuple[float, Message]] = []
-    if not armed or found.opened_by_arming:
-        said.append((begins, presence(Autopilot.ARDUPILOT, False, mode)))
+    states: list[tuple[float, Message]] = []
+    if not armed or gathered.opened_by_arming:
+        states.append((begins, presence(Autopilot.ARDUPILOT, False, mode)))
     if armed:
-        said.append((begins, presence(Autopilot.ARDUPILOT, True, mode)))
-    changes: list[tuple[float, bool | None, int | None]] = [(time, to, None) for time, to in found.arming]
-    changes += [(time, None, to) for time, to in found.modes]
+        states.append((begins, presence(Autopilot.ARDUPILOT, True, mode)))
+    changes: list[tuple[float, bool | None, int | None]] = [(time, to, None) for time, to in gathered.arming]
+    changes += [(time, None, to) for time, to in gathered.modes]
     for time, arming, turned in sorted(changes, key=lambda change: change[0]):
         armed = armed if arming is None else arming
         mode = mode if turned is None else turned
-        said.append((time, presence(Autopilot.ARDUPILOT, armed, mode)))
-    return said
+        states.append((time, presence(Autopilot.ARDUPILOT, armed, mode)))
+    return states
 
 
 def _fixes(rows: Points, velocities: Points) -> Fixes:

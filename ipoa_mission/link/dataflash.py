@@ -84,14 +84,14 @@ def read_records(path: Path, wanted: frozenset[str]) -> Iterator[tuple[str, dict
             at += 1
             continue
         if number == FMT:
-            told, size, *texts = _FMT.unpack_from(data, at + 3)
+            described, size, *texts = _FMT.unpack_from(data, at + 3)
             name, letters, columns = map(_words, texts)
             kind = _kind(name, letters, columns)
-            if size >= 3 and told != FMT:
-                lengths[told] = size
-                kinds.pop(told, None)
+            if size >= 3 and described != FMT:
+                lengths[described] = size
+                kinds.pop(described, None)
                 if kind is not None and name in wanted and kind.layout.size == size - 3:
-                    kinds[told] = kind
+                    kinds[described] = kind
         elif number in kinds:
             yield kinds[number].name, kinds[number].read(data, at + 3)
         at += length

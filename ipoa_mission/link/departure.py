@@ -4,7 +4,6 @@ Nothing turns before the vehicle tells that it stands disarmed, will begin at th
 mode in which it is armed; and what is refused after that disarms it again.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE, mode_name
@@ -23,6 +22,7 @@ from ipoa_mission.link.orders import (
 )
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
+from ipoa_mission.progress import Progress, silent
 
 NAV_TAKEOFF, RUN_PREARM_CHECKS = 22, 401
 #: What a flight is watched by, and how often it is wanted [s]; ArduPilot sends none of it unasked.
@@ -50,7 +50,7 @@ class NotReady(MissionError):
 
 @dataclass(frozen=True)
 class Departure:
-    """A flight about to begin at item `first` (as numbered on the wire); `report` is told what is waited for.
+    """A flight about to begin at item `first` (as numbered on the wire); `progress` is told what is waited for.
 
     `moving`: the first item from there on that moves the vehicle, which ArduPilot calls current where others, done at
     once, stand before it. `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that
@@ -61,7 +61,7 @@ class Departure:
     first: int
     moving: int
     climb: float = 0.0
-    report: Callable[[str], None] = lambda words: None
+    progress: Progress = silent
 
     @property
     def autopilot(self) -> Autopilot:
@@ -81,9 +81,11 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
             refused.append(name)
     state.heard -= set(NEEDED.values())
     if not (yield from until(lambda: state.heard >= set(NEEDED.values()), STREAM_S)):
-        silent = [name for name, kind in NEEDED.items() if kind not in state.heard]
-        said = f"; it refused to send {', '.join(refused)}" if refused else ""
-        raise NotReady(f"the vehicle does not send {', '.join(silent)}{said}", hint="without it no flight is watched")
+        unheard = [name for name, kind in NEEDED.items() if kind not in state.heard]
+        refusal = f"; it refused to send {', '.join(refused)}" if refused else ""
+        raise NotReady(
+            f"the vehicle does not send {', '.join(unheard)}{refusal}", hint="without it no flight is watched"
+        )
 
 
 def unsubscribe() -> Dialogue[None]:
@@ -125,7 +127,7 @@ def prepare(departure: Departure, ready_s: float = READY_S) -> Dialogue[None]:
             yield from until(lambda: bool(state.warnings), 0.5)
             hinders = "; ".join(dict.fromkeys(state.warnings)) or "its pre-arm checks do not pass, without a reason"
         waited_s += LOOK_S
-        departure.report(hinders)
+        departure.progress(0.0, hinders)
         if waited_s > ready_s:
             raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
         yield from wait(1.0)

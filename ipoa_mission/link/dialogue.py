@@ -255,8 +255,8 @@ class Exchange(Generic[T]):
 
     def outgoing(self) -> list[Message]:
         """What is to be said now; each message once."""
-        said, self._outbox = self._outbox, []
-        return said
+        messages, self._outbox = self._outbox, []
+        return messages
 
     def receive(self, message: Message, now: float) -> None:
         """The other side has said something (whatever it is)."""

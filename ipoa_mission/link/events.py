@@ -59,4 +59,4 @@ def words_of(number: int, arguments: bytes) -> str | None:
     )
 
 
-_WORDS = {event_number(f"navigator_mis_{name}"): told for name, told in _MISSION_EVENTS.items()}
+_WORDS = {event_number(f"navigator_mis_{name}"): sentence for name, sentence in _MISSION_EVENTS.items()}

@@ -108,10 +108,10 @@ def read_flights(path: str | Path) -> FlightLog:
     if len(flights) < len(stretches):
         others = len(stretches) - len(flights)
         remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
-    found = FlightLog(log.autopilot, log.version, whole, tuple(remarks))
+    flight_log = FlightLog(log.autopilot, log.version, whole, tuple(remarks))
     if not whole:
-        raise _nothing_flown(path, found)
-    return found
+        raise _nothing_flown(path, flight_log)
+    return flight_log
 
 
 def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
@@ -157,11 +157,14 @@ class _Stretch:
             self.begun[message.seq] = message
 
     def flew_in(self, mode: int) -> bool:
-        return any(isinstance(said, Heartbeat) and said.armed and said.custom_mode == mode for said in self.messages)
+        return any(
+            isinstance(message, Heartbeat) and message.armed and message.custom_mode == mode
+            for message in self.messages
+        )
 
     @property
     def rose(self) -> bool:
-        heights = [said.height for said in self.messages if isinstance(said, Position)]
+        heights = [message.height for message in self.messages if isinstance(message, Position)]
         return bool(heights) and max(heights) - heights[0] > RISEN
 
     def flight(self, log: Log) -> LoggedFlight:
@@ -190,7 +193,7 @@ class _Stretch:
         return from_wire(items, autopilot, home)
 
     def _first_place(self) -> Geodetic | None:
-        first = next((said for said in self.messages if isinstance(said, Position)), None)
+        first = next((message for message in self.messages if isinstance(message, Position)), None)
         if first is None:
             return None
         return Geodetic(first.latitude_deg, first.longitude_deg, first.altitude - first.height)
@@ -213,7 +216,7 @@ def _stretches(log: Log) -> Iterator[_Stretch]:
         if isinstance(message, Heartbeat):
             if message.armed and stretch is None:
                 at_arming = _Known(known.items, known.home, dict(known.parameters))
-                before = [said for said in (current, clock, message) if said is not None]
+                before = [heard for heard in (current, clock, message) if heard is not None]
                 stretch = _Stretch(seen, now, at_arming, before)
             elif not message.armed and stretch is not None:
                 yield stretch

@@ -38,14 +38,14 @@ class ItemsSent(ItemRun):
 
     items: Sequence[Item] = ()
     packed: Payloads | None = None
-    progress: Callable[[int, int], None] = lambda done, total: None
+    asked: Callable[[int], None] = lambda seq: None
     is_legacy: bool = False  # asked for by MISSION_REQUEST
     doubt: int | None = None  # a refusal that no request has followed yet
 
     def asked_for(self, seq: int) -> None:
         """The other side asks for this item."""
         self.at, self.doubt = seq, None
-        self.progress(seq, self.count)
+        self.asked(seq)
 
     @property
     def payloads(self) -> Payloads:

@@ -1,18 +1,19 @@
 """What happened on a flight, by the vehicle's own clock, gathered from whatever it says."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.modes import MISSION_MODE, RETURN_MODES
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import Command
+from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.orders import COMPONENT_ARM_DISARM
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
+from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.world.frame import Geodetic, apart
 
 #: A vehicle that says nothing for so long is lost.
@@ -26,7 +27,6 @@ CONFIRMED_S = 3.0
 DISARMING = ("Disarming motors", "Disarmed")
 SOON_S = 2.0
 IN_AIR = 0.5  # above home [m]
-LAST_NAV = 95  # MAV_CMD_NAV_LAST
 
 
 @dataclass(frozen=True)
@@ -103,6 +103,11 @@ class Logbook:
     def lands(self) -> bool:
         """Whether the mission brings the vehicle to the ground."""
         return bool(self._items) and brings_down(self._items[self._final].command)
+
+    @property
+    def total(self) -> int:
+        """How many items there are."""
+        return len(self._items)
 
     @property
     def done(self) -> int:
@@ -221,21 +226,21 @@ class Logbook:
         return ""
 
 
-def watch(logbook: Logbook, progress: Callable[[int], None]) -> Dialogue[FlightRecord]:
+def watch(logbook: Logbook, progress: Progress = silent) -> Dialogue[FlightRecord]:
     """Listen until the flight is over: disarmed, or, for a mission that does not land, flown.
 
-    The logbook hears the same messages first. `progress` is told how many items are done.
+    The logbook hears the same messages first. `progress` is told of items done.
 
     Raises:
         NoAnswer: the vehicle is not heard any more.
     """
-    told = -1
+    done = -1
     heard = yield Pause(LOST_S)
     while heard is not None:
-        if logbook.done != told:
-            told = logbook.done
-            progress(told)
+        if logbook.done != done:
+            done = logbook.done
+            count(progress, done, logbook.total, "item ")
         if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
         heard = yield Pause(LOST_S)
-    raise NoAnswer(f"the vehicle has not been heard for {LOST_S:g} s, after item {told}")
+    raise NoAnswer(f"the vehicle has not been heard for {LOST_S:g} s, after item {done}")

@@ -103,8 +103,8 @@ def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
 
 def item_begun(text: str) -> Current | None:
     """The item that begins by ArduPilot's words; None where they say nothing of that."""
-    found = ITEM_BEGINS.match(text)
-    return Current(int(found[1])) if found else None
+    match = ITEM_BEGINS.match(text)
+    return Current(int(match[1])) if match else None
 
 
 #: FIRMWARE_VERSION_TYPE, the last byte of a version: how far the version is from its release.

@@ -21,7 +21,7 @@ from ipoa_mission.link import wire
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import EVERYONE, Heard, Target
-from ipoa_mission.link.conversations import MissionRefused, Progress, list_name, silent
+from ipoa_mission.link.conversations import MissionRefused, list_name
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.item_run import ItemRun
@@ -39,6 +39,7 @@ from ipoa_mission.link.upload import NO_MISSION, ReadBackDiffers, Unflyable
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate, degrees
 from ipoa_mission.mission.firmware import compare
+from ipoa_mission.progress import Progress, count, silent
 
 PRESENCE_S = 10.0
 POLL_S = 0.05
@@ -75,9 +76,9 @@ def connect(url: str, system: int | None = None, log: str | Path | None = None) 
         raise LinkDown(f"{address}: cannot be opened: {result.name}")
     until = time.monotonic() + PRESENCE_S
     while time.monotonic() < until:
-        for found in instance.get_systems():
-            if found.has_autopilot() and found.is_connected() and system in (None, found.get_system_id()):
-                return MavsdkVehicle(instance, found)
+        for candidate in instance.get_systems():
+            if candidate.has_autopilot() and candidate.is_connected() and system in (None, candidate.get_system_id()):
+                return MavsdkVehicle(instance, candidate)
         time.sleep(POLL_S)
     instance.destroy()
     raise NoAnswer(f"{url}: no autopilot is heard", hint="is it running, and does it send to this address?")
@@ -114,9 +115,9 @@ class MavsdkLine:
         """See `Carrier`."""
         name, fields = wire.write(message)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}
-        said = json.dumps({key: _to_json(value) for key, value in addressed.items()}, allow_nan=False)
+        text = json.dumps({key: _to_json(value) for key, value in addressed.items()}, allow_nan=False)
         self._direct.send_message(
-            self._message(name, STATION_SYSTEM, STATION_COMPONENT, target.system, target.component, said)
+            self._message(name, STATION_SYSTEM, STATION_COMPONENT, target.system, target.component, text)
         )
 
     def receive(self, until: float) -> list[Heard]:
@@ -195,7 +196,7 @@ class MavsdkVehicle(Vehicle):
             difference = compare(items, self.download_items(kind), self.autopilot)
             if difference is not None:
                 raise ReadBackDiffers(kind, difference)
-            progress(len(items), len(items))
+            count(progress, len(items), len(items))
             if interrupt.take():
                 raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}")
         if self.autopilot is Autopilot.PX4 and kind == MissionType.MISSION and items:
@@ -235,7 +236,7 @@ class MavsdkVehicle(Vehicle):
         """One list as it stands on the wire."""
         read = (self._raw.download_mission, self._raw.download_geofence, self._raw.download_rallypoints)[kind]
         items = tuple(_read(item) for item in self._transfer(kind, read))
-        progress(len(items), len(items))
+        count(progress, len(items), len(items))
         return items
 
     def _transfer(self, kind: int, act: Callable[[], Any]) -> Any:

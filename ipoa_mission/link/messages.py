@@ -9,6 +9,8 @@ from enum import IntEnum
 
 from ipoa_mission.items import Item
 
+CRITICAL, WARNING, INFO = 2, 4, 6  # MAV_SEVERITY; less is worse
+
 
 class MissionType(IntEnum):
     """MAV_MISSION_TYPE: the three lists that a vehicle keeps."""

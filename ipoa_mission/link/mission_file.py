@@ -9,12 +9,12 @@ from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
-from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.dialogue import Ask, Cancelled, Dialogue, NoAnswer, Step, TimeUp
 from ipoa_mission.link.item_payloads import PAYLOAD_BYTES, pack_items, unpack_items
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
+from ipoa_mission.progress import Progress, count, silent
 
 MISSION_FILE = "@MISSION/mission.dat"
 MAGIC = 0x763D
@@ -61,10 +61,10 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[None]:
     total = len(job.items)
     done = 0
 
-    def note(sent: int, size: int) -> None:
+    def note(share: float, words: str) -> None:
         nonlocal done
-        done = total * sent // size
-        progress(done, total)
+        done = int(total * share)
+        count(progress, done, total)
 
     try:
         closing = yield from write_file(MISSION_FILE, pack_mission(job.items, job.kind), note)
@@ -115,7 +115,7 @@ def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[
         question = FileMessage(sequence, Opcode.WRITE_FILE, opened.session, offset=at, data=piece)
         yield from _question(question, f"write {path}")
         sequence = sequence + 2 & 0xFFFF
-        progress(at + len(piece), len(data))
+        count(progress, at + len(piece), len(data))
     return FileMessage(sequence, Opcode.TERMINATE_SESSION, opened.session)
 
 

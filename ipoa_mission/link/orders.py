@@ -148,9 +148,9 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
     Raises:
         NoAnswer: it answers to none.
     """
-    known: dict[str, ParamValue] = {}
+    values: dict[str, ParamValue] = {}
     for _ in range(PARAMETER_ROUNDS):
-        missing = [names for names in wanted if not any(name in known for name in names)]
+        missing = [names for names in wanted if not any(name in values for name in names)]
         if not missing:
             break
         for names in missing:
@@ -159,13 +159,13 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
         heard = yield Pause(PARAMETER_ROUND_S)
         while heard is not None:
             if isinstance(heard, ParamValue):
-                known[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
-                if all(any(name in known for name in names) for names in missing):
+                values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
+                if all(any(name in values for name in names) for names in missing):
                     break
             heard = yield None
-    if wanted and not known:
+    if wanted and not values:
         raise NoAnswer(f"the vehicle does not answer when asked for {wanted[0][0]}")
-    return {name: known[name] for names in wanted for name in names if name in known}
+    return {name: values[name] for names in wanted for name in names if name in values}
 
 
 def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[None]:

@@ -26,11 +26,11 @@ class Found:
 
 def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
     """The autopilots that are heard within so many seconds, by system id."""
-    found: dict[int, Found] = {}
+    autopilots: dict[int, Found] = {}
     until = line.now() + seconds
     while line.now() < until:
-        found |= autopilots_in(line.receive(until))
-    return tuple(found[system] for system in sorted(found))
+        autopilots |= autopilots_in(line.receive(until))
+    return tuple(autopilots[system] for system in sorted(autopilots))
 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, Found]:

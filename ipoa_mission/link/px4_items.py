@@ -10,26 +10,28 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.commands import FLOWN_TO, Command, Frame
+from ipoa_mission.commands import FLOWN_TO, TAKEOFFS, Command, Frame
 from ipoa_mission.items import Item
 from ipoa_mission.link.logged import Begun
 
-CLIMBS = {Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF}
 
-
-def items_begun(told: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
+def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
     """The items that the flight came to, each at the time [s] when it was first told of, last steps counted in."""
-    if told is None or result is None:
+    if topic is None or result is None:
         return
-    rounds = np.asarray(told["instance_count"]) if "instance_count" in told else np.zeros(len(told["timestamp"]))
+    rounds = np.asarray(topic["instance_count"]) if "instance_count" in topic else np.zeros(len(topic["timestamp"]))
     for instance in np.unique(rounds):
-        found: dict[int, tuple[float, Item]] = {}
+        first_seen: dict[int, tuple[float, Item]] = {}
         for n in np.flatnonzero(rounds == instance):
-            item, seq, time = _item(told, int(n)), int(told["sequence_current"][n]), float(told["timestamp"][n]) / 1e6
+            item, seq, time = (
+                _item(topic, int(n)),
+                int(topic["sequence_current"][n]),
+                float(topic["timestamp"][n]) / 1e6,
+            )
             if item.command:
-                since, before = found.get(seq, (time, item))
-                found[seq] = since, _joined(before, item)
-        for seq, (time, item) in found.items():
+                since, before = first_seen.get(seq, (time, item))
+                first_seen[seq] = since, _joined(before, item)
+        for seq, (time, item) in first_seen.items():
             total = _total(result, time)
             if seq < total:
                 yield time, Begun(seq, total, item)
@@ -37,21 +39,21 @@ def items_begun(told: Any | None, result: Any | None) -> Iterator[tuple[float, B
 
 def _joined(before: Item, item: Item) -> Item:
     """An item out of two of its steps."""
-    if before.command in CLIMBS and item.command == Command.NAV_WAYPOINT:
+    if before.command in TAKEOFFS and item.command == Command.NAV_WAYPOINT:
         place = (item.latitude_deg, item.longitude_deg, item.altitude)
         return Item(before.command, item.frame, before.params, *place)
     return before if item.command == Command.NAV_WAYPOINT else item
 
 
-def _item(told: Any, n: int) -> Item:
-    command = int(told["nav_cmd"][n])
+def _item(topic: Any, n: int) -> Item:
+    command = int(topic["nav_cmd"][n])
     hold, radius, third, yaw, latitude, longitude, altitude = (
-        float(told[name][n])
+        float(topic[name][n])
         for name in ("time_inside", "acceptance_radius", "loiter_radius", "yaw", "latitude", "longitude", "altitude")
     )
     if command not in FLOWN_TO:
         return Item(command, Frame.MISSION, (hold, radius, third, math.nan))
-    frame = Frame.GLOBAL_RELATIVE_ALT if told["altitude_is_relative"][n] else Frame.GLOBAL
+    frame = Frame.GLOBAL_RELATIVE_ALT if topic["altitude_is_relative"][n] else Frame.GLOBAL
     return Item(command, frame, (hold, radius, third, math.degrees(yaw)), latitude, longitude, altitude)
 
 

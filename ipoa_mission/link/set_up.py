@@ -40,13 +40,13 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
 
     ArduCopter 4.7 has new names and units for some; a parameter is looked up by the name that the vehicle knows.
     """
-    known = vehicle.parameters([name for name, _ in _names(one)] for one in wanted) if wanted else {}
+    values = vehicle.parameters([name for name, _ in _names(one)] for one in wanted) if wanted else {}
     others, missing = [], []
     for one, value in wanted.items():
         for name, unit in _names(one):
-            if name in known:
-                if abs(known[name] - value * unit) > ROUNDING * max(1.0, abs(value * unit)):
-                    others.append(OtherValue(name, value * unit, known[name]))
+            if name in values:
+                if abs(values[name] - value * unit) > ROUNDING * max(1.0, abs(value * unit)):
+                    others.append(OtherValue(name, value * unit, values[name]))
                 break
         else:
             missing.append(one)

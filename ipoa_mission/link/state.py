@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.autopilots.modes import does_next, mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.link.messages import STANDBY, Current, Heartbeat, Message, Text
+from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, Message, Text
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 
 ON_GROUND = 1  # MAV_LANDED_STATE
@@ -12,7 +12,6 @@ ON_GROUND = 1  # MAV_LANDED_STATE
 PREARM_CHECK = 0x10000000
 IN_AIR_M = 0.5  # above home, where nothing better tells whether it flies
 MOST_WORDS = 50
-WARNING = 4  # MAV_SEVERITY
 
 
 @dataclass

@@ -67,7 +67,7 @@ def read_telemetry_log(path: Path) -> Log:
         BadInput: the file cannot be read, holds no autopilot, or is not of a multicopter.
     """
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
-    found = _Gathered()
+    gathered = _Gathered()
     stamps: list[float] = []
     system, autopilot = None, Autopilot.PX4
     for record in read_tlog(path):
@@ -86,14 +86,14 @@ def read_telemetry_log(path: Path) -> Log:
         number = len(stamps)
         stamps.append(record.unix_s)
         if (heard.system, heard.component) == (system, AUTOPILOT_COMPONENT):
-            _note_vehicle(found, number, heard.message, autopilot)
+            _note_vehicle(gathered, number, heard.message, autopilot)
         elif heard.target.system in (0, system):
-            _note_station(found, number, heard.message)
+            _note_station(gathered, number, heard.message)
     if system is None:
         raise BadInput(f"{path}: expected a .tlog with an autopilot's heartbeat, but there is none")
-    if found.state and found.changes and not found.changes[-1][1]:  # the log ends before the next heartbeat
-        _change(found, found.state.custom_mode, autopilot)
-    return _dated(found, growing(stamps), autopilot)
+    if gathered.state and gathered.changes and not gathered.changes[-1][1]:  # the log ends before the next heartbeat
+        _change(gathered, gathered.state.custom_mode, autopilot)
+    return _dated(gathered, growing(stamps), autopilot)
 
 
 def _is_autopilot(heard: Heard) -> bool:
@@ -101,84 +101,84 @@ def _is_autopilot(heard: Heard) -> bool:
     return isinstance(beat, Heartbeat) and heard.component == AUTOPILOT_COMPONENT and beat.autopilot != Firmware.INVALID
 
 
-def _note_station(found: _Gathered, number: int, message: Message) -> None:
+def _note_station(gathered: _Gathered, number: int, message: Message) -> None:
     match message:
         case CommandLong(command, params) | CommandInt(command, _, params) if command == COMPONENT_ARM_DISARM:
-            found.ordered = params[0] >= 0.5
-    _note_transfer(found, number, message, by_vehicle=False)
+            gathered.ordered = params[0] >= 0.5
+    _note_transfer(gathered, number, message, by_vehicle=False)
 
 
-def _note_vehicle(found: _Gathered, number: int, message: Message, autopilot: Autopilot) -> None:
+def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot: Autopilot) -> None:
     if (time := vehicle_time(message)) is not None:
-        found.times.append((number, time))
+        gathered.times.append((number, time))
     match message:
         case Heartbeat():
-            _beat(found, number, message, autopilot)
+            _beat(gathered, number, message, autopilot)
         case CommandAck(command, CommandResult.ACCEPTED) if command == COMPONENT_ARM_DISARM:
-            _tell_of(found, number, not _is_armed(found) if found.ordered is None else found.ordered)
+            _tell_of(gathered, number, not _is_armed(gathered) if gathered.ordered is None else gathered.ordered)
         case Event(event) if event in (ARMED_BY, DISARMED_BY):
-            _tell_of(found, number, event == ARMED_BY)
+            _tell_of(gathered, number, event == ARMED_BY)
         case Text(_, text):
-            if text.startswith((*ARMING, *DISARMING)) and not found.changes:  # else an echo of what was told
-                _tell_of(found, number, text.startswith(ARMING))
+            if text.startswith((*ARMING, *DISARMING)) and not gathered.changes:  # else an echo of what was told
+                _tell_of(gathered, number, text.startswith(ARMING))
             if autopilot is Autopilot.ARDUPILOT and (begun := item_begun(text)):
-                found.said.append((number, begun))
+                gathered.said.append((number, begun))
         case AutopilotVersion(_, version):
-            found.version = version_name(version)
+            gathered.version = version_name(version)
         case ParamValue():
             message = replace(message, param_value=parameter_value(message, autopilot))
     if isinstance(message, KEPT):
-        found.said.append((number, message))
-    _note_transfer(found, number, message, by_vehicle=True)
+        gathered.said.append((number, message))
+    _note_transfer(gathered, number, message, by_vehicle=True)
 
 
-def _note_transfer(found: _Gathered, number: int, message: Message, by_vehicle: bool) -> None:
-    held = found.transfers.note(message, by_vehicle)
+def _note_transfer(gathered: _Gathered, number: int, message: Message, by_vehicle: bool) -> None:
+    held = gathered.transfers.note(message, by_vehicle)
     if held is not None:
-        found.said.append((number, Held(held)))
+        gathered.said.append((number, Held(held)))
 
 
-def _is_armed(found: _Gathered) -> bool:
-    if found.changes:
-        return found.changes[-1][1]
-    return found.state is not None and found.state.armed
+def _is_armed(gathered: _Gathered) -> bool:
+    if gathered.changes:
+        return gathered.changes[-1][1]
+    return gathered.state is not None and gathered.state.armed
 
 
-def _tell_of(found: _Gathered, number: int, armed: bool) -> None:
+def _tell_of(gathered: _Gathered, number: int, armed: bool) -> None:
     """Something told that the vehicle is now armed, or not; the first to do so gives the time."""
-    if armed != _is_armed(found):
-        found.changes.append((number, armed))
-        found.doubted = False
+    if armed != _is_armed(gathered):
+        gathered.changes.append((number, armed))
+        gathered.doubted = False
 
 
-def _beat(found: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
+def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
     """A heartbeat: what changed since the last one is dated back to what told of it."""
-    before = found.state
-    if found.changes and found.changes[-1][1] == beat.armed:
-        _change(found, before.custom_mode if before else 0, autopilot)
-    elif found.doubted:  # two heartbeats know nothing of it
-        found.changes.clear()
-    found.state, found.doubted = beat, bool(found.changes)
+    before = gathered.state
+    if gathered.changes and gathered.changes[-1][1] == beat.armed:
+        _change(gathered, before.custom_mode if before else 0, autopilot)
+    elif gathered.doubted:  # two heartbeats know nothing of it
+        gathered.changes.clear()
+    gathered.state, gathered.doubted = beat, bool(gathered.changes)
     if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
-        found.said.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
+        gathered.said.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
 
 
-def _change(found: _Gathered, mode: int, autopilot: Autopilot) -> None:
+def _change(gathered: _Gathered, mode: int, autopilot: Autopilot) -> None:
     """Arming changed, as was told since the last heartbeat."""
-    if found.state is None:
-        found.said.append((found.changes[0][0], presence(autopilot, not found.changes[0][1], mode)))
-    found.said += [(number, presence(autopilot, armed, mode)) for number, armed in found.changes]
-    found.changes.clear()
+    if gathered.state is None:
+        gathered.said.append((gathered.changes[0][0], presence(autopilot, not gathered.changes[0][1], mode)))
+    gathered.said += [(number, presence(autopilot, armed, mode)) for number, armed in gathered.changes]
+    gathered.changes.clear()
 
 
-def _dated(found: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
+def _dated(gathered: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
     """The same by the vehicle's clock."""
-    known_at = stamps[[number for number, _ in found.times]] if found.times else np.empty(0)
-    known = unwrapped(known_at, np.array([time for _, time in found.times]))
-    times = vehicle_times(stamps, known_at, known)
-    placed = [(float(times[n]), said) for n, said in found.said if isinstance(said, Position)]
+    known_at = stamps[[number for number, _ in gathered.times]] if gathered.times else np.empty(0)
+    clock = unwrapped(known_at, np.array([time for _, time in gathered.times]))
+    times = vehicle_times(stamps, known_at, clock)
+    placed = [(float(times[n]), message) for n, message in gathered.said if isinstance(message, Position)]
     rows = [(time, p.latitude_deg, p.longitude_deg, p.altitude, p.height, *p.velocity) for time, p in placed]
     fixes = Fixes.of(np.array(rows).reshape(-1, 8))
-    events = tuple((float(times[n]), said) for n, said in found.said if not isinstance(said, Position))
-    remarks = () if len(known) else (NO_CLOCK,)
-    return Log(autopilot, fixes, events, found.version, remarks)
+    events = tuple((float(times[n]), message) for n, message in gathered.said if not isinstance(message, Position))
+    remarks = () if len(clock) else (NO_CLOCK,)
+    return Log(autopilot, fixes, events, gathered.version, remarks)

@@ -69,18 +69,18 @@ class Transfers:
 
     def _note_file(self, message: FileTransfer, by_vehicle: bool) -> Items | None:
         """ArduPilot's list as one file: written by a station, or read by it."""
-        said = unpack(message)
-        match said.opcode:
+        request = unpack(message)
+        match request.opcode:
             case Opcode.OPEN_FILE_RO | Opcode.CREATE_FILE | Opcode.OPEN_FILE_WO:
-                ours = said.data.rstrip(b"\0").decode("utf-8", "replace") == MISSION_FILE
+                ours = request.data.rstrip(b"\0").decode("utf-8", "replace") == MISSION_FILE
                 self._file = {} if ours else None
-                self._written = said.opcode != Opcode.OPEN_FILE_RO
+                self._written = request.opcode != Opcode.OPEN_FILE_RO
             case Opcode.WRITE_FILE if self._file is not None:
-                self._file[said.offset] = said.data
-            case Opcode.ACK if self._file is not None and said.request in (Opcode.READ_FILE, BURST_READ):
-                self._file[said.offset] = said.data
+                self._file[request.offset] = request.data
+            case Opcode.ACK if self._file is not None and request.request in (Opcode.READ_FILE, BURST_READ):
+                self._file[request.offset] = request.data
                 return None if self._written else self._whole_file()
-            case Opcode.ACK if self._written and said.request == Opcode.TERMINATE_SESSION:
+            case Opcode.ACK if self._written and request.request == Opcode.TERMINATE_SESSION:
                 return self._whole_file()
         return None
 

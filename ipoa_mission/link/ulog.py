@@ -17,7 +17,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.logged import Fixes, Log, presence, version_name
-from ipoa_mission.link.messages import Current, Message, ParamValue, Reached, Text
+from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
 from ipoa_mission.link.px4_items import items_begun
 from ipoa_mission.link.telemetry import HomePosition
 
@@ -26,7 +26,7 @@ ARMED = 2  # vehicle_status.arming_state
 MODES = {3: px4_mode(4, 4), 4: px4_mode(4, 3), 5: px4_mode(4, 5), 18: px4_mode(4, 6)}
 ROTARY_WING = 1  # vehicle_status.vehicle_type
 SPHERE = 6_371_000.0  # radius of PX4's Earth [m]
-FLOAT, INFO = 9, 6  # MAV_PARAM_TYPE_REAL32, MAV_SEVERITY_INFO
+FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item"]
 
@@ -149,9 +149,9 @@ def _global(topics: dict[str, Any]) -> tuple[Vector, Vector, Vector, Vector]:
 
 def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
     """Times, latitude, longitude and altitude out of local positions, where they have a reference on the Earth."""
-    known = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
+    referenced = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
     columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
-    rows = np.column_stack([np.asarray(place[name], float) for name in columns])[known]
+    rows = np.column_stack([np.asarray(place[name], float) for name in columns])[referenced]
     rows = rows[np.isfinite(rows).all(axis=1)]
     latitude, longitude = _unprojected(rows[:, 1], rows[:, 2], np.radians(rows[:, 4]), np.radians(rows[:, 5]))
     return rows[:, 0] / 1e6, latitude, longitude, rows[:, 6] - rows[:, 3]

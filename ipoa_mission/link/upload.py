@@ -11,20 +11,18 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import (
     DOUBTFUL,
-    WARNING,
     MissionRefused,
-    Progress,
     VehicleTexts,
     list_name,
     noting_texts,
     offer,
     read_list,
-    silent,
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
 from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
-from ipoa_mission.link.messages import Ack, Current, Message, MissionType, Request, Result
+from ipoa_mission.link.messages import WARNING, Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.mission.firmware import Difference
+from ipoa_mission.progress import Progress, count, silent
 
 #: A transfer that broke off is begun anew, from COUNT, this often; one that got nowhere, only once more.
 ATTEMPTS = 12
@@ -210,16 +208,16 @@ def _holds(job: Upload) -> Dialogue[bool]:
 def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
     refused_before: MissionRefused | None = None
 
-    def note(done: int, total: int) -> None:
-        course.furthest = max(course.furthest, done)
-        course.may_be_whole |= done >= total - 1
-        progress(done, total)
+    def note(seq: int) -> None:
+        course.furthest = max(course.furthest, seq)
+        course.may_be_whole |= seq >= len(job.items) - 1
+        count(progress, seq, len(job.items))
 
     while True:
         course.attempt += 1
         course.before, course.furthest = course.furthest, -1
         try:
-            ending = yield from offer(job.items, job.kind, progress=note, packed=job.packed)
+            ending = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
             stored = yield from read_list(job.kind)
         except NoAnswer as silence:
             if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:

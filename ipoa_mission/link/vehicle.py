@@ -16,12 +16,12 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.commands import LAST_NAV
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, Target
-from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.departure import (
     READY_S,
     Departure,
@@ -33,7 +33,7 @@ from ipoa_mission.link.departure import (
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier, Line, converse
-from ipoa_mission.link.logbook import LAST_NAV, FlightRecord, Logbook, watch
+from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STATION_COMPONENT,
@@ -49,6 +49,7 @@ from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
+from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic
 
 T = TypeVar("T")
@@ -106,28 +107,28 @@ def meet(
 
     While it listens for others it pings, so that the first timers already know how slow the link is.
     """
-    found: dict[int, Found] = {}
+    autopilots: dict[int, Found] = {}
     trips: dict[int, float] = {}
     until = line.now() + PRESENCE_S
     is_met = False
     while line.now() < until:
         heard = line.receive(until)
-        found |= autopilots_in(heard)
+        autopilots |= autopilots_in(heard)
         trips |= round_trips_in(heard, line.now())
-        if not is_met and (system in found if system is not None else found):
+        if not is_met and (system in autopilots if system is not None else autopilots):
             is_met = True
             until = line.now() + OTHERS_S
             line.send(Ping(round(line.now() * 1e6), 0))
-    if system is not None and system not in found:
-        others = f"; heard: {', '.join(map(str, sorted(found)))}" if found else ""
+    if system is not None and system not in autopilots:
+        others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
-    if not found:
+    if not autopilots:
         raise NoAnswer("no autopilot is heard")
-    if system is None and len(found) > 1:
+    if system is None and len(autopilots) > 1:
         raise MissionError(
-            f"several vehicles are heard: {', '.join(map(str, sorted(found)))}", hint="choose one by its system id"
+            f"several vehicles are heard: {', '.join(map(str, sorted(autopilots)))}", hint="choose one by its system id"
         )
-    one = found[system] if system is not None else found.popitem()[1]
+    one = autopilots[system] if system is not None else autopilots.popitem()[1]
     if not anyway:
         line.expect_alone(one.system)
     return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
@@ -139,16 +140,16 @@ class Vehicle:
     def __init__(
         self,
         line: Carrier,
-        found: Found,
+        heard: Found,
         patience: Patience = SPECIFIED,
         fast: bool = True,
         round_trip_s: float | None = None,
         anyway: bool = False,
     ) -> None:
         self.line = line
-        self.system = found.system
-        self.autopilot = found.autopilot
-        self.state = VehicleState(found.autopilot, found.is_ready, found.armed)
+        self.system = heard.system
+        self.autopilot = heard.autopilot
+        self.state = VehicleState(heard.autopilot, heard.is_ready, heard.armed)
         self._fast = fast
         self._anyway = anyway
         self._capabilities: int | None = None
@@ -157,7 +158,7 @@ class Vehicle:
         if round_trip_s is not None:
             self._tempo.sample(round_trip_s)
         self._mission: Mission | None = None
-        self._logbook = Logbook((), found.autopilot)
+        self._logbook = Logbook((), heard.autopilot)
         self._until = math.inf
 
     # --- missions ---------------------------------------------------------------------------------------------------
@@ -236,13 +237,13 @@ class Vehicle:
     def prepare(
         self,
         first: int = 0,
-        report: Callable[[str], None] = lambda words: None,
+        progress: Progress = silent,
         permit: Callable[[Geodetic], object] | None = None,
     ) -> None:
         """Bring a vehicle on the ground to where it can be armed and will begin with item `first` of `Mission.items`.
 
-        `report` is told what is waited for. `permit` is told where the vehicle stands, and raises an error if no flight
-        may begin there; left out, that is `check_start` without a scenario.
+        `progress` is told what is waited for. `permit` is told where the vehicle stands, and raises an error if no
+        flight may begin there; left out, that is `check_start` without a scenario.
 
         Raises:
             NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
@@ -253,7 +254,7 @@ class Vehicle:
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
-        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, report)
+        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, progress)
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
@@ -273,8 +274,8 @@ class Vehicle:
         with self._known_state():
             self._hold(depart(self._departure))
 
-    def watch(self, progress: Callable[[int], None] = lambda done: None) -> FlightRecord:
-        """Wait until the flight is over; `progress` is told how many items are done.
+    def watch(self, progress: Progress = silent) -> FlightRecord:
+        """Wait until the flight is over; `progress` is told of items done.
 
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
@@ -299,8 +300,8 @@ class Vehicle:
         A parameter that goes by several names is asked for by all of them at once.
         """
         names = [(one,) if isinstance(one, str) else tuple(one) for one in wanted]
-        known = self._hold(orders.parameters(names, self.autopilot))
-        return {name: value.param_value for name, value in known.items()}
+        values = self._hold(orders.parameters(names, self.autopilot))
+        return {name: value.param_value for name, value in values.items()}
 
     def set_parameter(self, name: str, value: float) -> None:
         """Give a parameter another value, and see that the vehicle took it.
@@ -383,5 +384,5 @@ class Vehicle:
         while not self.state.booted and self.autopilot is Autopilot.ARDUPILOT:
             if self.line.now() >= until:
                 raise NoAnswer(f"the vehicle has not finished its start-up within {STARTUP_S:g} s")
-            for found in autopilots_in(self.line.receive(until)).values():
-                self.state.booted |= found.system == self.system and found.is_ready
+            for heard in autopilots_in(self.line.receive(until)).values():
+                self.state.booted |= heard.system == self.system and heard.is_ready

@@ -45,20 +45,20 @@ def unwrapped(stamps: Vector, times: Vector) -> Vector:
     return np.asarray(np.maximum.accumulate(times))
 
 
-def vehicle_times(stamps: Vector, known_at: Vector, known: Vector) -> Vector:
-    """The vehicle's time at each of `stamps`, by those `known` at others; all stamps grow. Without any, the stamps."""
-    if not len(known):
+def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
+    """The vehicle's time at each of `stamps`, by those `clock` at others; all stamps grow. Without any, the stamps."""
+    if not len(clock):
         return stamps
-    first, last = known_at[0], known_at[-1]
-    begins = known[0] + (stamps - first) * _pace(known_at, known, slice(None))
-    ends = known[-1] + (stamps - last) * _pace(known_at, known, slice(None, None, -1))
-    between = np.interp(stamps, known_at, known)
+    first, last = clock_at[0], clock_at[-1]
+    begins = clock[0] + (stamps - first) * _pace(clock_at, clock, slice(None))
+    ends = clock[-1] + (stamps - last) * _pace(clock_at, clock, slice(None, None, -1))
+    between = np.interp(stamps, clock_at, clock)
     return np.where(stamps < first, begins, np.where(stamps > last, ends, between))
 
 
-def _pace(known_at: Vector, known: Vector, order: slice) -> float:
+def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
     """How fast the vehicle's clock goes at the end of the log from which `order` counts."""
-    at, times = known_at[order], known[order]
+    at, times = clock_at[order], clock[order]
     near = np.abs(at - at[0]) <= PACE_S
     span = at[near][-1] - at[0]
     if not span:

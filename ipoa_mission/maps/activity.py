@@ -79,8 +79,8 @@ def _period(given: Mapping[str, Any]) -> Period:
 def _slots(schedule: Any) -> Iterator[Slot]:
     for one in schedule:
         named = one.get("day") or ["ANY"]
-        known = [DAYS.index(day) for day in named if day in DAYS]
-        days = frozenset(known if len(known) == len(named) else range(7))  # ANY, or a holiday: who knows
+        listed = [DAYS.index(day) for day in named if day in DAYS]
+        days = frozenset(listed if len(listed) == len(named) else range(7))  # ANY, or a holiday: who knows
         if "startTime" in one and "endTime" in one:
             begin, end = _clock(one["startTime"]), _clock(one["endTime"])
             yield Slot(days, begin, end if end > begin else end + DAY_S)
@@ -89,18 +89,18 @@ def _slots(schedule: Any) -> Iterator[Slot]:
 
 
 def _instant(text: str) -> float:
-    found = _DATE.fullmatch(text)
-    if found is None:
+    match = _DATE.fullmatch(text)
+    if match is None:
         raise ValueError(text)
-    day = np.datetime64(found["date"], "D").astype(int)
-    return float(day) * DAY_S + _clock(found["clock"])
+    day = np.datetime64(match["date"], "D").astype(int)
+    return float(day) * DAY_S + _clock(match["clock"])
 
 
 def _clock(text: str) -> float:
     """Seconds from the begin of the day in UTC; one without an offset tells no time."""
-    found = _CLOCK.fullmatch(text)
-    if found is None:
+    match = _CLOCK.fullmatch(text)
+    if match is None:
         raise ValueError(text)
-    offset = found["offset"].upper().replace(":", "")
+    offset = match["offset"].upper().replace(":", "")
     east = 0 if offset == "Z" else int(offset[0] + "1") * (int(offset[1:3]) * 3600 + int(offset[3:5]) * 60)
-    return int(found["h"]) * 3600.0 + int(found["m"]) * 60 + int(found["s"] or 0) - east
+    return int(match["h"]) * 3600.0 + int(match["m"]) * 60 + int(match["s"] or 0) - east

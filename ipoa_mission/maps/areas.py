@@ -77,12 +77,12 @@ def find_zones(
         for part in parts:
             if part.geom_type != "Polygon":
                 continue
-            found = mistakes.attempt(polygons_of, part, feature.place)
-            if found is not None:
-                zones += [Zone(feature.name, polygon, *limits) for polygon in found[0]]
+            mended = mistakes.attempt(polygons_of, part, feature.place)
+            if mended is not None:
+                zones += [Zone(feature.name, polygon, *limits) for polygon in mended[0]]
                 if at_times and (time is None or periods_of(feature.tags) is None):
                     remarks.append(f"{feature.name}: active at times only, kept at all times")
-                remarks += [f"{feature.name}: mended ({found[1]})"] if found[1] else []
+                remarks += [f"{feature.name}: mended ({mended[1]})"] if mended[1] else []
     mistakes.tell()
     if not zones and not any("restriction" in thing.reason or "active" in thing.reason for thing in passed):
         raise BadInput(f"{path}: expected a polygon, but there is none among {len(features)} features")

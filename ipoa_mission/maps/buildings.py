@@ -21,9 +21,10 @@ from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.heights import foot_of, height_of, meters
 from ipoa_mission.maps.kinds import TOP_AMSL, Reason, are_all_buildings, as_openstreetmap, why_passed_over
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
-from ipoa_mission.maps.planar import polygons_of, rings_of, to_plane
+from ipoa_mission.maps.planar import polygons_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
+from ipoa_mission.world.polygon import rings_of
 
 LEAST = 0.1  # what stands is at least so high [m]
 Ground: TypeAlias = Callable[[NDArray[np.float64]], Vector]  # height under points (n, 2), (n,) [m]
@@ -86,8 +87,8 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
     for feature, shape, counted in zip(features, shapes, near, strict=True):
         why = _why_passed_over(feature, rules, every) if counted else FAR
         if why is None:
-            found = mistakes.attempt(_standings, feature, shape, rules, counts) or []
-            standing += [_over_home(s, feature, frame) for s in found]
+            standings = mistakes.attempt(_standings, feature, shape, rules, counts) or []
+            standing += [_over_home(s, feature, frame) for s in standings]
         else:
             passed.append(passed_over(feature, shape, why, path))
     mistakes.tell()

@@ -85,12 +85,12 @@ def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
         float(vertical[0].unit_conversion_factor) if vertical else 1.0,
         _lowest(objects, used, corners, path),
     )
-    found = [
+    features = [
         mistakes.attempt(_feature, name, thing, used[name], city, f"{path}: CityObjects.{name[:MOST_SHOWN]}")
         for name, thing in objects.items()
     ]
     mistakes.tell()
-    return tuple(feature for feature in found if feature is not None)
+    return tuple(feature for feature in features if feature is not None)
 
 
 def _corners(document: Mapping[str, Any], path: Path) -> Points:

@@ -58,14 +58,14 @@ def local_grid(
         knots = _knots(nodes[0][0], nodes[0][-1]), _knots(nodes[1][0], nodes[1][-1])
         pixels = [_pixels(raster, frame, *knots, up) for up in (0.0, LEVEL)]
         first, heights, remarks = raster.read(pixels, fill=rules.voids == "fill")
-        heights, said = _above_sea(heights, raster, first, rules)
+        heights, conversion = _above_sea(heights, raster, first, rules)
         posts = _posts(raster, frame, first, heights)
     spacing = float(nodes[0][1] - nodes[0][0])
     ground = _read_off(heights, first, knots, pixels, nodes)
     lift = _raise_over_posts(ground, posts, lower, spacing)
     grid, levelled = _level(Grid(lower[0], lower[1], spacing, ground), rules, frame, (lower, upper), path)
     used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {lift:.2g} m at most"
-    return grid, tuple(f"{path.name}: {remark}" for remark in (*remarks, *said, used, *levelled))
+    return grid, tuple(f"{path.name}: {remark}" for remark in (*remarks, *conversion, used, *levelled))
 
 
 def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
@@ -197,10 +197,10 @@ def _level(
         level = Grid(grid.east, grid.north, grid.spacing, grid.heights - at_home)
         return level, (f"moved by {-at_home:.2f} m, so that the ground at home is at 0",)
     if abs(at_home) > HOME_AGREES:
-        found, given = frame.home.altitude + at_home, frame.home.altitude
+        measured, given = frame.home.altitude + at_home, frame.home.altitude
         raise BadInput(
-            f"home.altitude_amsl: expected about {found:.1f} m, the ground there in {path}, not {given:g} m",
-            hint=f"set home.altitude_amsl = {found:.1f}, or terrain.level_at_home = true",
+            f"home.altitude_amsl: expected about {measured:.1f} m, the ground there in {path}, not {given:g} m",
+            hint=f"set home.altitude_amsl = {measured:.1f}, or terrain.level_at_home = true",
         )
     return grid, (f"ground at home {at_home:+.2f} m from home's altitude",)
 

@@ -48,15 +48,15 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         features = document.get("features")
         if not isinstance(features, list):
             raise BadInput(f"{path}: features: expected a list")
-        found = [(f"{path}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features)]
+        placed = [(f"{path}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features)]
     elif kind == "Feature":
-        found = [(f"{path}: feature", document)]
+        placed = [(f"{path}: feature", document)]
     elif kind == "GeometryCollection" or kind in SHAPES:
-        found = [(f"{path}: feature", {"type": "Feature", "geometry": document})]
+        placed = [(f"{path}: feature", {"type": "Feature", "geometry": document})]
     else:
         raise BadInput(f"{path}: type: expected 'FeatureCollection', not {kind!r}", hint="a map is a GeoJSON file")
     to_degrees, mistakes = _coordinate_system(document, path), Mistakes()
-    made = [mistakes.attempt(_feature, place, feature, to_degrees) for place, feature in found]
+    made = [mistakes.attempt(_feature, place, feature, to_degrees) for place, feature in placed]
     mistakes.tell()
     return tuple(feature for feature in made if feature is not None)
 

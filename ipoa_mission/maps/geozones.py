@@ -47,13 +47,13 @@ def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ..
     Raises:
         BadInput: naming file and place, and what was expected there.
     """
-    mistakes, found = Mistakes(), []
+    mistakes, volumes = Mistakes(), []
     for i, zone in enumerate(document["features"]):
         for j, volume in enumerate(zone["geometry"]):
             place = f"{path}: features[{i}].geometry[{j}]"
-            found.append(mistakes.attempt(_volume, zone, volume, place))
+            volumes.append(mistakes.attempt(_volume, zone, volume, place))
     mistakes.tell()
-    return tuple(feature for feature in found if feature is not None)
+    return tuple(feature for feature in volumes if feature is not None)
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:

@@ -98,10 +98,10 @@ def why_passed_over(feature: Feature, height_key: str, all_buildings: bool) -> R
         return Reason("without a geometry", False)
     if tags.get("location") == "underground" or tags.get("tunnel", "no") != "no":
         return Reason("underground", False)
-    said = [tags[key] for key in ("building", "building:part") if key in tags]
-    if said:
-        gone = all(value in NO_BUILDING for value in said)
-        return Reason(f"tagged building={said[0]}", False) if gone else None
+    values = [tags[key] for key in ("building", "building:part") if key in tags]
+    if values:
+        gone = all(value in NO_BUILDING for value in values)
+        return Reason(f"tagged building={values[0]}", False) if gone else None
     if {height_key, TOP_AMSL, "building:levels"} & tags.keys() or tagged(tags, TALL):
         return None
     if tagged(tags, WIRES):

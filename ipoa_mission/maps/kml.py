@@ -128,9 +128,9 @@ def _height(placemark: ElementTree.Element) -> dict[str, str]:
     """The height of the highest polygon that is drawn down to the ground, as a tag; nothing where there is none."""
     tops: dict[str, float] = {}
     for polygon in (each for each in placemark.iter() if _local(each) == "Polygon"):
-        said = {_local(child): (child.text or "").strip() for child in polygon}
-        key = MODES.get(said.get("altitudeMode", ""))
-        if said.get("extrude") not in ("1", "true") or key is None:
+        texts = {_local(child): (child.text or "").strip() for child in polygon}
+        key = MODES.get(texts.get("altitudeMode", ""))
+        if texts.get("extrude") not in ("1", "true") or key is None:
             continue
         for element in polygon.iter():
             if _local(element) == "coordinates":

@@ -84,17 +84,6 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
     return parts, None if wrong is None else _words(wrong)
 
 
-def rings_of(
-    polygon: Any,
-) -> tuple[tuple[tuple[float, float], ...], tuple[tuple[tuple[float, float], ...], ...]]:
-    """The outer ring and the holes of a valid polygon as corners, not closed."""
-    outer, *holes = (
-        tuple((float(east), float(north)) for east, north in shapely.get_coordinates(ring)[:-1])
-        for ring in (polygon.exterior, *polygon.interiors)
-    )
-    return outer, tuple(holes)
-
-
 def _words(reason: str | None) -> str:
     """`a ring with self-intersection` of GEOS's `Self-intersection[12.3 45.6]`."""
     return "a ring with " + reason.partition("[")[0].strip().lower() if reason else "a line or a point"

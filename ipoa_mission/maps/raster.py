@@ -116,16 +116,16 @@ class Raster:
         missing = np.isnan(heights)
         if not missing.any():
             return heights, ()
-        found = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, first)}"
+        gaps = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, first)}"
         if not fill:
-            raise BadInput(f"{self.path}: {found}", hint='terrain.voids = "fill" fills them from their neighbors')
+            raise BadInput(f"{self.path}: {gaps}", hint='terrain.voids = "fill" fills them from their neighbors')
         from rasterio.fill import fillnodata
 
         holed = np.where(missing, LOWEST - 1, heights).astype("float32")
         filled = np.asarray(fillnodata(holed, mask=~missing, max_search_distance=FILL_REACH), float)
         if (filled < LOWEST).any():
-            raise BadInput(f"{self.path}: {found}, and some are too far from any other to be filled")
-        return np.where(missing, filled, heights), (f"{found}: filled from their neighbors",)
+            raise BadInput(f"{self.path}: {gaps}, and some are too far from any other to be filled")
+        return np.where(missing, filled, heights), (f"{gaps}: filled from their neighbors",)
 
     def _where(self, which: NDArray[np.bool_], first: tuple[int, int]) -> str:
         row, column = np.argwhere(which)[0] + first

@@ -47,13 +47,13 @@ def read_table(path: Path) -> tuple[Feature, ...]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what GDAL mends it says; what it makes of it is judged here
             layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
-            found = [feature for layer in layers for feature in _rows(path, layer, pyogrio.raw, len(layers) > 1)]
+            features = [feature for layer in layers for feature in _rows(path, layer, pyogrio.raw, len(layers) > 1)]
     except (RuntimeError, ValueError) as error:  # of pyogrio, PROJ, and of texts in no known encoding
         beside = "; the .shx and .dbf files must lie beside a .shp" if suffix == ".shp" else ""
         raise BadInput(f"{path}: cannot be read: {error}{beside}") from error
-    if not found:
+    if not features:
         raise BadInput(f"{path}: expected shapes, but there are none that can be read")
-    return tuple(found)
+    return tuple(features)
 
 
 def _rows(path: Path, layer: str, raw: Any, named: bool) -> Iterator[Feature]:
@@ -65,12 +65,12 @@ def _rows(path: Path, layer: str, raw: Any, named: bool) -> Iterator[Feature]:
             hint="a Shapefile says it in the .prj file beside it",
         )
     to_degrees = Transformer.from_crs(CRS.from_user_input(meta["crs"]), "OGC:CRS84", always_xy=True)
-    mistakes, found = Mistakes(), []
+    mistakes, features = Mistakes(), []
     for n, (number, shape) in enumerate(zip(numbers, shapes, strict=True)):
         row = {str(name): _plain(column[n]) for name, column in zip(meta["fields"], fields, strict=True)}
-        found.append(mistakes.attempt(_feature, f"{place}[{number}]", shape, row, to_degrees))
+        features.append(mistakes.attempt(_feature, f"{place}[{number}]", shape, row, to_degrees))
     mistakes.tell()
-    yield from (feature for feature in found if feature is not None)
+    yield from (feature for feature in features if feature is not None)
 
 
 def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transformer) -> Feature:

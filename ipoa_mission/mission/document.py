@@ -38,10 +38,10 @@ class Node:
 
     def __getitem__(self, key: str) -> "Node":
         """The value under a key that must be there."""
-        found = self.get(key)
-        if found is None:
+        child = self.get(key)
+        if child is None:
             raise BadInput(f'{self.where}: expected "{key}", but there is none')
-        return found
+        return child
 
     def get(self, key: str) -> "Node | None":
         """The value under a key, None where the key is missing."""
@@ -111,8 +111,8 @@ def parse_document(path: Path, text: str) -> Node:
 
 
 def _no_constant(path: Path, text: str, name: str) -> NoReturn:
-    found = re.search(rf"^.*[\s:,\[]{re.escape(name)}\b", text, re.MULTILINE)
-    line = text.count("\n", 0, found.end()) + 1 if found else 1
+    match = re.search(rf"^.*[\s:,\[]{re.escape(name)}\b", text, re.MULTILINE)
+    line = text.count("\n", 0, match.end()) + 1 if match else 1
     raise BadInput(f"{path}: line {line}: expected JSON, which has no {name}", hint='write null for "not a number"')
 
 

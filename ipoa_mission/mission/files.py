@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ipoa_mission.autopilots.parameters import firmware_of
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
@@ -16,17 +17,22 @@ from ipoa_mission.mission.waypoints_file import FIRST_LINE, parse_waypoints, wri
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
     """Read a `.plan`, a `.waypoints` or an old `.mission` file, whatever it is called, and NAME.params beside it.
 
-    `autopilot` goes before what a `.plan` says of itself; a `.waypoints` file says nothing, and is for PX4 without it.
+    `autopilot` goes before what a `.plan` says of itself; a `.waypoints` file says nothing: without it, it is for whom
+    its parameters are, else for PX4.
 
     Raises:
         BadInput: the file cannot be read or is neither; the message names the place.
     """
-    mission = _read(Path(path), autopilot)
     lying = beside(Path(path))
-    return mission.with_parameters(read_parameters(lying)) if lying.is_file() else mission
+    parameters = read_parameters(lying) if lying.is_file() else {}
+    mission = _read(Path(path), autopilot, firmware_of(parameters) or Autopilot.PX4)
+    try:
+        return mission.with_parameters(parameters)
+    except BadInput as error:
+        raise BadInput(f"{lying}: {error}", hint=error.hint) from error
 
 
-def _read(path: Path, autopilot: Autopilot | None) -> Mission:
+def _read(path: Path, autopilot: Autopilot | None, unsaid: Autopilot) -> Mission:
     text = read_text(path)
     beginning = text.lstrip()[: len(FIRST_LINE)]
     if beginning.startswith("{") or (path.suffix == ".plan" and not beginning.startswith("QGC WPL")):
@@ -35,7 +41,7 @@ def _read(path: Path, autopilot: Autopilot | None) -> Mission:
             return parse_old_mission(document, autopilot)
         return parse_plan(path, text, autopilot)
     if beginning.startswith("QGC WPL") or path.suffix == ".waypoints":
-        return parse_waypoints(path, text, autopilot or Autopilot.PX4)
+        return parse_waypoints(path, text, autopilot or unsaid)
     raise BadInput(f"{path}: expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}")
 
 

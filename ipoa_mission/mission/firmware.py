@@ -100,9 +100,9 @@ def compare(sent: Sequence[Item], got: Sequence[Item], autopilot: Autopilot) -> 
     for seq, (one, other) in enumerate(zip(sent, got, strict=True)):
         if seq == 0 and firmware.home_is_item_0 and _is_home(one) and one.command == other.command:
             continue
-        found = _first_difference(one, other, firmware)
-        if found:
-            return Difference(seq, *found)
+        difference = _first_difference(one, other, firmware)
+        if difference:
+            return Difference(seq, *difference)
     return None
 
 

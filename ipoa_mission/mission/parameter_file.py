@@ -36,13 +36,13 @@ def read_parameters(path: Path) -> Parameters:
     Raises:
         BadInput: the message names the line, as in `quad.parm: line 3: expected a name and a value, not "WPNAV"`.
     """
-    found: dict[str, float] = {}
+    parameters: dict[str, float] = {}
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         text = line.split("#", 1)[0].strip()
         if text:
             name, value = _name_and_value(text, f"{path}: line {number}")
-            found[name] = value
-    return found
+            parameters[name] = value
+    return parameters
 
 
 def beside(path: Path) -> Path:

@@ -64,17 +64,17 @@ def lay_out(node: Node) -> list[Item]:
 
 def _style(node: Node) -> _Style:
     for key in REFUSED:
-        if (said := node.get(key)) is not None and said.flag():
-            raise said.wrong("false in a scan that holds no waypoints", "save the plan with its waypoints")
+        if (unsupported := node.get(key)) is not None and unsupported.flag():
+            raise unsupported.wrong("false in a scan that holds no waypoints", "save the plan with its waypoints")
     camera = node["CameraCalc"]
     mode = camera.get("DistanceMode")
     if mode is None:
         level = Frame.GLOBAL_RELATIVE_ALT if camera["DistanceToSurfaceRelative"].flag() else Frame.GLOBAL
     else:
-        found = FRAMES.get(mode.whole("1, 2 or 4"))
-        if found is None:
+        number = mode.whole("1, 2 or 4")
+        if number not in FRAMES:
             raise mode.wrong("1 (above home), 2 (above sea level) or 4 (above the ground)")
-        level = found
+        level = FRAMES[number]
     turnaround, trigger = node.get("TurnAroundDistance"), node.get("CameraTriggerInTurnAround")
     return _Style(
         spacing=camera["AdjustedFootprintSide"].number("metres"),
@@ -111,23 +111,23 @@ def _survey(node: Node, plane: Points, style: _Style) -> list[Points]:
     if last - first >= MOST_TRANSECTS:
         raise node.wrong(f"a survey of at most {MOST_TRANSECTS} transects")
     offsets = [] if math.isinf(spacing) else [n * spacing - half for n in range(first, last + 1)]
-    found = [line for offset in offsets if (line := _through(plane, middle, along, sides - offset)) is not None]
-    if len(found) < 2:
-        found = [line for line in [_through(plane, middle, along, sides)] if line is not None]
-    if not found:
+    transects = [line for offset in offsets if (line := _through(plane, middle, along, sides - offset)) is not None]
+    if len(transects) < 2:
+        transects = [line for line in [_through(plane, middle, along, sides)] if line is not None]
+    if not transects:
         raise node["polygon"].wrong("a polygon with an area")
-    forth = found[0][1] - found[0][0]
-    found = [line if (line[1] - line[0]) @ forth >= 0 else line[::-1] for line in found]
+    forth = transects[0][1] - transects[0][0]
+    transects = [line if (line[1] - line[0]) @ forth >= 0 else line[::-1] for line in transects]
     entry = node.get("entryLocation")
     corner = 0 if entry is None else entry.whole("0 to 3", 0, 3)
     if corner in (BOTTOM_LEFT, BOTTOM_RIGHT):
-        found = [line[::-1] for line in found]
+        transects = [line[::-1] for line in transects]
     if corner in (TOP_RIGHT, BOTTOM_RIGHT):
-        found.reverse()
+        transects.reverse()
     alternate = node.get("flyAlternateTransects")
     if alternate is not None and alternate.flag():
-        found = found[::2] + found[1::2][::-1]
-    return found
+        transects = transects[::2] + transects[1::2][::-1]
+    return transects
 
 
 def _through(plane: Points, middle: Points, along: Points, sides: Points) -> Points | None:
@@ -161,12 +161,12 @@ def _corridor(node: Node, plane: Points, style: _Style) -> list[Points]:
     offsets = [0.0] if count == 1 else [width / 2 - (n + 0.5) * spacing for n in range(count)]
     if not (np.diff(plane, axis=0) != 0.0).any(axis=1).all():
         raise node["polyline"].wrong("a line whose corners differ")
-    found = [_beside(plane, offset) for offset in offsets]
+    transects = [_beside(plane, offset) for offset in offsets]
     entry = node.get("EntryPoint")
     corner = 0 if entry is None else entry.whole("0 to 3", 0, 3)
     if corner in (1, 3):
-        found.reverse()
-    return [line[::-1] for line in found] if corner in (2, 3) else found
+        transects.reverse()
+    return [line[::-1] for line in transects] if corner in (2, 3) else transects
 
 
 def _beside(line: Points, offset: float) -> Points:

@@ -37,11 +37,11 @@ def build_optimizer(name: str, settings: Mapping[str, object], place: str = "opt
         raise BadInput(f"{place}.name: expected {_one_of(OPTIMIZERS)}, not {name!r}{_did_you_mean(name, OPTIMIZERS)}")
     kind = OPTIMIZERS[name]
     types = get_type_hints(kind, include_extras=True)
-    known = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
     for key in settings:
-        if key not in known:
+        if key not in names:
             raise BadInput(
-                f"{place}.{key}: {name} has no such setting; it has {', '.join(known)}{_did_you_mean(key, known)}"
+                f"{place}.{key}: {name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}"
             )
     return kind(**{key: check_setting(f"{place}.{key}", types[key], value) for key, value in settings.items()})
 
@@ -51,6 +51,6 @@ def _one_of(names: Mapping[str, object]) -> str:
     return f"{', '.join(others)} or {last}"
 
 
-def _did_you_mean(word: str, known: Mapping[str, object] | list[str]) -> str:
-    close = get_close_matches(word.lower(), list(known), n=1)
+def _did_you_mean(word: str, candidates: Mapping[str, object] | list[str]) -> str:
+    close = get_close_matches(word.lower(), list(candidates), n=1)
     return f" (did you mean {close[0]!r}?)" if close else ""

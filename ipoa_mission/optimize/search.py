@@ -11,9 +11,13 @@ from typing import Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.progress import Progress, silent
+
 Candidates: TypeAlias = NDArray[np.float64]  # (n, D)
 Costs: TypeAlias = NDArray[np.float64]  # (n,)
 Search: TypeAlias = Generator[Candidates, Costs, None]
+
+SEARCH_EVALUATIONS = 30_000  # about as many as the paper gives a search
 
 
 @dataclass(frozen=True)
@@ -64,11 +68,11 @@ def minimize(
     optimizer: Optimizer,
     rng: np.random.Generator,
     budget: int | None = None,
-    progress: Callable[[int, float], None] | None = None,
+    progress: Progress = silent,
 ) -> Optimum:
     """Run `optimizer` on `cost` inside `box`; stop before the batch that would exceed `budget` evaluations.
 
-    `progress(evaluations, best)` is called after each batch.
+    `progress` is told the evaluations and the best cost after each batch; without a budget its share is a guess.
     """
     search = optimizer.search(box, rng)
     best_x, best = np.full(box.dimension, np.nan), np.inf
@@ -82,8 +86,7 @@ def minimize(
             best_x, best = candidates[winner].copy(), float(costs[winner])
         evaluations.append(spent)
         history.append(best)
-        if progress is not None:
-            progress(spent, best)
+        progress(spent / (budget or spent + SEARCH_EVALUATIONS), f"{spent} evaluations, cost {best:.1f}")
         try:
             candidates = search.send(costs)
         except StopIteration:

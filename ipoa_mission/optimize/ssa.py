@@ -27,9 +27,9 @@ class SSA:
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield N candidates, then the finders, the followers and the alarmed of each iteration."""
         n = self.population
-        found = min(max(round(self.finders * n), 1), n - 1)
+        producers = min(max(round(self.finders * n), 1), n - 1)
         rank = np.arange(1, n + 1)[:, None]
-        starving = rank[found:] > found + (n - found) / 2
+        starving = rank[producers:] > producers + (n - producers) / 2
         x = box.sample(n, rng)
         f = yield x
         for _ in range(self.iterations):
@@ -38,24 +38,24 @@ class SSA:
             worst = x[-1]
 
             # Finders, eq. (3) of Xue and Shen
-            head = x[:found]
+            head = x[:producers]
             if rng.random() < self.safety:
-                trial = head * np.exp(-rank[:found] / ((1 - rng.random((found, 1))) * self.iterations))
+                trial = head * np.exp(-rank[:producers] / ((1 - rng.random((producers, 1))) * self.iterations))
             else:
-                trial = head + rng.standard_normal((found, 1))
+                trial = head + rng.standard_normal((producers, 1))
             trial = box.clip(trial)
-            head, head_cost = keep_better(head, f[:found], trial, (yield trial))
+            head, head_cost = keep_better(head, f[:producers], trial, (yield trial))
 
             # Followers, their eq. (4)
-            tail = x[found:]
+            tail = x[producers:]
             prey = head[head_cost.argmin()]
             signs = rng.choice((-1.0, 1.0), tail.shape)
-            elsewhere = rng.standard_normal((n - found, 1)) * np.exp(
-                np.minimum((worst - tail) / rank[found:] ** 2, 700)
+            elsewhere = rng.standard_normal((n - producers, 1)) * np.exp(
+                np.minimum((worst - tail) / rank[producers:] ** 2, 700)
             )
             beside = prey + np.mean(np.abs(tail - prey) * signs, axis=1, keepdims=True)  # |x - x_p| A+ L
             trial = box.clip(np.where(starving, elsewhere, beside))
-            tail, tail_cost = keep_better(tail, f[found:], trial, (yield trial))
+            tail, tail_cost = keep_better(tail, f[producers:], trial, (yield trial))
             x, f = np.concatenate([head, tail]), np.concatenate([head_cost, tail_cost])
 
             # The alarmed, their eq. (5)

@@ -5,8 +5,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import FAST, _look
 
 GLANCES = 100  # places at which the straight leg between two nodes is looked at, at most

@@ -8,8 +8,8 @@ Each has a plain NumPy twin that the tests hold it against. Obstacles, ground an
 import math
 
 import numpy as np
-from numba import njit
 
+from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import FAST, _cell, _distance, _ground, _least_height, _look
 from ipoa_mission.planning.chart import FENCE, LEAST, STEEP
 

@@ -9,9 +9,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import FAST, _cell, _distance, _ground, _least_height
 from ipoa_mission.planning.chart import FENCE, LEAST, LEVER
 

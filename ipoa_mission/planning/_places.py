@@ -8,8 +8,8 @@ All of it is inlined where it is called, at every node: handing on a whole chart
 import math
 
 import numpy as np
-from numba import njit
 
+from ipoa_mission.compiled import njit
 from ipoa_mission.planning.chart import FENCE, LEAST
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 

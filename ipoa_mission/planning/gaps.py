@@ -55,14 +55,14 @@ def _extent(shapes: NDArray[np.object_], ahead: Plane, radii: Vector) -> Vector:
 
 def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_], Vector, Vector, NDArray[np.float64]]:
     """Shapes in the plane, by how much they are larger all round, the distance required, lowest and highest (k, 2)."""
-    found: list[tuple[shapely.Geometry, float, float, float, float]] = []
+    outlines: list[tuple[shapely.Geometry, float, float, float, float]] = []
     for body in airspace.obstacles:
         if (column := body.column) is not None:
-            found.append((column.shape, column.radius, distance, column.base, column.top))
+            outlines.append((column.shape, column.radius, distance, column.base, column.top))
     lower, upper = airspace.bounds.lower[:2], airspace.bounds.upper[:2]
     area = airspace.bounds.footprint.shape if airspace.bounds.footprint else shapely.box(*lower, *upper)
     corners = shapely.get_coordinates(area.exterior)
-    found += [(shapely.LineString(side), 0.0, 0.0, -np.inf, np.inf) for side in pairwise(corners)]
-    shapes, *numbers = zip(*found, strict=True)
+    outlines += [(shapely.LineString(side), 0.0, 0.0, -np.inf, np.inf) for side in pairwise(corners)]
+    shapes, *numbers = zip(*outlines, strict=True)
     radii, required, base, top = np.array(numbers)
     return np.array(shapes), radii, required, np.column_stack([base, top])

@@ -19,21 +19,13 @@ from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import STEEP
 from ipoa_mission.planning.gaps import gap_places
 from ipoa_mission.planning.problem import PreparedProblem, Trail, follow
+from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
 from ipoa_mission.planning.winding import wind
 
-NODES = 100_000  # about how many nodes a lattice has
-WIDEST = 200  # nodes along the longer side, at most
 MOST_CONTROL = 500  # control points of a guess
-LEVELS = 60  # at most, where climbs are not limited
-FINER = (1.0, 2.0, 3.0)  # how much finer the next lattice is if one knows no way
 ROUND, LEAST = 20.0, 0.1  # radius of a usual loop [m], and the least price of a metre by which that of turns is divided
 RATHER = 0.98  # what loops cost of going to and fro
-FLATTEST = 0.07  # the lattice knows no flatter climbs: it would need too many levels
-MOST, FEWER = 24, 8  # ways that are returned, and where climbs are limited
-DEAREST = 1.6  # ways dearer than the cheapest by this factor are left out
-MOST_BESIDE = 8  # ways that are added beside those that lead through what is too narrow
 PER_LEG = 10  # points at which a leg between two nodes is looked at
-PER_TURN, DENSEST = 4, 80  # control points of a curve that follows a way, at most
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbors
 BETWEEN = 0.05  # how much less slack than a node its neighbors on both sides have, in steps, if it is in a gap
 WIDE_GAP = 1.5  # how much wider than required a gap may be, in steps, to have nodes of its own
@@ -58,6 +50,7 @@ class Lattice:
     """Greatest slopes of climb and descent."""
     winding: float
     """What a metre of loops costs more than a straight metre."""
+    strategy: LatticeStrategy
 
     def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:
         """The steps (s, 3) and their lengths (s,) [m], or those that are flown backwards.
@@ -91,46 +84,47 @@ class Guess:
         return follow(self.guide, min(closer * inner, MOST_CONTROL), problem.task, self.shares)
 
 
-def guesses(problem: PreparedProblem, coarsest: int) -> list[Guess]:
+def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy = USUAL.lattice) -> list[Guess]:
     """Ways from start over all via points to the goal: the straight one, then those that follow lattice ways.
 
-    Lattices before number `coarsest` of `FINER` are not tried.
+    Lattices before number `coarsest` of `strategy.refinements` are not tried.
     """
     task = problem.task
     straight = task.places
     inner = max(task.planning.control_points, 3, 5 * (len(straight) - 1))
-    found: list[Points] = []
-    most = FEWER if min(problem.rules.climb, problem.rules.descent) < STEEP else MOST
-    for fineness in FINER[coarsest:]:
-        lattice = lay(problem, fineness)
-        if found := ways(lattice, problem, most):
-            found = _mended(found, lattice, problem)
+    routes: list[Points] = []
+    climbing = min(problem.rules.climb, problem.rules.descent) < STEEP
+    most = strategy.max_ways_climbing if climbing else strategy.max_ways
+    for fineness in strategy.refinements[coarsest:]:
+        lattice = lay(problem, fineness, strategy)
+        if routes := ways(lattice, problem, most):
+            routes = _mended(routes, lattice, problem)
             break
-    found = found or ways(lattice, problem, most, looking=False)
+    routes = routes or ways(lattice, problem, most, looking=False)
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
-    turns = max((_turns(way, tolerance) for way in found), default=0)
-    inner = int(max(inner, min(4 + PER_TURN * turns, DENSEST)))
+    turns = max((_turns(way, tolerance) for way in routes), default=0)
+    inner = int(max(inner, min(4 + strategy.control_points_per_turn * turns, strategy.max_control_points)))
     return [
         Guess(straight, None, inner),
-        *(Guess(*wind(way, inner, problem, float(lattice.spacing[2])), inner) for way in found),
+        *(Guess(*wind(way, inner, problem, float(lattice.spacing[2])), inner) for way in routes),
     ]
 
 
-def lay(problem: PreparedProblem, fineness: float = 1.0) -> Lattice:
+def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL.lattice) -> Lattice:
     """A lattice over the bounds; `fineness` 2 has half the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
     steepest = (problem.rules.climb, problem.rules.descent)
-    flattest, area = max(min(*steepest, 1.0), FLATTEST), size[0] * size[1]
-    pitch = (area * size[2] / flattest / NODES) ** (1 / 3)
+    flattest, area = max(min(*steepest, 1.0), strategy.min_slope), size[0] * size[1]
+    pitch = (area * size[2] / flattest / strategy.nodes) ** (1 / 3)
     if upright := min(steepest) >= STEEP:  # cells may then be higher than they are wide
-        pitch = min(pitch, (area * LEVELS / NODES) ** 0.5)
-    pitch = max(pitch, size[:2].max() / WIDEST) / fineness
+        pitch = min(pitch, (area * strategy.max_levels / strategy.nodes) ** 0.5)
+    pitch = max(pitch, size[:2].max() / strategy.max_nodes_per_side) / fineness
     count = np.ones(3, int)
     count[:2] += np.ceil(size[:2] / pitch).astype(int)
     rise = min(flattest * float((size[:2] / (count[:2] - 1)).min()), max(size[2] / 6, 0.5))
     if upright:
-        rise = max(rise, size[2] / (LEVELS * fineness))
+        rise = max(rise, size[2] / (strategy.max_levels * fineness))
     count[2] += int(np.ceil(size[2] / rise))
     spacing = size / (count - 1)
     grid = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
@@ -142,7 +136,8 @@ def lay(problem: PreparedProblem, fineness: float = 1.0) -> Lattice:
     winding = problem.rules.turning / max(problem.rules.length, LEAST) / min(ROUND, float(size[:2].min()) / 4)
     _occupy_gaps(nodes, slack, threat, lower, spacing, problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
-    return Lattice(lower, spacing, nodes, slack.reshape(count), price.reshape(count), steepest, winding)
+    slack, price = slack.reshape(count), price.reshape(count)
+    return Lattice(lower, spacing, nodes, slack, price, steepest, winding, strategy)
 
 
 def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
@@ -169,13 +164,13 @@ def _survey(points: Points, problem: PreparedProblem) -> tuple[Vector, Vector]:
 
 def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
     """Which nodes are a little too near to something, and so more on both sides, or are beside such a node."""
-    found = np.zeros(slack.shape, bool)
+    between = np.zeros(slack.shape, bool)
     for axis, step in enumerate(spacing):
         padded = np.pad(slack, [(int(k == axis),) * 2 for k in range(3)], mode="edge")
         before, after = (padded.take(range(k, k + slack.shape[axis]), axis) for k in (0, 2))
-        found |= slack - (before + after) / 2 > BETWEEN * step
+        between |= slack - (before + after) / 2 > BETWEEN * step
     doubtful = (slack < 0) & (slack > -np.linalg.norm(spacing) / 2)
-    return np.asarray(doubtful & binary_dilation(found & doubtful, np.ones((3, 3, 3))))
+    return np.asarray(doubtful & binary_dilation(between & doubtful, np.ones((3, 3, 3))))
 
 
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
@@ -189,14 +184,14 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
     return nodes
 
 
-def _mended(found: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
+def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
     """The ways, with more points where a leg between two nodes cuts what neither of them is in.
 
     Where a leg of the cheapest way cannot be mended, as in a gap that is a little too narrow, ways are added that do
     without the nodes at all such legs.
     """
     mended, closed = list[Points](), list[Points]()
-    for way in found:
+    for way in routes:
         points, cut = _cuts(way, problem)
         points[cut] = _centered(points[cut], lattice.spacing, problem)
         kept = cut | (np.arange(len(points)) % PER_LEG == 0)
@@ -208,7 +203,7 @@ def _mended(found: list[Points], lattice: Lattice, problem: PreparedProblem) -> 
         return mended
     shut = np.isin(_whole(lattice.places), _whole(np.vstack(closed)))
     price = np.where(shut.reshape(lattice.price.shape), np.inf, lattice.price)
-    return mended + ways(replace(lattice, price=price), problem, MOST_BESIDE)
+    return mended + ways(replace(lattice, price=price), problem, lattice.strategy.max_ways_beside)
 
 
 def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
@@ -273,28 +268,28 @@ def _leg_ways(
         return []
     back, after = costs(*lattice.steps(backwards=True), target)
     through = there + back
-    found: list[Points] = []
+    routes: list[Points] = []
     even: list[Points] = []
-    for node in [target, *_passages(through, there, lattice.price.shape)]:
+    for node in [target, *_passages(through, there, lattice)]:
         way = np.array([*_trace(before, node)[::-1], *_trace(after, node)[1:]])
         points = np.vstack([start, lattice.places[way], goal])
         course = _even(points)
         if all(np.linalg.norm(course - other, axis=1).max() > 4 * lattice.spacing[0] for other in even):
-            found.append(points)
+            routes.append(points)
             even.append(course)
-        if len(found) == most:
+        if len(routes) == most:
             break
-    return found
+    return routes
 
 
-def _passages(through: Vector, there: Vector, shape: tuple[int, ...]) -> Iterator[int]:
+def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]:
     """Nodes at which a way through is cheaper than through any node around, the cheapest first."""
     best = through[np.isfinite(through)].min()
     share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through) & (through > 0))
     chosen: list[tuple[float, int]] = []
     for middle in (0.25, 0.5, 0.75):
-        on_surface = (np.abs(share - middle) < 0.04) & (through < DEAREST * best)
-        surface = np.where(on_surface, through, np.inf).reshape(shape)
+        on_surface = (np.abs(share - middle) < 0.04) & (through < lattice.strategy.max_cost_ratio * best)
+        surface = np.where(on_surface, through, np.inf).reshape(lattice.price.shape)
         least = (surface == minimum_filter(surface, size=5, mode="nearest")) & np.isfinite(surface)
         chosen += [(float(through[node]), int(node)) for node in np.nonzero(least.ravel())[0]]
     return (node for _, node in sorted(chosen))

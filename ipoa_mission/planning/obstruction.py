@@ -57,12 +57,14 @@ def refuse_closed(problem: PreparedProblem) -> None:
         NoPath: naming the widest gap and its width, or what stands round an end.
     """
     for a, b in pairwise(problem.task.places):
-        if (found := closure(problem, a, b)) is not None:
-            where = f"at east {found.place[0]:.1f}, north {found.place[1]:.1f} m"
-            if found.needed == 0:
-                few = ", ".join(found.names[:3]) + (f" and {more} more" if (more := len(found.names) - 3) > 0 else "")
+        if (barrier := closure(problem, a, b)) is not None:
+            where = f"at east {barrier.place[0]:.1f}, north {barrier.place[1]:.1f} m"
+            if barrier.needed == 0:
+                few = ", ".join(barrier.names[:3]) + (
+                    f" and {more} more" if (more := len(barrier.names) - 3) > 0 else ""
+                )
                 raise NoPath(f"every way is walled off: by {few}, {where}")
-            raise _too_narrow(found.names, where, found.width, found.needed)
+            raise _too_narrow(barrier.names, where, barrier.width, barrier.needed)
 
 
 def explain(problem: PreparedProblem, proof: Proof) -> NoPath:

@@ -12,33 +12,24 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.planning.cost import curve_cost
-from ipoa_mission.planning.lattice import FINER, guesses
+from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM, polish, settle
 from ipoa_mission.planning.problem import UNSAFE, Trail, follow, pose, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
-from ipoa_mission.planning.search import Progress, Searcher, optimizer_of
+from ipoa_mission.planning.search import Searcher, optimizer_of
 from ipoa_mission.planning.spline import Spline
+from ipoa_mission.planning.strategy import USUAL, SearchStrategy
+from ipoa_mission.progress import Progress, silent
 
 __all__ = ["NoPath", "plan_path"]
 
 Proved: TypeAlias = tuple[Spline, Proof]
 
-STRAIGHT = 3  # searches that begin at the straight line
-SEARCHED, SHORTEST = 8, 4  # searches that begin at lattice ways, and how many of these are the lattice's best
-WIDE, NARROW, LOCAL = 0.25, 0.08, 0.12  # widths of a search: round the straight line, a better guess, a piece
-FEW = 100  # control points with which a curve may not be able to follow a way
-MANY = 150  # control points that are enough
-CLOSER = 4  # times as many let it
-KEPT = 3  # curves that are searched again
-ROUNDS = 40  # at most, of searches piece by piece
-PIECE = 10  # control points that are then varied at a time
-WANTED, TRIED = 2, 6  # curves that are settled and hold, and how many are tried for that
 
-
-def plan_path(task: PathTask, seed: int = 0, progress: Progress = lambda done, words: None) -> Plan:
+def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy = USUAL) -> Plan:
     """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
 
     Raises:
@@ -51,39 +42,37 @@ def plan_path(task: PathTask, seed: int = 0, progress: Progress = lambda done, w
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
     optimizer = optimizer_of(task, short=not as_printed)
-    searcher = Searcher(problem, optimizer, np.random.default_rng(seed))
+    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [(curve_cost(curve, task), curve, proof) for curve, proof in curves if proof.holds]
     if not safe:
         nearest = max((proof for _, proof in curves), key=lambda proof: proof.worst.slack)
         raise explain(problem, nearest) if as_printed else not_found(nearest)
-    cost, curve, proof = min(safe, key=lambda found: found[0].total)
+    cost, curve, proof = min(safe, key=lambda planned: planned[0].total)
     return Plan(curve, cost, proof, task.optimizer.name, seed, *searcher.history())
 
 
 def _search_once(searcher: Searcher, progress: Progress) -> Proved:
     """As the paper does: one long search, and what it finds."""
     task = searcher.problem.task
-
-    def tell(spent: int, best: float) -> None:
-        progress(spent / (spent + 30_000), f"{spent} evaluations, cost {best:.1f}")
-
     straight = follow(task.places, task.planning.control_points, task)
-    found = searcher.search(straight, 2 * WIDE, progress=tell)
-    return found.curve, prove_curve(found.curve, task)
+    searched = searcher.search(straight, 2 * searcher.strategy.straight_width, progress=progress)
+    return searched.curve, prove_curve(searched.curve, task)
 
 
 def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
     """A few settled curves; if none of them holds, the search begins anew with guesses from a finer lattice."""
-    problem, proved = searcher.problem, list[tuple[Trail, Proof]]()
-    for coarsest in range(len(FINER) - 1):
-        for trail in _improve(_find_passages(searcher, coarsest, progress), searcher, progress)[:TRIED]:
+    problem, strategy, proved = searcher.problem, searcher.strategy, list[tuple[Trail, Proof]]()
+    for coarsest in range(len(strategy.lattice.refinements) - 1):
+        improved = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
+        for trail in improved[: strategy.max_settled]:
             proved.append(settle(trail, problem))
-            if sum(proof.holds for _, proof in proved) == WANTED:
+            if sum(proof.holds for _, proof in proved) == strategy.settled:
                 break
         if safe := [trail for trail, proof in proved if proof.holds]:
-            proved.append(settle(_finer(min(safe, key=problem.cost)), problem, enough=1e-8))
+            finer = _finer(min(safe, key=problem.cost), strategy)
+            proved.append(settle(finer, problem, enough=1e-8))
             break
         if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why
@@ -92,44 +81,46 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
 
 def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Trail]:
     """The best few curves, of those that a guess, or a search round one, was polished to."""
-    problem = searcher.problem
-    straight, *ways = guesses(problem, coarsest)
-    trails, found = [straight.trail(problem)], [polish(straight.trail(problem), problem)]
+    problem, strategy = searcher.problem, searcher.strategy
+    straight, *ways = guesses(problem, coarsest, strategy.lattice)
+    trails, polished = [straight.trail(problem)], [polish(straight.trail(problem), problem)]
     for way in ways:
         trails.append(way.trail(problem))
-        found.append(polish(trails[-1], problem))
-        if len(trails[-1].curve.control) < FEW and problem.cost(found[-1]) > UNSAFE:
+        polished.append(polish(trails[-1], problem))
+        if len(trails[-1].curve.control) < strategy.coarse_control_points and problem.cost(polished[-1]) > UNSAFE:
             trails[-1] = refine(trails[-1])
-            found[-1] = polish(trails[-1], problem)
-    costs = [problem.cost(trail) for trail in found]
+            polished[-1] = polish(trails[-1], problem)
+    costs = [problem.cost(trail) for trail in polished]
     best = 1 + np.argsort(costs[1:])
-    promising = list(dict.fromkeys([*range(1, len(found))[:SHORTEST], *best.tolist()]))[:SEARCHED]
+    cheapest = range(1, len(polished))[: strategy.cheapest_starts]
+    promising = list(dict.fromkeys([*cheapest, *best.tolist()]))[: strategy.lattice_starts]
     if min(costs) > UNSAFE:
-        found += [polish(way.trail(problem, CLOSER), problem, FIRM) for way in ways]
-    starts = [(trails[0], WIDE)] * STRAIGHT + [(trails[i], NARROW) for i in promising]
+        polished += [polish(way.trail(problem, strategy.closer_factor), problem, FIRM) for way in ways]
+    starts = [(trails[0], strategy.straight_width)] * strategy.straight_starts
+    starts += [(trails[i], strategy.lattice_width) for i in promising]
     for i, (guess, width) in enumerate(starts):
         progress(0.5 * i / len(starts), f"passage {i + 1} of {len(starts)}")
-        found.append(polish(searcher.search(guess, width), problem))
-    return sorted(found, key=problem.cost)[:KEPT]
+        polished.append(polish(searcher.search(guess, width), problem))
+    return sorted(polished, key=problem.cost)[: strategy.max_improved]
 
 
 def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> list[Trail]:
     """These curves with twice the control points and what became of them piece by piece, the best first."""
-    problem, rng = searcher.problem, searcher.rng
-    found = [(problem.cost(trail), trail) for trail in map(_finer, trails)]
-    inner = max(len(trail.curve.control) for _, trail in found) - 2
-    rounds = int(np.clip((inner - PIECE) // 4, 4, ROUNDS))
+    problem, rng, strategy = searcher.problem, searcher.rng, searcher.strategy
+    improved = [(problem.cost(trail), trail) for trail in (_finer(trail, strategy) for trail in trails)]
+    inner = max(len(trail.curve.control) for _, trail in improved) - 2
+    rounds = int(np.clip((inner - strategy.piece) // 4, 4, strategy.max_rounds))
     for i in range(rounds):
         progress(0.5 + 0.4 * i / rounds, f"piece {i + 1} of {rounds}")
-        base = found[int(rng.integers(min(2, len(found))))][1]
-        first = int(rng.integers(max(len(base.curve.control) - 2 - PIECE, 0) + 1))
-        piece = slice(first, first + PIECE)
-        better = polish(searcher.search(base, LOCAL, piece), problem, part=piece)
-        found.append((problem.cost(better), better))
-        found.sort(key=lambda pair: pair[0])
-    return [trail for _, trail in found]
+        base = improved[int(rng.integers(min(2, len(improved))))][1]
+        first = int(rng.integers(max(len(base.curve.control) - 2 - strategy.piece, 0) + 1))
+        piece = slice(first, first + strategy.piece)
+        better = polish(searcher.search(base, strategy.piece_width, piece), problem, part=piece)
+        improved.append((problem.cost(better), better))
+        improved.sort(key=lambda pair: pair[0])
+    return [trail for _, trail in improved]
 
 
-def _finer(trail: Trail) -> Trail:
+def _finer(trail: Trail, strategy: SearchStrategy) -> Trail:
     """The curve with twice the control points, unless it has enough."""
-    return refine(trail) if len(trail.curve.control) < MANY else trail
+    return refine(trail) if len(trail.curve.control) < strategy.enough_control_points else trail

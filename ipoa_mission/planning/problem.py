@@ -220,12 +220,12 @@ def _waves(inner: int) -> Matrix:
 
 def _corners(guide: Points, via: Points) -> list[int]:
     """At which corners a guide passes the via points, in order."""
-    found, after = list[int](), 1
+    corners, after = list[int](), 1
     for place in via:
         after += int(np.argmin(np.linalg.norm(guide[after:-1] - place, axis=1)))
-        found.append(after)
+        corners.append(after)
         after += 1
-    return found
+    return corners
 
 
 def _nodes(task: PathTask, limits: Limits) -> int:

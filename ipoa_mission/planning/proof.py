@@ -23,10 +23,10 @@ ROUNDING = 1e-9  # a velocity's [m per parameter]
 
 @dataclass(frozen=True)
 class Check:
-    """One limit: what was found, and how much was required, both in `unit`; `at_most` turns the comparison round."""
+    """One limit: what comes nearest to breaking it and how much is required, in `unit`; `at_most` turns it round."""
 
     limit: str
-    found: Clearance
+    nearest: Clearance
     required: float
     at_most: bool = False
     unit: str = "m"
@@ -34,7 +34,7 @@ class Check:
     @property
     def slack(self) -> float:
         """How much is left; negative if the limit is broken."""
-        return self.required - self.found.distance if self.at_most else self.found.distance - self.required
+        return self.required - self.nearest.distance if self.at_most else self.nearest.distance - self.required
 
     @property
     def holds(self) -> bool:
@@ -43,23 +43,23 @@ class Check:
 
     def words(self) -> str:
         """The finding in a sentence without a full stop."""
-        east, north, up = self.found.place
+        east, north, up = self.nearest.place
         where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
         if self.limit == "bounds" and self.slack < 0:
-            return f"{-self.found.distance:.2f} m beyond {self.found.what} {where}"
-        if self.limit == "obstacles" and self.found.distance < 0:
-            return f"{-self.found.distance:.2f} m inside {self.found.what} {where}"
-        if self.limit == "ground" and self.found.distance < 0:
-            return f"{-self.found.distance:.2f} m under the ground {where}"
+            return f"{-self.nearest.distance:.2f} m beyond {self.nearest.what} {where}"
+        if self.limit == "obstacles" and self.nearest.distance < 0:
+            return f"{-self.nearest.distance:.2f} m inside {self.nearest.what} {where}"
+        if self.limit == "ground" and self.nearest.distance < 0:
+            return f"{-self.nearest.distance:.2f} m under the ground {where}"
         bound = "at most" if self.at_most else "at least"
         measure = {
-            "obstacles": f"from {self.found.what}",
-            "bounds": f"inside {self.found.what}",
+            "obstacles": f"from {self.nearest.what}",
+            "bounds": f"inside {self.nearest.what}",
             "ground": "above the ground",
             "ceiling": "above the ground",
         }
-        told = measure.get(self.limit, self.found.what)
-        return f"{self.found.distance:.2f} {self.unit} {told} {where}, {bound} {self.required:.2f} {self.unit} required"
+        measured = f"{self.nearest.distance:.2f} {self.unit} {measure.get(self.limit, self.nearest.what)}"
+        return f"{measured} {where}, {bound} {self.required:.2f} {self.unit} required"
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,8 @@ class Proof:
     @property
     def clearance(self) -> Clearance:
         """The least distance to anything solid, obstacle or ground, with place and name."""
-        solid = [check.found for check in self.checks if check.limit in ("obstacles", "ground")]
-        return min(solid, key=lambda found: found.distance)
+        solid = [check.nearest for check in self.checks if check.limit in ("obstacles", "ground")]
+        return min(solid, key=lambda clearance: clearance.distance)
 
     def words(self) -> str:
         """The worst finding in a sentence without a full stop."""
@@ -112,8 +112,8 @@ def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Ve
     """
     checks = list[Check]()
     if airspace.obstacles:
-        found = _less(airspace.obstacle_clearance(legs), stray)
-        checks.append(Check("obstacles", found, limits.obstacle_distance))
+        clearance = _less(airspace.obstacle_clearance(legs), stray)
+        checks.append(Check("obstacles", clearance, limits.obstacle_distance))
     checks.append(Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0))
     checks += _prove_heights(legs, airspace, limits, stray)
     for limit, angles, most in zip(
@@ -122,8 +122,8 @@ def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Ve
         if np.isfinite(most):
             steepest = int(np.argmax(angles))
             east, north, up = (float(x) for x in legs[steepest])
-            found = Clearance(float(np.degrees(angles[steepest])), (east, north, up), f"of {limit}", steepest)
-            checks.append(Check(limit, found, float(np.degrees(most)), at_most=True, unit="deg"))
+            clearance = Clearance(float(np.degrees(angles[steepest])), (east, north, up), f"of {limit}", steepest)
+            checks.append(Check(limit, clearance, float(np.degrees(most)), at_most=True, unit="deg"))
     return Proof(tuple(checks))
 
 
@@ -137,17 +137,19 @@ def _prove_heights(legs: Points, airspace: Airspace, limits: Limits, stray: floa
     vertical = stray * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):
-        found = airspace.terrain_clearance(run)
-        if required not in heights or found.distance < heights[required].distance:
-            heights[required] = replace(found, distance=found.distance - vertical, leg=first_leg + found.leg)
-    yield from (Check("ground", found, required) for required, found in heights.items())
+        clearance = airspace.terrain_clearance(run)
+        if required not in heights or clearance.distance < heights[required].distance:
+            heights[required] = replace(
+                clearance, distance=clearance.distance - vertical, leg=first_leg + clearance.leg
+            )
+    yield from (Check("ground", clearance, required) for required, clearance in heights.items())
     if np.isfinite(limits.ceiling_above_ground):
         reached = airspace.height_reached(legs)
         yield Check("ceiling", _less(reached, -vertical), limits.ceiling_above_ground, at_most=True)
 
 
-def _less(found: Clearance, stray: float) -> Clearance:
-    return replace(found, distance=found.distance - stray)
+def _less(clearance: Clearance, stray: float) -> Clearance:
+    return replace(clearance, distance=clearance.distance - stray)
 
 
 def _steepness(curve: Spline, u: Vector) -> tuple[Vector, Vector]:

@@ -1,8 +1,6 @@
 """One search for a path: an optimizer of the registry let loose in the space round a curve."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +10,8 @@ from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
 from ipoa_mission.optimize.search import Optimizer, minimize
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.problem import ALL, PreparedProblem, Trail, surround
-
-Progress: TypeAlias = Callable[[float, str], None]  # hears which share of the work is done, and a few words
+from ipoa_mission.planning.strategy import SearchStrategy
+from ipoa_mission.progress import Progress, silent
 
 #: A search that is one of several may be short: settings for optimizers that have them, where the task sets none.
 SHORT = {"population": 20, "iterations": 25, "evaluations": 2500, "evaluations_per_member": 40.0}
@@ -26,6 +24,7 @@ class Searcher:
     problem: PreparedProblem
     optimizer: Optimizer
     rng: np.random.Generator
+    strategy: SearchStrategy
     spent: list[int] = field(default_factory=list)
     best: list[float] = field(default_factory=list)
 
@@ -34,7 +33,7 @@ class Searcher:
         around: Trail,
         width: float,
         part: slice = ALL,
-        progress: Callable[[int, float], None] | None = None,
+        progress: Progress = silent,
     ) -> Trail:
         """The best curve found round one, or round a part of its inner control points.
 
@@ -43,14 +42,14 @@ class Searcher:
         task = self.problem.task
         spread = width * polyline_length(around.curve.control[1:-1][part])
         encoding = surround(encoding_of(task), around, spread, task, part)
-        found = minimize(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
-        spent, known = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
-        self.spent += [spent + int(evaluations) for evaluations in found.evaluations]
-        trail = Trail(encoding.curve(found.x), around.via_at)
+        optimum = minimize(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
+        spent, best = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
+        self.spent += [spent + int(evaluations) for evaluations in optimum.evaluations]
+        trail = Trail(encoding.curve(optimum.x), around.via_at)
         if part == ALL:
-            self.best += [min(known, float(cost)) for cost in found.history]
+            self.best += [min(best, float(cost)) for cost in optimum.history]
         else:  # these are costs of a part
-            self.best += [known] * (len(found.history) - 1) + [min(known, self.problem.cost(trail))]
+            self.best += [best] * (len(optimum.history) - 1) + [min(best, self.problem.cost(trail))]
         return trail
 
     def history(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -71,6 +70,6 @@ def optimizer_of(task: PathTask, short: bool) -> Optimizer:
     """
     name, settings = task.optimizer.name, task.optimizer.settings
     if short and name in OPTIMIZERS:
-        known = {setting.name for setting in fields(OPTIMIZERS[name])}  # type: ignore[arg-type]
-        settings = {key: value for key, value in SHORT.items() if key in known} | settings
+        accepted = {setting.name for setting in fields(OPTIMIZERS[name])}  # type: ignore[arg-type]
+        settings = {key: value for key, value in SHORT.items() if key in accepted} | settings
     return build_optimizer(name, settings)

@@ -36,7 +36,7 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
         level[1:, 2] -= np.cumsum(
             np.where(np.isin(np.arange(first, last), steep), np.diff(way[first : last + 1, 2]), 0)
         )
-        found = None
+        climb = None
         high = abs(height) > 2 * step
         for at in np.unique(steep[[0, len(steep) // 2, -1]] - first) if high else ():
             lifted = level.copy()
@@ -45,14 +45,14 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
                 continue
             top = lifted[at] + (0.0, 0.0, height)
             turns = _loops(lifted[at], top, (lifted[at + 1] - lifted[at])[:2], problem)
-            if turns is not None and (found is None or len(turns) < len(found[1])):
-                found = lifted[1 : at + 1], turns, lifted[at + 1 :]
-        if found is None:
+            if turns is not None and (climb is None or len(turns) < len(climb[1])):
+                climb = lifted[1 : at + 1], turns, lifted[at + 1 :]
+        if climb is None:
             pieces.append(way[first + 1 : last + 1])
             loops.append(np.zeros(last - first, bool))
         else:
-            pieces += found
-            loops.append(np.repeat((False, True, False), [len(piece) for piece in found]))
+            pieces += climb
+            loops.append(np.repeat((False, True, False), [len(piece) for piece in climb]))
     guide, turning = np.vstack(pieces), np.concatenate(loops)
     guide[-1] = way[-1]
     legs = leg_lengths(guide)
@@ -143,7 +143,7 @@ def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np
 def _ellipses(length: float) -> NDArray[np.float64]:
     """Ellipses of that length that go through the origin or round it, (s, SIDES, 2), either way round."""
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
-    found = []
+    ellipses = []
     for longer in LONGER:
         for turned in np.pi * np.arange(8 if longer > 1 else 1) / 8:
             axes = np.array([(np.cos(turned), np.sin(turned)), (-np.sin(turned), np.cos(turned))])
@@ -152,5 +152,5 @@ def _ellipses(length: float) -> NDArray[np.float64]:
             for start in range(0, SIDES, 2):
                 shape = np.roll(corners, -start, axis=0)
                 for through in (1.0, 0.0):
-                    found += [shape - through * shape[0], (shape - through * shape[0])[-np.arange(SIDES)]]
-    return np.array(found)
+                    ellipses += [shape - through * shape[0], (shape - through * shape[0])[-np.arange(SIDES)]]
+    return np.array(ellipses)

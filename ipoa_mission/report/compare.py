@@ -121,23 +121,25 @@ def compare_logged(flight: LoggedFlight, mission: Mission | None, parameters: Pa
     if flown is None:
         return None
     flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
-    found = estimate(flown)
+    predicted = estimate(flown)
     record = flight.record(flown)
-    comparison = compare_flight(found, record)
+    comparison = compare_flight(predicted, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
     changed = _changed(flown.parameters, flight.autopilot)
-    return ComparedFlight(flight.armed_s, flown, found, record, comparison, changed, remarks)
+    return ComparedFlight(flight.armed_s, flown, predicted, record, comparison, changed, remarks)
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
     """What of the mission is not as the log says that it was flown."""
     if flight.mission is None:
         return ()
-    found = compare(to_wire(mission), to_wire(flight.mission), flight.autopilot)
-    if found is None:
+    difference = compare(to_wire(mission), to_wire(flight.mission), flight.autopilot)
+    if difference is None:
         return ()
-    place = "" if found.seq is None else f"item {found.seq}: "
-    return (f"another mission was flown: {place}{found.field}: {found.got} in the log, not {found.sent}",)
+    place = "" if difference.seq is None else f"item {difference.seq}: "
+    return (
+        f"another mission was flown: {place}{difference.field}: {difference.got} in the log, not {difference.sent}",
+    )
 
 
 def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
@@ -159,11 +161,11 @@ def _begun_later(record: FlightRecord) -> tuple[str, ...]:
 def _changed(parameters: Parameters, autopilot: Autopilot) -> dict[str, float]:
     """Those of the parameters that the models know, and that are not the defaults; by the names of before 4.7."""
     defaults = DEFAULT_PARAMETERS[autopilot]
-    known = by_old_names(parameters)
+    current = by_old_names(parameters)
     return {
-        name: known[name]
+        name: current[name]
         for name in defaults
-        if name in known and not math.isclose(known[name], defaults[name], rel_tol=1e-5)
+        if name in current and not math.isclose(current[name], defaults[name], rel_tol=1e-5)
     }
 
 

@@ -69,20 +69,20 @@ def dangers(course: Course, scenario: Scenario) -> list[Danger]:
 
     The ground counts only where the path goes into it, since every flight begins and ends there.
     """
-    found, required = [], scenario.limits.obstacle_distance
+    met, required = [], scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(course.points)
     if nearest.distance < required:
         how = "runs into" if nearest.distance < 0 else f"comes within {nearest.distance:.2f} m of"
         where = _where(course.times[nearest.leg], nearest.place)
         words = f"the path as predicted {how} {nearest.what} {where}; {required:.2f} m are required"
-        found.append(Danger(words, nearest.distance < scenario.vehicle.radius))
+        met.append(Danger(words, nearest.distance < scenario.vehicle.radius))
     height = course.points[:, 2] - course.ground
     away = np.hypot(*(course.points[:, :2] - course.points[0, :2]).T) > STILL
     lowest = int(np.argmin(np.where(away, height, np.inf)))
     if away[lowest] and height[lowest] < 0:
         where = _where(course.times[lowest], course.points[lowest])
-        found.append(Danger(f"the path as predicted runs into the ground {where}", True))
-    return found
+        met.append(Danger(f"the path as predicted runs into the ground {where}", True))
+    return met
 
 
 def _where(time: float, place: Sequence[float] | Vector) -> str:

@@ -129,7 +129,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
         "limits": "" if proof is None else limits_table(proof),
         "search": "" if subject.plan is None else search_panel(subject.plan, scenario),
         "footer": _footer(scenario, subject.plan, mission),
-        "css": _asset("page.css"),
+        "css": _asset("palette.css") + _asset("page.css"),
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),

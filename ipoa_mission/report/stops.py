@@ -8,11 +8,12 @@ import numpy as np
 from ipoa_mission.commands import Command, short_name
 from ipoa_mission.geometry import Points, Vector, polyline_length
 from ipoa_mission.items import Item, Mission
+from ipoa_mission.itinerary.legs import item_place
+from ipoa_mission.itinerary.program import as_flown
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.routing.prove_route import cruise
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate, ItemTime
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 MOVING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_TAKEOFF})
 HERE = 0.5  # a leg shorter than this over ground has no heading [m]
@@ -41,18 +42,18 @@ class Stop:
 
 def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Stop, ...]:
     """Every item in the order flown, with the leg that leads to it."""
-    found, airspace = [], scenario.airspace
+    rows, airspace, items = [], scenario.airspace, as_flown(mission).items
     curves = {leg.seq: leg for leg in cruise(mission, scenario) if leg.stray > 0}
     before, flying = np.zeros(3), False
     for time in estimate.items:
-        item = mission.items[time.seq - 1]
-        place = item_place(item, mission, scenario)
+        item = items[time.seq - 1]
+        place = _place(item, mission, scenario)
         leg = (place if place is not None else before) - before
         run = float(np.hypot(*leg[:2]))
         curve = curves.get(time.seq)
         way = curve.points if curve is not None else before + np.array([[0.0], [1.0]]) * leg
         between = place is not None and flying and item.command in MOVING and np.linalg.norm(leg) > 0
-        found.append(
+        rows.append(
             Stop(
                 item=item,
                 time=time,
@@ -68,19 +69,15 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
         )
         if place is not None:
             before, flying = place, True
-    return tuple(found)
+    return tuple(rows)
 
 
-def item_place(item: Item, mission: Mission, scenario: Scenario) -> Vector | None:
+def _place(item: Item, mission: Mission, scenario: Scenario) -> Vector | None:
     """Where an item lies in the local frame, (3,) [m]; None where it names no place. A landing is on the ground."""
-    if not item.has_position:
-        return None
-    height = mission.altitude_above_home(item)
-    amsl = mission.home.altitude + (0.0 if math.isnan(height) else height)
-    place = LocalFrame(mission.home).local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
-    if item.command == Command.NAV_LAND or math.isnan(height):
-        ground = float(scenario.airspace.ground(place[None, :])[0])
-        place[2] = ground if item.command == Command.NAV_LAND else ground + item.altitude
+    ground = scenario.airspace.ground
+    place = item_place(item, mission, scenario.frame, ground)
+    if place is not None and item.command == Command.NAV_LAND:
+        place[2] = ground(place[None, :])[0]
     return place
 
 

@@ -172,11 +172,11 @@ def _resampled(path: Points) -> Points:
 
 def _cut(line: Points, size: float) -> list[Points]:
     """Pieces (2, 3) of a line, none longer than `size`."""
-    found = []
+    pieces = []
     for a, b in pairwise(line):
         steps = np.linspace(0.0, 1.0, max(1, int(np.ceil(np.linalg.norm(b - a) / size))) + 1)[:, None]
-        found += [np.array(piece) for piece in pairwise(a + steps * (b - a))]
-    return found
+        pieces += [np.array(piece) for piece in pairwise(a + steps * (b - a))]
+    return pieces
 
 
 def _projected(axes: Axes3D, points: Points) -> NDArray[np.float64]:

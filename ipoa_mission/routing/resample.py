@@ -48,10 +48,10 @@ def corridor(
     legs[0], strain[0] = 0, 0.0
     for i in range(n - 1):
         starts = spots[i] if i else spots[0, :1]
-        found = _reachable(starts, samples[i:], spots[i:], tolerance)
-        last = min(i + found.shape[1], next((stop for stop in stops if stop > i), n))
+        reachable = _reachable(starts, samples[i:], spots[i:], tolerance)
+        last = min(i + reachable.shape[1], next((stop for stop in stops if stop > i), n))
         ends = slice(i + 1, last + 1)
-        for side, deviation in enumerate(found[:, : last - i]):
+        for side, deviation in enumerate(reachable[:, : last - i]):
             more, worn = legs[i, side] + 1, strain[i, side] + deviation**2
             fewer = (more < legs[ends]) | ((more == legs[ends]) & (worn < strain[ends]))
             better = (deviation <= tolerance) & fewer
@@ -113,12 +113,12 @@ def _reachable(starts: Points, samples: Points, spots: NDArray[np.float64], tole
     The search widens, half as far again each time, until no leg of the last two widenings fits: a curve that comes
     back later is not looked for.
     """
-    found: list[NDArray[np.float64]] = []
+    reachable: list[NDArray[np.float64]] = []
     first, end = 1, 1 + NEAR
     while True:
-        found.append(_deviations(starts, samples[1:end], spots[first:end]))
-        if end >= len(samples) or (len(found) > 1 and all((away > tolerance).all() for away in found[-2:])):
-            return np.concatenate(found, axis=1)
+        reachable.append(_deviations(starts, samples[1:end], spots[first:end]))
+        if end >= len(samples) or (len(reachable) > 1 and all((away > tolerance).all() for away in reachable[-2:])):
+            return np.concatenate(reachable, axis=1)
         first, end = end, end + end // 2
 
 

@@ -62,7 +62,7 @@ def _broken(legs: Points, scenario: Scenario) -> list[Check]:
 
 def _push(waypoints: Points, leg: int, check: Check, airspace: Airspace) -> None:
     """Move the ends of one leg, in place, so that it keeps `check` where it was broken."""
-    place = np.array(check.found.place)
+    place = np.array(check.nearest.place)
     ahead = waypoints[leg + 1] - waypoints[leg]
     share = float(np.clip((place - waypoints[leg]) @ ahead / max(float(ahead @ ahead), 1e-12), 0, 1))
     weights = np.array([1 - share, share]) * [leg > 0, leg + 1 < len(waypoints) - 1]

@@ -8,7 +8,7 @@ from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
-from ipoa_mission.planning.search import Progress
+from ipoa_mission.progress import Progress
 from ipoa_mission.routing.assemble import Option, expect_mode, weigh_routes
 from ipoa_mission.routing.build import draft_mission
 from ipoa_mission.scenario import Scenario

@@ -79,11 +79,11 @@ def flies_safely(route: Route, curve: Spline, scenario: Scenario) -> bool:
 
 
 def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, sure: bool) -> Flown:
-    _, found = predict(mission, scenario.wind.air(), fast=True, sure=sure)
+    _, prediction = predict(mission, scenario.wind.air(), fast=True, sure=sure)
     first = 0 if starts_over_home(route) else 2  # the take-off, a change of speed, the start
     last = len(route.points) if first == 0 else len(route.points) + 1
-    begin, end = float(found.done[first]), float(found.done[last])
-    track = in_local_frame(found.track)
+    begin, end = float(prediction.done[first]), float(prediction.done[last])
+    track = in_local_frame(prediction.track)
     during = (track.times >= begin) & (track.times <= end)
     path, times = track.points[during], track.times[during]
     motion = _motion(track, end)
@@ -94,7 +94,10 @@ def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, su
     overrun = float((stand - route.points[-1]) @ ahead)
     braking = 2 * float(np.linalg.norm(stand - path[-1])) / max(float(np.linalg.norm(motion)), 1e-3)
     until = Track(np.append(times, times[-1] + braking), np.vstack([path, stand]), np.append(track.speeds[during], 0.0))
-    late, missed = float(found.high[last]) - begin, sum(risk.share for risk in found.missed[first + 1 : last + 1])
+    late, missed = (
+        float(prediction.high[last]) - begin,
+        sum(risk.share for risk in prediction.missed[first + 1 : last + 1]),
+    )
     return Flown(curve, end - begin, until, mission.autopilot, overrun, late, missed)
 
 

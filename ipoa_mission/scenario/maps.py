@@ -57,13 +57,13 @@ class BuildingsMap(MapFile):
             take=self.take,
         )
         features = read_features(self.file)
-        found = find_buildings(features, rules, frame, self.file)
-        if not found.standing:
+        buildings = find_buildings(features, rules, frame, self.file)
+        if not buildings.standing:
             raise BadInput(
                 f"{self.file}: expected buildings, but none of {len(features)} features is tagged as one",
                 hint='`take = "all"` takes every feature, whatever its tags',
             )
-        return found
+        return buildings
 
 
 class ZoneMap(MapFile):

@@ -99,28 +99,30 @@ def new_scenario(
     Raises:
         BadInput: an answer will not do, is missing, or answers no question.
     """
-    known = {question.key: question for question in QUESTIONS}
-    for key in answers.keys() - known.keys():
-        raise BadInput(f"{key}: expected one of {', '.join(known)}")
-    given = {key: answers.get(key, question.default) for key, question in known.items()}
+    questions = {question.key: question for question in QUESTIONS}
+    for key in answers.keys() - questions.keys():
+        raise BadInput(f"{key}: expected one of {', '.join(questions)}")
+    given = {key: answers.get(key, question.default) for key, question in questions.items()}
     for key, answer in given.items():
         if answer is None:
             raise BadInput(f"{key}: expected, but not there")
-        known[key].check(key, answer)
-    said = {key: answer.strip() for key, answer in given.items() if answer is not None}
-    home, goal = _place("home", said["home"]), _place("goal", said["goal"])
+        questions[key].check(key, answer)
+    texts = {key: answer.strip() for key, answer in given.items() if answer is not None}
+    home, goal = _place("home", texts["home"]), _place("goal", texts["goal"])
     if "safety_distance" not in answers:
-        said["safety_distance"] = str(PROFILES.get(said["profile"], {}).get("safety_distance", said["safety_distance"]))
+        texts["safety_distance"] = str(
+            PROFILES.get(texts["profile"], {}).get("safety_distance", texts["safety_distance"])
+        )
     if elevation is not None and "altitude" not in answers:
-        said["altitude"] = _altitude(elevation, home)
+        texts["altitude"] = _altitude(elevation, home)
     text = _TEMPLATE.format(
         title=f"Flight from {home[0]:g}, {home[1]:g} to {goal[0]:g}, {goal[1]:g}.",
-        profile=f'profile = "{said["profile"]}"' if said["profile"] != "none" else '# profile = "rescue"',
+        profile=f'profile = "{texts["profile"]}"' if texts["profile"] != "none" else '# profile = "rescue"',
         home=home,
         goal=goal,
         terrain=_ELEVATION.format(_quoted(elevation, target)) if elevation is not None else _FLAT,
         maps=_BUILDINGS.format(_quoted(buildings, target)) if buildings is not None else _NO_MAPS,
-        **{key: said[key] for key in ("altitude", "height", "autopilot", "cruise_speed", "safety_distance", "ending")},
+        **{key: texts[key] for key in ("altitude", "height", "autopilot", "cruise_speed", "safety_distance", "ending")},
     )
     text = _aligned(text)
     parse_scenario(text, target)

@@ -40,7 +40,15 @@ def parse_scenario(text: str, path: Path) -> Scenario:
     Raises:
         BadInput, MissionError: as `read_scenario`.
     """
-    table = _parse(text, path)
+    return scenario_of(parse_toml(text, path), path)
+
+
+def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
+    """The scenario in a table, as `parse_toml` has it; files that it names are sought beside `path`.
+
+    Raises:
+        BadInput, MissionError: as `read_scenario`.
+    """
     try:
         scenario = Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
     except ValidationError as error:
@@ -52,7 +60,12 @@ def parse_scenario(text: str, path: Path) -> Scenario:
     return scenario
 
 
-def _parse(text: str, path: Path) -> dict[str, Any]:
+def parse_toml(text: str, path: Path) -> dict[str, Any]:
+    """A TOML text as a table; errors name `path`.
+
+    Raises:
+        BadInput: naming the line and what is wrong there.
+    """
     for word in _WORDS.finditer(text):
         if word["long"]:
             line = text.count("\n", 0, word.start()) + 1

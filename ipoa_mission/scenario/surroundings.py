@@ -15,7 +15,6 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import Zone, join_zones
 from ipoa_mission.maps.buildings import Standing, raise_buildings
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
-from ipoa_mission.maps.planar import rings_of
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import ObstacleSection
@@ -30,7 +29,7 @@ from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.obstacles import Zone as NoFly
-from ipoa_mission.world.polygon import Polygon
+from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
 BEYOND = 100.0  # what lies farther outside the bounds is left out [m]
@@ -130,7 +129,7 @@ def survey(scenario: Layout) -> Surroundings:
     allowed = allowed_area(scenario.fence, scenario.frame)
     lower, upper = _horizontal_bounds(scenario, maps, allowed)
     near, beyond = _near(maps, (lower, upper))
-    terrain, said = _terrain(scenario, lower, upper)
+    terrain, terrain_remarks = _terrain(scenario, lower, upper)
     drawn = _drawn(scenario, terrain)
     raised = raise_buildings(near, terrain.height)
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
@@ -142,7 +141,7 @@ def survey(scenario: Layout) -> Surroundings:
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
     airspace = Airspace(bounds, terrain, (*drawn, *raised, *zones))
     passed = (*maps.passed_over, *beyond)
-    remarks = (*maps.remarks, *said, *(counted.words() for counted in count_passed_over(passed)))
+    remarks = (*maps.remarks, *terrain_remarks, *(counted.words() for counted in count_passed_over(passed)))
     return Surroundings(airspace, (*scenario.fence, *_geofence(maps, (lower, upper))), passed, remarks)
 
 
@@ -158,11 +157,11 @@ def _read_maps(scenario: Layout) -> _Maps:
             buildings = section.read(scenario.frame)
             standing += [(section, thing) for thing in buildings.standing]
             passed += buildings.passed_over
-            said = buildings.remarks
+            read_remarks = buildings.remarks
         else:
-            found = section.read(scenario.frame, scenario.unix_s)
-            zones, said = found.zones, found.remarks
-            passed += found.passed_over
+            zones_read = section.read(scenario.frame, scenario.unix_s)
+            zones, read_remarks = zones_read.zones, zones_read.remarks
+            passed += zones_read.passed_over
             if isinstance(section, NoFlyMap):
                 no_fly += [(section, zone) for zone in zones]
             else:
@@ -174,7 +173,7 @@ def _read_maps(scenario: Layout) -> _Maps:
                 ]
                 fenced |= section.geofence
             _expect_home_allowed(section, zones, scenario.frame.home.altitude)
-        remarks += [f"{section.file.name}: {remark}" for remark in said]
+        remarks += [f"{section.file.name}: {remark}" for remark in read_remarks]
     area = _one(areas) if areas else None
     return _Maps(tuple(standing), tuple(no_fly), area, fenced, tuple(passed), tuple(remarks))
 

@@ -3,12 +3,14 @@
 import math
 from typing import Annotated
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import Field, StringConstraints, ValidationInfo, field_validator, model_validator
 
+from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot, Parameters
 from ipoa_mission.energy.flight import Battery
 from ipoa_mission.energy.power import KAPPA, Airframe
+from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 
 ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
@@ -80,6 +82,15 @@ class VehicleSection(Section):
     """Left out, no energy is estimated."""
     battery: BatterySection | None = None
     """Left out, no plan is refused for its energy."""
+
+    @field_validator("parameters")
+    @classmethod
+    def _of_this_autopilot(cls, parameters: dict[str, float], info: ValidationInfo) -> dict[str, float]:
+        try:
+            expect_own(parameters, info.data.get("autopilot", Autopilot.PX4))
+        except BadInput as error:
+            raise ValueError(f"{error}; {error.hint}" if error.hint else str(error)) from error
+        return parameters
 
     @model_validator(mode="after")
     def _battery_has_an_airframe(self) -> "VehicleSection":

@@ -15,11 +15,10 @@ from ipoa_mission.autopilots.ardupilot import (
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
-from ipoa_mission.dynamics.copter.copter import Copter, Stop
+from ipoa_mission.dynamics.copter.copter import Copter, stop_at
 from ipoa_mission.dynamics.copter.motion import DESCENT
 from ipoa_mission.items import Item
-from ipoa_mission.itinerary.copter_spline import FLOWN_ON_INTO, Place, is_passed
-from ipoa_mission.simulator.program import NAVIGATED
+from ipoa_mission.itinerary.program import Place
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
 from ipoa_mission.simulator.vehicle import Vehicle
 
@@ -31,7 +30,7 @@ class ArduPilotPilot:
         """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
         self._body, self._now = body, situation
         limits = copter_limits(usable(parameters))
-        airframe = ARDUPILOT_SIMULATOR.at_altitude(situation.program.home.altitude)
+        airframe = ARDUPILOT_SIMULATOR.at_altitude(situation.program.frame.home.altitude)
         self._copter = Copter(limits, body.wind, airframe, here=body.place)
         self._legs: Iterator[None] = iter(())
         self._then: Callable[[], None] | None = None
@@ -79,27 +78,15 @@ class ArduPilotPilot:
 
     def _begin(self, index: int | None) -> None:
         """Start item `index`, doing at once those at which no time is spent."""
-        program = self._now.program
-        while index is not None and index < len(program) and program.items[index].command not in NAVIGATED:
-            item = program.items[index]
-            self._now.current = index
-            if item.command == Command.DO_JUMP:
-                index = program.after(index - 1, taking=True)
-                continue
-            if item.command == Command.DO_CHANGE_SPEED:
-                self._copter.change_speed(int(item.params[0]), item.params[1])
-            self._now.done(index)
-            index = program.after(index, taking=True)
-        if index is None or index >= len(program):
-            self._now.mission = MissionState.COMPLETE
+        item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
+        if item is None:
             self._stay()
-            return
-        self._now.current = index
-        self._start(index, program.items[index])
+        else:
+            self._start(self._now.current, item)
 
     def _done(self) -> None:
         self._now.done(self._now.current)
-        self._begin(self._now.program.after(self._now.current, taking=True))
+        self._begin(self._now.program.after(self._now.current))
 
     def _start(self, index: int, item: Item) -> None:
         match item.command:
@@ -115,28 +102,13 @@ class ArduPilotPilot:
                 self._copter.hold(self._copter.wait_at(item))
                 self._then = self._done
             case _:
-                after = self._onward(index)
-                self._copter.fly_to(self._stop(index), None if after is None else self._stop(after))
+                program = self._now.program
+                onward, stop = program.onward(index), stop_at(program, index, self._copter.place)
+                self._copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
                 self._then = self._arrived
 
     def _place(self, index: int) -> Place:
         return self._now.program.place(index, self._copter.place)
-
-    def _onward(self, index: int) -> int | None:
-        """The item that is flown on to without stopping at `index`."""
-        program = self._now.program
-        after = program.next_flown(index) if is_passed(program.items[index]) else None
-        return after if after is not None and program.items[after].command in FLOWN_ON_INTO else None
-
-    def _stop(self, index: int) -> Stop:
-        items = self._now.program.items
-        spline = items[index].command == Command.NAV_SPLINE_WAYPOINT
-        after = self._onward(index) if spline else None
-        if after is None:
-            return Stop(self._place(index), spline)
-        return Stop(
-            self._place(index), spline, (self._place(after), items[after].command == Command.NAV_SPLINE_WAYPOINT)
-        )
 
     # --- what comes when a leg is over ------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target, message_name
 from ipoa_mission.link.events import mission_event
-from ipoa_mission.link.messages import CommandResult, Message, MissionType
+from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
 from ipoa_mission.simulator.file_service import FileService
@@ -18,7 +18,6 @@ from ipoa_mission.simulator.flight import Flight, FlightMode
 from ipoa_mission.simulator.judgement import infeasibility
 from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import PERSONALITIES
-from ipoa_mission.simulator.reporting import CRITICAL
 from ipoa_mission.simulator.transfers import Transfers
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
@@ -108,8 +107,8 @@ class Autopilot(Commander):
 
     def outgoing(self) -> list[tuple[Message, Target]]:
         """What is to be said, and to whom."""
-        said, self._outbox = self._outbox, []
-        return said
+        messages, self._outbox = self._outbox, []
+        return messages
 
     @property
     def deadline(self) -> float:
@@ -143,12 +142,12 @@ class Autopilot(Commander):
         if number == REQUEST_CAPABILITIES:
             number_asked = AUTOPILOT_VERSION
         answers: list[Message] = []
-        if result == ACCEPTED and number_asked is not None and (told := self._asked_for(number_asked)) is not None:
-            answers = [told]
+        if result == ACCEPTED and number_asked is not None and (answer := self._asked_for(number_asked)) is not None:
+            answers = [answer]
         acks: list[Message] = [m.CommandAck(number, result)]
         if number == SET_MESSAGE_INTERVAL:
-            known = self._schedule.set_interval(whole(params[0]), params[1], self._now, source)
-            acks = [m.CommandAck(number, ACCEPTED if known else self.habits.no_such_stream)]
+            accepted = self._schedule.set_interval(whole(params[0]), params[1], self._now, source)
+            acks = [m.CommandAck(number, ACCEPTED if accepted else self.habits.no_such_stream)]
         elif number == GET_MESSAGE_INTERVAL:
             interval = self._schedule.interval_us(whole(params[0]), source)
             told_us, heard = self.habits.no_such_interval if interval is None else (interval, int(ACCEPTED))
@@ -168,8 +167,8 @@ class Autopilot(Commander):
     def can_tell(self, number: float) -> CommandResult:
         """Command 512: whether there is such a message."""
         name = message_name(whole(number))
-        known = name == "AUTOPILOT_VERSION" or name in streams.KNOWN
-        return ACCEPTED if known else CommandResult(self.habits.no_such_message)
+        is_stream = name == "AUTOPILOT_VERSION" or name in streams.KNOWN
+        return ACCEPTED if is_stream else CommandResult(self.habits.no_such_message)
 
 
 def _commands(autopilot: Autopilot) -> Mapping[int, Callable[[Sequence[float]], CommandResult]]:

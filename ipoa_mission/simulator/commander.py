@@ -4,12 +4,11 @@ import math
 from collections.abc import Sequence
 
 from ipoa_mission.autopilots.modes import knows_mode, mode_name
-from ipoa_mission.commands import Command, Frame
+from ipoa_mission.commands import LAST_NAV, Command, Frame
 from ipoa_mission.link.codec import EVERYONE
-from ipoa_mission.link.logbook import LAST_NAV
-from ipoa_mission.link.messages import CommandResult
+from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
 from ipoa_mission.simulator.flight import FlightMode, MissionState
-from ipoa_mission.simulator.reporting import CRITICAL, INFO, WARNING, Reporting
+from ipoa_mission.simulator.reporting import Reporting
 
 GUIDED = 4  # ArduCopter's mode in which it climbs by command
 ARMED_IN_AUTO = 1  # a bit of AUTO_OPTIONS: arming in AUTO is allowed

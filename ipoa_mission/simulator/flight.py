@@ -14,11 +14,10 @@ import numpy as np
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.renamed import by_old_names
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
-from ipoa_mission.dynamics.px4.airframe import GRAVITY
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.items import Item
+from ipoa_mission.itinerary.program import Program
 from ipoa_mission.simulator.ardupilot_pilot import ArduPilotPilot
-from ipoa_mission.simulator.program import Program
 from ipoa_mission.simulator.px4_pilot import PX4Pilot
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Reached, Situation
 from ipoa_mission.simulator.vehicle import Vehicle
@@ -66,7 +65,7 @@ class Flight:
         self.home = home
         self.frame = LocalFrame(home)
         self._given = parameters
-        self._now = Situation(Program((), self.frame, autopilot), mission=MissionState.NO_MISSION)
+        self._now = Situation(self._program(()), mission=MissionState.NO_MISSION)
         self._chance = random.Random(seed)
         self._body = Vehicle(wind)
         self._pilot: Pilot = PILOTS[autopilot](self._body, self._now, self.parameters, self._chance)
@@ -154,7 +153,7 @@ class Flight:
         now, before = self._now, self._now.program.items
         if items == before:
             return
-        now.program = Program(items, self.frame, self.autopilot)
+        now.program = self._program(items)
         if not items:
             now.mission, now.current = MissionState.NO_MISSION, 0
             if now.mode is FlightMode.MISSION:
@@ -166,6 +165,9 @@ class Flight:
             self._pilot.replaced(before)
         else:
             now.mission = MissionState.NOT_STARTED if self.landed else MissionState.PAUSED
+
+    def _program(self, items: tuple[Item, ...]) -> Program:
+        return Program(items, self.frame, self.autopilot, first=0 if self.autopilot is Autopilot.PX4 else 1)
 
     def arm(self) -> None:
         """Let the motors run."""

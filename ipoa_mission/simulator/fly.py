@@ -1,25 +1,22 @@
 """A mission flown on the built-in autopilot over real MAVLink bytes, on a virtual clock: as fast as it goes."""
 
-from collections.abc import Callable
 from pathlib import Path
-from types import MappingProxyType
 
-from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.autopilots.parameters import expect_known
+from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Parameters
 from ipoa_mission.items import Mission
 from ipoa_mission.link.codec import Codec
-from ipoa_mission.link.conversations import Progress, silent
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle, meet
+from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.server import PERFECT
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.wind import CALM, Wind
-
-NO_PARAMETERS: Parameters = MappingProxyType({})
 
 
 def fly(
@@ -29,7 +26,7 @@ def fly(
     faults: Faults = PERFECT,
     log: str | Path | None = None,
     uploading: Progress = silent,
-    flying: Callable[[int], None] = lambda done: None,
+    flying: Progress = silent,
     wind: Wind = CALM,
 ) -> FlightRecord:
     """Upload a mission to the built-in autopilot that it was made for, fly it, and return what happened.
@@ -38,6 +35,7 @@ def fly(
     give the same bytes. The mission is not checked: what happens to a bad one can be seen here.
 
     Raises:
+        BadInput: a parameter is none of this autopilot's.
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
     """
     with board(mission, parameters, seed, faults, log, wind) as vehicle:
@@ -56,8 +54,9 @@ def board(
     wind: Wind = CALM,
 ) -> Vehicle:
     """A connected simulated vehicle that stands at the mission's home."""
-    known = mission.with_parameters(parameters).parameters
-    autopilot = Autopilot(mission.autopilot, mission.home, known, nak_at=faults.nak_at, seed=seed, wind=wind)
+    expect_known(parameters, mission.autopilot)
+    values = mission.with_parameters(parameters).parameters
+    autopilot = Autopilot(mission.autopilot, mission.home, values, nak_at=faults.nak_at, seed=seed, wind=wind)
     station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)

@@ -22,8 +22,8 @@ def judge_ardupilot(item: Item, kind: int, count: int) -> Result:
     """ArduCopter's result for an item of a list of `count`; the order of its checks matters."""
     facts = FIRMWARE[Autopilot.ARDUPILOT]
     if kind != MissionType.MISSION:
-        known = facts.fence if kind == MissionType.FENCE else facts.rally
-        return _position(item) if item.command in known else Result.UNSUPPORTED
+        commands = facts.fence if kind == MissionType.FENCE else facts.rally
+        return _position(item) if item.command in commands else Result.UNSUPPORTED
     if item.command in (0, 1):
         return Result.INVALID
     if item.command not in facts.placed and item.command not in facts.plain:
@@ -53,8 +53,8 @@ def judge_px4(item: Item, kind: int, count: int) -> Result:
     """PX4's result for an item: commands and frames only, no position is ever looked at."""
     facts = FIRMWARE[Autopilot.PX4]
     if kind != MissionType.MISSION:
-        known = facts.fence if kind == MissionType.FENCE else facts.rally
-        return Result.ACCEPTED if item.command in known else Result.ERROR
+        commands = facts.fence if kind == MissionType.FENCE else facts.rally
+        return Result.ACCEPTED if item.command in commands else Result.ERROR
     if item.frame not in facts.frames:
         return Result.UNSUPPORTED_FRAME
     if item.command in _FENCE_OR_RALLY:
@@ -91,8 +91,7 @@ def infeasibility(items: Sequence[Item], home: Geodetic, parameters: Parameters)
         if seq == 0 and item.command == Command.NAV_LAND:
             return Infeasible("Mission rejected: starts with landing", "starts_w_landing")
         if item.command == Command.NAV_TAKEOFF:
-            height = item.altitude - (home.altitude if item.frame in (Frame.GLOBAL, Frame.GLOBAL_INT) else 0.0)
-            if height - 1.0 < radius:
+            if item.height(home) - 1.0 < radius:
                 return Infeasible("Mission rejected: Takeoff altitude too low!", "takeoff_too_low", (radius + 1.0,))
             if has_position:
                 return Infeasible("Mission rejected: takeoff not first waypoint item", "takeoff_not_first")

@@ -4,45 +4,12 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
+from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS, OTHER_PARAMETERS
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRead, ParamSet, ParamValue
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
 
 INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
-#: What ground stations look for besides what moves a mission.
-_OTHERS: Mapping[Autopilot, Mapping[str, float]] = {
-    Autopilot.ARDUPILOT: {
-        "MAV_SYSID": 1.0,
-        "FRAME_CLASS": 1.0,
-        "ARMING_CHECK": 1.0,
-        "AUTO_OPTIONS": 0.0,
-        "GUID_OPTIONS": 0.0,
-        "MIS_OPTIONS": 0.0,
-        "MIS_RESTART": 0.0,
-        "LOG_DISARMED": 0.0,
-        "FENCE_ENABLE": 0.0,
-        "FENCE_TYPE": 7.0,
-        "FENCE_ACTION": 1.0,
-        "FENCE_OPTIONS": 0.0,
-        "FENCE_MARGIN": 2.0,
-        "RTL_ALT_TYPE": 0.0,
-    },
-    Autopilot.PX4: {
-        "MAV_SYS_ID": 1.0,
-        "SYS_AUTOSTART": 4001.0,
-        "GF_ACTION": 2.0,
-        "GF_MAX_HOR_DIST": 0.0,
-        "GF_MAX_VER_DIST": 0.0,
-        "MIS_DIST_1WP": 10_000.0,
-        "MIS_TAKEOFF_ALT": 2.5,
-        "MIS_TKO_LAND_REQ": 0.0,
-        "COM_DISARM_LAND": 2.0,
-        "COM_DISARM_PRFLT": 10.0,
-        "COM_RC_IN_MODE": 1.0,
-        "NAV_DLL_ACT": 0.0,
-    },
-}
 _AS_DECLARED: Mapping[Autopilot, Mapping[int, tuple[str, ...]]] = {
     Autopilot.ARDUPILOT: {
         INT8: (
@@ -100,7 +67,7 @@ class ParameterTable:
 
     def __init__(self, autopilot: Autopilot, given: Mapping[str, float]) -> None:
         self._autopilot = autopilot
-        self.values = {**DEFAULT_PARAMETERS[autopilot], **_OTHERS[autopilot], **given}
+        self.values = {**DEFAULT_PARAMETERS[autopilot], **OTHER_PARAMETERS[autopilot], **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
         """What to say to a message of the protocol; None: it is not one."""
@@ -124,9 +91,9 @@ class ParameterTable:
         own = TYPES[self._autopilot].get(name, REAL32)
         if name not in self.values or (self._autopilot is Autopilot.PX4 and kind != own):
             return
-        told = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
-        if math.isfinite(told):
-            self.values[name] = told if own == REAL32 else float(round(told))
+        number = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
+        if math.isfinite(number):
+            self.values[name] = number if own == REAL32 else float(round(number))
 
     def _named(self, name: str, names: list[str]) -> list[ParamValue]:
         if name not in self.values:

@@ -6,14 +6,14 @@ import random
 from ipoa_mission.autopilots.px4 import px4_limits
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
-from ipoa_mission.dynamics.px4.airframe import GRAVITY, SIH, SIH_SENSES
+from ipoa_mission.dynamics.px4.airframe import SIH, SIH_SENSES
 from ipoa_mission.dynamics.px4.body import carried
-from ipoa_mission.dynamics.px4.navigator import AHEAD, law, leg, stay, take_off, way_down, way_home, waypoint
+from ipoa_mission.dynamics.px4.navigator import law, leg, stay, take_off, way_down, way_home, waypoint
 from ipoa_mission.dynamics.px4.senses import no_errors
 from ipoa_mission.dynamics.px4.state import Enu, Order
 from ipoa_mission.dynamics.px4.step import at_rest, begun, is_over, step
+from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
-from ipoa_mission.simulator.program import NAVIGATED
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.simulator.vehicle import Vehicle
 
@@ -86,7 +86,7 @@ class PX4Pilot:
         if self._orders:
             self._state = begun(self._state, self._orders[0])
         elif self._now.mode is FlightMode.MISSION:
-            self._begin(self._now.program.after(self._now.current, taking=True))
+            self._begin(self._now.program.after(self._now.current))
         else:
             self._here = ended.goal
 
@@ -125,28 +125,21 @@ class PX4Pilot:
 
     def _begin(self, index: int | None) -> None:
         """Start item `index`, doing at once those at which no time is spent."""
-        program, now = self._now.program, self._now
-        while index is not None and index < len(program) and program.items[index].command not in NAVIGATED:
-            item = program.items[index]
-            now.current = index
-            if item.command == Command.DO_JUMP:
-                index = program.after(index - 1, taking=True)
-                continue
-            if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0.0 and item.params[0] in (0.0, 1.0):
-                self._cruise = item.params[1]
-            now.done(index)
-            index = program.after(index, taking=True)
-        if index is None or index >= len(program):
-            now.mission, now.mode = MissionState.COMPLETE, FlightMode.HOLD
+        now = self._now
+        item = now.come_to(index, self._change_speed)
+        if item is None:
+            now.mode = FlightMode.HOLD
             self._brake()
-            return
-        now.current = index
-        if program.items[index].command == Command.NAV_RETURN_TO_LAUNCH:
+        elif item.command == Command.NAV_RETURN_TO_LAUNCH:
             now.mission, now.mode = MissionState.COMPLETE, FlightMode.RETURN
-            now.done(index)
+            now.done(now.current)
             self._return()
         else:
-            self._fly(self._of_item(index, program.items[index]))
+            self._fly(self._of_item(now.current, item))
+
+    def _change_speed(self, item: Item) -> None:
+        if item.params[1] > 0.0 and item.params[0] in (0.0, 1.0):
+            self._cruise = item.params[1]
 
     def _of_item(self, index: int, item: Item) -> list[Order]:
         """The orders for an item that is flown to."""
@@ -161,18 +154,12 @@ class PX4Pilot:
         if self._now.landed:  # whatever the item is, it takes off to its height first
             start = self._over_home()._replace(up=goal.up)
             climb = [take_off(start, limits)]
-        order = waypoint(item, start, goal, self._beyond(index), limits, cruise)
+        onward = self._now.program.onward(index)
+        beyond = None if onward is None else Enu(*self._now.program.place(onward, goal))
+        order = waypoint(item, start, goal, beyond, limits, cruise)
         if item.command == Command.NAV_LOITER_UNLIM:
             order = order._replace(holds=math.inf, beyond=goal)
         return [*climb, order]
-
-    def _beyond(self, index: int) -> Enu | None:
-        """Where it flies on to from item `index` without a stop."""
-        program = self._now.program
-        following = program.next_flown(index)
-        if following is None or program.items[following].command not in AHEAD:
-            return None
-        return Enu(*program.place(following, self._here))
 
     # --- what is no item --------------------------------------------------------------------------------------------
 

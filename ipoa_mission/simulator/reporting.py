@@ -1,12 +1,12 @@
 """What the built-in autopilot is and tells by itself: its state, its streams, and what it says at once."""
 
 from ipoa_mission.autopilots.vehicle import Parameters
-from ipoa_mission.items import Item
+from ipoa_mission.commands import LAST_NAV
+from ipoa_mission.items import QUADROTOR, Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
-from ipoa_mission.link.logbook import LAST_NAV
-from ipoa_mission.link.messages import Message, MissionType
+from ipoa_mission.link.messages import INFO, Message, MissionType
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
 from ipoa_mission.simulator.judgement import Infeasible
@@ -14,8 +14,6 @@ from ipoa_mission.simulator.personality import Personality
 from ipoa_mission.simulator.transfers import Transfers
 from ipoa_mission.simulator.words import SAID_WHEN_REACHED, begun
 
-QUADROTOR = 2  # MAV_TYPE
-CRITICAL, WARNING, INFO = 2, 4, 6  # MAV_SEVERITY
 STATE_UNINIT, STATE_BOOT, STATE_STANDBY, STATE_ACTIVE = 0, 1, 3, 4  # MAV_STATE
 MISSION_ACTIVE, MISSION_SUSPENDED = 1, 2  # MISSION_CURRENT.mission_mode
 TEXT_BYTES = 50  # of one STATUSTEXT

@@ -1,11 +1,16 @@
 """What both autopilots know of a flight under way: mode, mission, how far it is; and the notes of what was done."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from ipoa_mission.simulator.program import Program
+from ipoa_mission.commands import FLOWN_TO, Command
+from ipoa_mission.items import Item
+from ipoa_mission.itinerary.program import JUMPS_WITHOUT_END, Program
 
 STEP_S = 0.02  # in which a flight is integrated
+#: Commands at which a vehicle spends time; all others are done in passing.
+NAVIGATED = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_DELAY}
 
 
 class MissionState(IntEnum):
@@ -54,6 +59,24 @@ class Situation:
     def done(self, index: int, announced: bool = True) -> None:
         """Note that an item is done."""
         self.reached.append(Reached(index, self.time_s, announced))
+
+    def come_to(self, index: int | None, change_speed: Callable[[Item], None]) -> Item | None:
+        """The item that is flown from `index` on, now the current one, those before it done in passing; None: none."""
+        for _ in range(JUMPS_WITHOUT_END):
+            if index is None or index >= len(self.program):
+                break
+            self.current, item = index, self.program.items[index]
+            if item.command in NAVIGATED:
+                return item
+            if item.command == Command.DO_JUMP:
+                index = self.program.after(index - 1)
+                continue
+            if item.command == Command.DO_CHANGE_SPEED:
+                change_speed(item)
+            self.done(index)
+            index = self.program.after(index)
+        self.mission = MissionState.COMPLETE
+        return None
 
     def disarm(self) -> None:
         """The motors stop."""

@@ -17,6 +17,8 @@ from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Dialogue, Exchange, NoAnswer, Tell
 from ipoa_mission.link.item_run import ItemsRead
 from ipoa_mission.link.messages import (
+    INFO,
+    WARNING,
     Ack,
     ClearAll,
     Count,
@@ -36,7 +38,6 @@ from ipoa_mission.simulator.personality import Answer, Personality
 from ipoa_mission.simulator.store import Store
 from ipoa_mission.world.frame import Geodetic
 
-WARNING, INFO = 4, 6
 INT_FRAMES = {int(plain): int(whole) for whole, plain in SAME_FRAME.items()}
 KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
@@ -306,8 +307,8 @@ class Transfers:
             self._flush_reader((client, kind), reader)
         elif self._habits.answers_requests_at_any_time:
             items = self._read_back(kind)
-            known = seq < len(items)
-            self._say(ItemAt(seq, items[seq], kind) if known else Ack(Result.INVALID_SEQUENCE, kind), client)
+            exists = seq < len(items)
+            self._say(ItemAt(seq, items[seq], kind) if exists else Ack(Result.INVALID_SEQUENCE, kind), client)
 
     def _acknowledge(self, message: Ack, client: Target) -> None:
         incoming = self._incoming.get(self._slot(message.kind))

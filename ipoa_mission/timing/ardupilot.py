@@ -3,7 +3,6 @@
 Sources: ArduPilot's documentation of S-curves and spline waypoints, and the recorded flights.
 """
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -15,16 +14,16 @@ from ipoa_mission.autopilots.ardupilot import (
     THROTTLE_DOWN_S,
     copter_limits,
 )
-from ipoa_mission.autopilots.vehicle import Parameters
-from ipoa_mission.commands import Command
+from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe
-from ipoa_mission.dynamics.copter.copter import Copter, Stop
+from ipoa_mission.dynamics.copter.copter import Copter, Stop, stop_at
 from ipoa_mission.dynamics.copter.legs import limits_along
 from ipoa_mission.dynamics.copter.motion import STRAIGHT
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
-from ipoa_mission.itinerary.copter_spline import FLOWN_ON_INTO, Place, flies_on_to
-from ipoa_mission.itinerary.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
+from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.itinerary.program import FLOWN_ON_INTO, Place
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.wind import CALM, Wind
@@ -33,7 +32,7 @@ DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half the width of the interval: seconds, an
 
 #: Of these only the flight to their place is modeled.
 ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})
-TO_A_PLACE = FLOWN_ON_INTO | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
+TO_A_PLACE = FLOWN_ON_INTO[Autopilot.ARDUPILOT] | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
 
 
 def fly_arducopter(
@@ -74,7 +73,6 @@ class _Flight:
     ) -> None:
         self.route, self.wind, self.limits = route, wind, copter_limits(parameters)
         self.top = airframe.top_speed(self.limits.lean)
-        self.items = [visit.item for visit in route.visits]
         height = flying_already(route)
         self.airborne = height is not None
         self.copter = Copter(self.limits, wind, airframe, fast, here=(0.0, 0.0, height or 0.0))
@@ -102,11 +100,9 @@ class _Flight:
         elif command == Command.NAV_RETURN_TO_LAUNCH:
             self.come_down(self.copter.return_home())
         elif command == Command.NAV_LAND:
-            east, north, _ = self.route.places[n]
-            self.come_down(self.copter.land(None if math.isnan(east) else (float(east), float(north))))
+            self.come_down(self.copter.land(self.target(n)[:2] if visit.item.has_position else None))
         elif command == Command.NAV_PAYLOAD_PLACE:
-            east, north, _ = self.target(n)
-            self.copter.fly_to(Stop((east, north, self.copter.here[2])))
+            self.copter.fly_to(Stop(self.target(n)))
             self.run()
             self.remarks.append(f"item {visit.seq}: only the flight to its place is counted")
         elif command <= LAST_NAV or command in UNTIMED:
@@ -114,24 +110,14 @@ class _Flight:
         return ""
 
     def target(self, n: int) -> Place:
-        """Where visit n leads: its own place, or straight above or below the place last bound for."""
-        east, north, up = (float(x) for x in self.route.places[n])
-        return (*self.copter.here[:2], up) if math.isnan(east) else (east, north, up)
-
-    def stop(self, n: int) -> Stop:
-        """Visit n as the copter flies to it."""
-        spline = self.items[n].command == Command.NAV_SPLINE_WAYPOINT
-        onward = flies_on_to(self.items, n) if spline else None
-        if onward is None:
-            return Stop(self.target(n), spline)
-        return Stop(
-            self.target(n), spline, (self.target(onward), self.items[onward].command == Command.NAV_SPLINE_WAYPOINT)
-        )
+        """Where visit n leads: what it leaves open is that of the place last bound for."""
+        return self.route.program.place(n, self.copter.here)
 
     def fly_to(self, n: int) -> str:
         """Fly to visit n, and do there what it asks for."""
-        visit, onward, copter = self.route.visits[n], flies_on_to(self.items, n), self.copter
-        copter.fly_to(self.stop(n), None if onward is None else self.stop(onward))
+        program, visit, copter = self.route.program, self.route.visits[n], self.copter
+        onward, stop = program.onward(n), stop_at(program, n, copter.here)
+        copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
         this, following = copter.this, copter.following
         flown_at = self.run()
         corner = 0.0

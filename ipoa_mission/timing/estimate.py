@@ -1,11 +1,11 @@
 """How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
 
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.autopilots.parameters import expect_known
+from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Autopilot, Parameters
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
 from ipoa_mission.errors import MissionError
@@ -18,7 +18,6 @@ from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.timing.route import RouteTime, route_time
 from ipoa_mission.wind import CALM, Wind
 
-NO_PARAMETERS: Parameters = MappingProxyType({})
 EARTH_RADIUS = 6_371_000.0  # [m]
 
 
@@ -75,8 +74,7 @@ def estimate(
 ) -> Estimate:
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
-    `parameters` of the vehicle go before those that the mission carries, and these before the autopilot's defaults;
-    names that the model does not use are passed over.
+    `parameters` of the vehicle go before those that the mission carries, and these before the autopilot's defaults.
     `fast` runs the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
     mission), plain (False), or, by default, compiled only where that is ready and quicker. The result is the same.
 
@@ -89,9 +87,10 @@ def estimate(
     True
 
     Raises:
-        BadInput: the mission has no end, or a parameter has no sense.
+        BadInput: the mission has no end, or a parameter has no sense or is none of this autopilot's.
         MissionError: the vehicle does not get on, as against a wind stronger than it can fly; or it is no multicopter.
     """
+    expect_known(parameters, mission.autopilot)
     mission = mission.with_parameters(parameters)
     route, prediction = predict(mission, wind, fast)
     items = _item_times(route, prediction)

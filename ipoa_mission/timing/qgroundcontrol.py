@@ -8,7 +8,7 @@ over the descent speed. It knows no acceleration, no corner, no climb between wa
 import math
 
 from ipoa_mission.commands import Command
-from ipoa_mission.items import Item, Mission
+from ipoa_mission.items import Mission
 
 #: QGroundControl's settings for planning without a vehicle (Application Settings, Plan View) [m/s].
 HOVER_SPEED = 5.0
@@ -29,22 +29,17 @@ def qgroundcontrol_time(mission: Mission) -> float:
             way_home = _great_circle(here, (mission.home.latitude_deg, mission.home.longitude_deg))
             return total + way_home / speed + abs(height) / DESCENT_SPEED
         if item.command == Command.NAV_TAKEOFF and not taken_off:
-            total += abs(_height(mission, item)) / ASCENT_SPEED
+            total += abs(item.height(mission.home)) / ASCENT_SPEED
             taken_off = True
         if item.command in DELAYS and item.params[0] > 0:
             total += item.params[0]
         if item.has_position:
             there = (item.latitude_deg, item.longitude_deg)
             total += _great_circle(here, there) / speed
-            here, height = there, _height(mission, item)
+            here, height = there, item.height(mission.home)
         if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0:
             speed = item.params[1]
     return total
-
-
-def _height(mission: Mission, item: Item) -> float:
-    height = mission.altitude_above_home(item)
-    return item.altitude if math.isnan(height) else height
 
 
 def _great_circle(one: tuple[float, float], other: tuple[float, float]) -> float:

@@ -32,20 +32,20 @@ def slow_because(
     what its slope leaves of the speed `asked` for, `top` what drag and wind leave of it, and `flown` its highest level
     speed.
     """
-    found = []
+    reasons = []
     wanted = min(asked if planned is None else planned, allowed, asked)
     if planned is not None and planned < SLOW * min(allowed, asked):
-        found.append("leg shorter than its braking distance")
+        reasons.append("leg shorter than its braking distance")
     elif allowed < SLOW * asked:
-        found.append("climb or descent rate")
+        reasons.append("climb or descent rate")
     if curved and flown < SLOW * min(top, wanted):
-        found.append("acceleration on the curve")
+        reasons.append("acceleration on the curve")
     elif top < SLOW * wanted:
-        found.append("drag at the greatest lean")
-    elif planned is not None and not found and flown < SLOW * wanted:
-        found.append("lag behind the path")
+        reasons.append("drag at the greatest lean")
+    elif planned is not None and not reasons and flown < SLOW * wanted:
+        reasons.append("lag behind the path")
     if corner >= SHARP_DEG:
-        found.append(f"corner {corner:.0f} deg")
+        reasons.append(f"corner {corner:.0f} deg")
     if stops:
-        found.append("stop")
-    return ", ".join(found)
+        reasons.append("stop")
+    return ", ".join(reasons)

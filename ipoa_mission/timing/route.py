@@ -12,13 +12,12 @@ import numpy as np
 from ipoa_mission.autopilots.ardupilot import copter_limits
 from ipoa_mission.autopilots.px4 import px4_limits
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
-from ipoa_mission.commands import Command
+from ipoa_mission.commands import WAYPOINTS, Command
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.itinerary.itinerary import Itinerary
 from ipoa_mission.timing.bound import Kinematics, least_time
 from ipoa_mission.timing.prediction import Track
 
-WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
 FIRST = WAYPOINTS | {Command.NAV_TAKEOFF}
 STEP, SMOOTHED = 1.0, 5  # the flown path is taken every metre, and averaged over so many [m]
 

@@ -13,11 +13,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Vector
 from ipoa_mission.tube.course import Course
 from ipoa_mission.tube.law import PASS, Law
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 
 RARE = 1e-5  # what is so far away that it is reached with less than this chance is not looked at
 USUAL = 0.01  # the chance at which heights are compared with what is level
@@ -113,8 +112,8 @@ def approaches(course: Course, airspace: Airspace, law: Law, kept: float) -> App
     piece, obstacle = airspace.beside(lines, reach)
     order = np.argsort(obstacle, kind="stable")
     piece, obstacle = piece[order], obstacle[order]
-    columns = [_measured(airspace.obstacles[i], lines[on], a[on], b[on]) for i, on in _by_obstacle(piece, obstacle)]
-    aside, above, below, sides = (np.concatenate([c[i] for c in columns]) if columns else np.zeros(0) for i in range(4))
+    passings = [airspace.obstacles[i].passing(a[on], b[on]) for i, on in _by_obstacle(piece, obstacle)]
+    aside, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     passing = ((course.times[piece] - course.times[0]) // PASS).astype(np.intp)
     over = above >= below
     return Approaches(law, piece, obstacle, passing, aside, np.maximum(above, below), over, stretch[piece], sides)
@@ -122,43 +121,8 @@ def approaches(course: Course, airspace: Airspace, law: Law, kept: float) -> App
 
 def _by_obstacle(piece: Numbers, obstacle: Numbers) -> list[tuple[int, Numbers]]:
     """Obstacle by obstacle the pieces that belong to it; both are sorted by obstacles."""
-    found, first = np.unique(obstacle, return_index=True)
-    return list(zip(found.tolist(), np.split(piece, first[1:]), strict=True)) if len(found) else []
-
-
-def _measured(
-    body: Obstacle, lines: NDArray[np.object_], a: Points, b: Points
-) -> tuple[Vector, Vector, Vector, Vector]:
-    """Distance to the outline, heights over the top and under the base, and sides to be hit on, (n,) each."""
-    low, high = np.minimum(a[:, 2], b[:, 2]), np.maximum(a[:, 2], b[:, 2])
-    east, north, base = body.bounds[0]
-    far_east, far_north, top = body.bounds[1]
-    sides = np.ones(len(a))
-    match body:
-        case Sphere():
-            return _ball(body, a, b)
-        case Cylinder():
-            aside = shapely.distance(lines, shapely.Point(body.east, body.north)) - body.radius
-        case Prism():
-            shape = body.footprint.shape
-            aside = shapely.distance(lines, shape)
-            if not body.convex:
-                sides = np.where(shapely.intersects(lines, shape.convex_hull), 2.0, 1.0)
-        case _:
-            aside = shapely.distance(lines, shapely.box(east, north, far_east, far_north))
-    return aside, low - top, base - high, sides
-
-
-def _ball(body: Sphere, a: Points, b: Points) -> tuple[Vector, Vector, Vector, Vector]:
-    """A ball as the plane that touches it where the piece is nearest: what is level and what is vertical of the way."""
-    step, center = b - a, np.asarray(body.center)
-    squares = np.maximum((step**2).sum(axis=1), 1e-12)
-    along = np.clip(((center - a) * step).sum(axis=1) / squares, 0.0, 1.0)
-    away = a + along[:, None] * step - center
-    length = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
-    share = (length - body.radius) / length
-    level, up = share * np.hypot(away[:, 0], away[:, 1]), share * away[:, 2]
-    return level, up, -up, np.ones(len(a))
+    numbers, first = np.unique(obstacle, return_index=True)
+    return list(zip(numbers.tolist(), np.split(piece, first[1:]), strict=True)) if len(numbers) else []
 
 
 def _facing(law: Law, aside: Vector, above: Vector, is_over: NDArray[np.bool_]) -> Vector:

@@ -65,18 +65,18 @@ def raised(scenario: Scenario, by: float) -> Scenario:
 def _heights_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:
     """Round a place that lies lower than the tube allows, its own height is what the predicted path must keep."""
     higher, least = raised(scenario, rim.down), scenario.limits.height_above_ground
-    found: dict[str, Check] = {}
+    tightest: dict[str, Check] = {}
     for side in _sides(rim.level if scenario.airspace.terrain.steepness > 0 else 0.0):
         for check in prove_heights(path + side, higher):
             if check.limit == "ceiling":
-                moved = replace(check, found=_more(check.found, rim.up))
+                moved = replace(check, nearest=_more(check.nearest, rim.up))
             elif check.limit == "ground" and check.required >= least + rim.down:
-                moved = replace(check, found=_more(check.found, -rim.down), required=least)
+                moved = replace(check, nearest=_more(check.nearest, -rim.down), required=least)
             else:
                 continue
-            if check.limit not in found or moved.slack < found[check.limit].slack:
-                found[check.limit] = moved
-    yield from found.values()
+            if check.limit not in tightest or moved.slack < tightest[check.limit].slack:
+                tightest[check.limit] = moved
+    yield from tightest.values()
 
 
 def _bounds_kept(path: Points, scenario: Scenario, rim: Rim) -> Check | None:
@@ -118,5 +118,5 @@ def _sides(level: float) -> Iterator[Vector]:
             yield level * np.array([math.cos(turn), math.sin(turn), 0.0])
 
 
-def _more(found: Clearance, by: float) -> Clearance:
-    return replace(found, distance=found.distance + by)
+def _more(clearance: Clearance, by: float) -> Clearance:
+    return replace(clearance, distance=clearance.distance + by)

@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import FLOWN_TO, Command
+from ipoa_mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.itinerary import TAKEOFFS, Itinerary
+from ipoa_mission.itinerary.itinerary import Itinerary
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import in_local_frame, predict
 from ipoa_mission.timing.prediction import Prediction
@@ -20,8 +20,6 @@ from ipoa_mission.tube.law import Law
 from ipoa_mission.tube.limits import NO_TUBE, Rim, limits_kept, rim_of
 from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.thin import STRAY, thinned
-
-ENDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
 
 
 @dataclass(frozen=True)
@@ -158,13 +156,13 @@ class PredictedFlight:
         nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, NO_TUBE)}
         for check in limits_kept(path, self.scenario, rim):
             meant = nominal.get((check.limit, check.required), check)
-            place = check.found.place
+            place = check.nearest.place
             yield Kept(
                 check.limit,
                 check.required,
-                meant.found.distance,
-                check.found.distance,
-                check.found.what,
+                meant.nearest.distance,
+                check.nearest.distance,
+                check.nearest.what,
                 self._item(part, place),
                 place,
                 True,

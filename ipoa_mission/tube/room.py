@@ -6,7 +6,6 @@ scenario gives, and, if asked, where it would close a gap that is wide enough fo
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
@@ -14,11 +13,10 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.limits import Rim, raised, rim_of
 from ipoa_mission.tube.measured import law_of
 from ipoa_mission.world.airspace import Airspace, Bounds
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
-from ipoa_mission.world.polygon import Polygon
+from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.polygon import Polygon, rings_of
 
 LEAST = 0.01  # obstacles that would grow by less are left as they are [m]
-CORNERS = 4  # of the polygon round a corner that is rounded, for a quarter turn
 
 
 def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scenario:
@@ -30,7 +28,10 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scen
     rim, level = rim_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
     growth = _growth(scenario, level, keep_gaps)
-    bodies = tuple(_grown(body, by, level, rim) for body, by in zip(airspace.obstacles, growth, strict=True))
+    bodies = tuple(
+        body.grown(by, by / level * rim.up, by / level * rim.down) if by else body
+        for body, by in zip(airspace.obstacles, growth.tolist(), strict=True)
+    )
     slopes = _usual_slope(airspace)
     roomier = raised(scenario, rim.down + slopes * rim.level)
     if (ceiling := scenario.planning.max_height_above_ground) is not None:
@@ -57,7 +58,7 @@ def _growth(scenario: Scenario, level: float, keep_gaps: bool) -> Vector:
 
 def _spare_gaps(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, level: float) -> None:
     """Let no two neighbors close, in place, a gap that the required distance on both sides leaves open."""
-    outlines = np.array([_outline(body) for body in bodies])
+    outlines = np.array([body.plan for body in bodies])
     one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + level))
     pairs = one < other
     one, other = one[pairs], other[pairs]
@@ -65,39 +66,6 @@ def _spare_gaps(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, l
     open_ = spare > 0
     for bodies_of in (one[open_], other[open_]):
         np.minimum.at(growth, bodies_of, spare[open_])
-
-
-def _outline(body: Obstacle) -> shapely.Geometry:
-    match body:
-        case Prism():
-            return body.footprint.shape
-        case Cylinder():
-            return shapely.Point(body.east, body.north).buffer(body.radius)
-        case Sphere():
-            return shapely.Point(body.center[:2]).buffer(body.radius)
-    return shapely.box(*body.bounds[0, :2], *body.bounds[1, :2])
-
-
-def _grown(body: Obstacle, by: float, most: float, rim: Rim) -> Obstacle:
-    """An obstacle larger by so much [m] to its sides; where that is the most, by the tube's rim above and below."""
-    if by == 0.0:
-        return body
-    down, up = by / most * rim.down, by / most * rim.up
-    match body:
-        case Cylinder(name, east, north, radius, base, top):
-            return Cylinder(name, east, north, radius + by, base - up, top + down)
-        case Sphere(name, center, radius):
-            return Sphere(name, center, radius + by)
-        case Prism(name, _, _, base, top):
-            shape = shapely.buffer(body.footprint.shape, by, quad_segs=CORNERS)
-            outer, *holes = (_ring(ring) for ring in (shape.exterior, *shape.interiors))
-            return type(body)(name, outer, tuple(holes), base - up, top + down)
-    return body
-
-
-def _ring(ring: shapely.Geometry) -> tuple[tuple[float, float], ...]:
-    corners: NDArray[np.float64] = shapely.get_coordinates(ring)[:-1]
-    return tuple((float(east), float(north)) for east, north in corners)
 
 
 def _shrunk(bounds: Bounds, scenario: Scenario, rim: Rim) -> Bounds:
@@ -117,11 +85,10 @@ def _narrower(footprint: Polygon | None, fixed: Points, rim: Rim) -> Polygon | N
     """A flight area that leaves the tube inside, if it stays in one piece and the given places in it."""
     if footprint is None:
         return None
-    shape = shapely.buffer(footprint.shape, -rim.level, quad_segs=CORNERS)
+    shape = footprint.buffered(-rim.level)
     if not isinstance(shape, shapely.Polygon) or not shape.covers(shapely.MultiPoint(fixed[:, :2])):
         return footprint
-    outer, *holes = (_ring(ring) for ring in (shape.exterior, *shape.interiors))
-    return Polygon(outer, tuple(holes))
+    return Polygon(*rings_of(shape))
 
 
 def _usual_slope(airspace: Airspace) -> float:

@@ -171,9 +171,9 @@ class Airspace:
         for leg in np.argsort(floor, kind="stable"):
             if floor[leg] > least.distance:
                 break
-            found = self.bounds.leg_margin(points[leg], points[leg + 1])
-            if (found.distance, leg) < (least.distance, least.leg):
-                least = replace(found, leg=int(leg))
+            margin = self.bounds.leg_margin(points[leg], points[leg + 1])
+            if (margin.distance, leg) < (least.distance, least.leg):
+                least = replace(margin, leg=int(leg))
         return least
 
     @cached_property
@@ -206,5 +206,5 @@ def _grouped(pairs: NDArray[np.intp]) -> Iterator[tuple[int, NDArray[np.intp]]]:
     """(obstacle, the queries that met it) from an index's answer (2, k)."""
     queries, bodies = pairs
     order = np.argsort(bodies, kind="stable")
-    found, first = np.unique(bodies[order], return_index=True)
-    yield from zip(found.tolist(), np.split(queries[order], first[1:]), strict=False)
+    numbers, first = np.unique(bodies[order], return_index=True)
+    yield from zip(numbers.tolist(), np.split(queries[order], first[1:]), strict=False)

@@ -19,7 +19,17 @@ from ipoa_mission.geometry import Vector
 Ring: TypeAlias = tuple[tuple[float, float], ...]  # corners (east, north) [m], in either sense, not closed
 Plane: TypeAlias = NDArray[np.float64]  # (n, 2) east, north [m]
 FEW_EDGES = 6
+CORNERS = 4  # of the polygon round a corner that is rounded, for a quarter turn
 NARROW = 1e-8  # spans are not halved any further [m]
+
+
+def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
+    """The outer ring and the holes of a valid polygon of shapely."""
+    outer, *holes = (
+        tuple((float(east), float(north)) for east, north in shapely.get_coordinates(ring)[:-1])
+        for ring in (shape.exterior, *shape.interiors)
+    )
+    return outer, tuple(holes)
 
 
 @dataclass(frozen=True)
@@ -42,6 +52,10 @@ class Polygon:
     def shape(self) -> shapely.Polygon:
         """The same polygon as shapely knows it."""
         return shapely.Polygon(self.outer, self.holes)
+
+    def buffered(self, by: float) -> shapely.Geometry:
+        """Its shape, larger by so much [m]; less than 0: smaller, and perhaps in pieces, or nothing."""
+        return shapely.buffer(self.shape, by, quad_segs=CORNERS)
 
     @property
     def starts(self) -> Plane:
@@ -110,7 +124,7 @@ class Polygon:
         coefficients of 1, t, t^2. Spans of the leg in which one of few edges must be nearest are solved at once,
         longer ones are halved, and those that cannot hold the greatest distance are dropped.
         """
-        found, spans = [np.array([0.0, 1.0])], [(0.0, 1.0)]
+        parameters, spans = [np.array([0.0, 1.0])], [(0.0, 1.0)]
         length, greatest = float(np.linalg.norm(b - a)), 0.0
         while spans:
             low, high = spans.pop()
@@ -122,15 +136,15 @@ class Polygon:
             wanted = bool(self.contains(spot)[0]) == inside
             if wanted and here > greatest:
                 greatest = here
-                found.append(np.array([middle]))
+                parameters.append(np.array([middle]))
             if reach < NARROW or away.min() + reach / 2 < greatest or (not wanted and reach / 2 < away.min()):
                 continue
             near = away <= away.min() + reach
             if near.sum() <= FEW_EDGES:
-                found.append(_equal(np.vstack([self._squares(a, b, near), others])))
+                parameters.append(_equal(np.vstack([self._squares(a, b, near), others])))
             else:
                 spans += [(low, middle), (middle, high)]
-        return np.concatenate(found)
+        return np.concatenate(parameters)
 
     def _squares(self, a: Vector, b: Vector, edges: NDArray[np.bool_]) -> NDArray[np.float64]:
         """Squared distances along the line to the lines and corners of some edges: coefficients of 1, t, t^2."""

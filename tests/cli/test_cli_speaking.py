@@ -117,8 +117,10 @@ def test_v_logs_to_standard_error_and_leaves_the_result_alone(run: Run, mission:
     assert logging.getLogger("ipoa_mission").handlers != logging.getLogger().handlers
 
 
-def test_a_warning_of_the_package_is_heard_without_v(run: Run, mission: Path) -> None:
-    assert run(f"estimate {mission} --param MPC_XY_CRUIS=5").err.startswith("warning: ")
+def test_a_warning_of_the_package_is_heard_without_v(run: Run) -> None:
+    Path("key").write_text("secret")
+    Path("key").chmod(0o666)
+    assert run("clear --link tcp:127.0.0.1:1 --key key").err.startswith("warning: key: others than its owner may write")
 
 
 @pytest.mark.parametrize("no_color", [False, True])

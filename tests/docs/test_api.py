@@ -1,6 +1,5 @@
 """docs/api.md: its examples run, one after the other, and it names what there is."""
 
-import ast
 import doctest
 import re
 import socket
@@ -71,18 +70,6 @@ def test_the_page_names_all_that_is_public() -> None:
     for name in ipoa_mission.__all__:
         assert callable(getattr(ipoa_mission, name))
     assert re.fullmatch(r"\d+\.\d+\.\d+\S*", ipoa_mission.__version__)
-
-
-def test_type_checkers_are_told_the_same_names() -> None:
-    source = Path(ipoa_mission.__file__).read_text(encoding="utf-8")
-    told = {
-        (f"{node.module}", alias.name)
-        for node in ast.walk(ast.parse(source))
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("ipoa_mission.")
-        for alias in node.names
-        if alias.asname
-    }
-    assert told == {(module, name) for name, module in ipoa_mission._WHERE.items()}
 
 
 @pytest.mark.parametrize("name", [*ipoa_mission.__all__])

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ipoa_mission.energy.power import GRAVITY, KAPPA, Airframe, air_density, induced_speed, power
+from ipoa_mission.energy.power import KAPPA, Airframe, air_density, induced_speed, power
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import GRAVITY
 
 SEA_LEVEL = np.array([1.225])
 QUAD = Airframe(mass_kg=2.4, disc_area=0.342, drag_area=0.09)

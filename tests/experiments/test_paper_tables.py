@@ -135,20 +135,16 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
     pytest.importorskip("minionpy")
     small = settings_text(population=6, iterations=3)
     tiny = Series("tiny", 2, [Trial("cec2022", "f1", 10, name, small, 0, 0) for name in ("poa", "ipoa")])
-    told: list[tuple[str, int, int]] = []
+    told: list[str] = []
 
     def make(rows: Mapping[str, Sequence[Row]]) -> Table:
         return Table("tiny", ["cost"], [[number(row.cost)] for row in rows["tiny"]])
 
     monkeypatch.setitem(ITEMS, "tiny", Item([tiny], make))
     for runs in (None, 3, None):
-        reproduce("tiny", runs, tmp_path / "out", 1, None, lambda *progress: told.append(progress))
-    assert told == [("tiny", done, 4) for done in range(5)] + [
-        ("tiny", 4, 6),
-        ("tiny", 5, 6),
-        ("tiny", 6, 6),
-        ("tiny", 4, 4),
-    ]
+        reproduce("tiny", runs, tmp_path / "out", 1, None, lambda share, words: told.append(words))
+    later = ("4 of 6", "5 of 6", "6 of 6", "4 of 4")
+    assert told == [f"tiny: {done} of 4" for done in range(5)] + [f"tiny: {done}" for done in later]
     assert len((tmp_path / "out" / "rows" / "tiny.csv").read_text().splitlines()) == 1 + 6
 
 

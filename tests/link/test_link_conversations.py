@@ -87,9 +87,9 @@ def test_an_upload_reads_like_the_sequence_diagram() -> None:
 
 
 def test_progress_is_told_item_by_item() -> None:
-    told: list[tuple[int, int]] = []
-    Talk(offer(ITEMS, 0, progress=lambda *at: told.append(at))).hear(Request(0), Request(1), Request(2), Ack(0))
-    assert told == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    asked: list[int] = []
+    Talk(offer(ITEMS, 0, asked=asked.append)).hear(Request(0), Request(1), Request(2), Ack(0))
+    assert asked == [0, 1, 2, 3]
 
 
 def test_an_item_is_repeated_when_and_only_when_it_is_asked_for_again() -> None:

@@ -129,7 +129,7 @@ def test_a_vehicle_without_a_position_is_waited_for() -> None:
     vehicle = Scripted(ARDUPILOT)
     said: list[str] = []
     vehicle.ready_s = 40.0
-    vehicle.hold(lambda departure: prepare(replace(departure, report=said.append)))
+    vehicle.hold(lambda departure: prepare(replace(departure, progress=lambda share, words: said.append(words))))
     assert 40.0 <= vehicle.now < 50.0
     assert said
     assert ARM not in [told[0] for told in vehicle.told]

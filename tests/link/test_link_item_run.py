@@ -125,10 +125,10 @@ def test_a_whole_list_takes_one_frame_each_way_an_item_and_few_of_them_reach_the
     items = items_of(autopilot, 300)
     monkeypatch.setattr(vehicle, "_overhear", reached.append)
     said, heard = channel.said, channel.heard
-    done: list[int] = []
-    vehicle.upload_items(items, MissionType.MISSION, lambda n, total: done.append(n))
+    done: list[str] = []
+    vehicle.upload_items(items, MissionType.MISSION, lambda share, words: done.append(words))
     assert compare(items, mock.transfers.listed(MissionType.MISSION), autopilot) is None
-    assert done == list(range(301))
+    assert done == [f"{n} of 300" for n in range(301)]
     assert channel.said - said < 620
     assert channel.heard - heard < 700
     assert sum(isinstance(one, Request | ItemAt) for one in reached) < 30

@@ -117,19 +117,20 @@ def test_a_later_flight_begins_anew() -> None:
 
 
 def test_watching_ends_with_the_flight_and_tells_of_progress() -> None:
-    told: list[int] = []
+    told: list[str] = []
     for items, last in ((LANDS, DISARMED), (HOLDS, Current(2, 3, 5))):
         logbook = noted(items, ARMING, armed())
-        exchange = Exchange(watch(logbook, told.append), 0.0, SPECIFIED)
+        exchange = Exchange(watch(logbook, lambda share, words: told.append(words)), 0.0, SPECIFIED)
         for now, message in enumerate([at(1.0), Reached(0), armed(), last]):
             logbook.note(message)
             exchange.receive(message, float(now))
         assert exchange.finished
-    assert told == [0, 1, 0, 1, 2]
+    done = [*((n, LANDS) for n in (0, 1)), *((n, HOLDS) for n in (0, 1, 2))]
+    assert told == [f"item {n} of {len(items)}" for n, items in done]
 
 
 def test_a_lost_vehicle_is_an_error() -> None:
-    exchange = Exchange(watch(Logbook(LANDS, PX4), lambda done: None), 0.0, SPECIFIED)
+    exchange = Exchange(watch(Logbook(LANDS, PX4)), 0.0, SPECIFIED)
     with pytest.raises(NoAnswer, match="has not been heard for 10 s"):
         exchange.tick(LOST_S)
 

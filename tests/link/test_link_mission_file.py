@@ -61,12 +61,12 @@ def test_a_mission_goes_as_one_file_and_not_item_by_item() -> None:
     vehicle, mock = aboard(Faults())
     heard = heard_by(mock)
     sent = items_of(ARDUPILOT, 100)
-    told: list[tuple[int, int]] = []
-    vehicle.upload_items(sent, MissionType.MISSION, lambda *at: told.append(at))
+    told: list[tuple[float, str]] = []
+    vehicle.upload_items(sent, MissionType.MISSION, lambda share, words: told.append((share, words)))
     assert compare(sent, mock.transfers.listed(0), ARDUPILOT) is None
     assert not any(isinstance(message, ItemAt) for message in heard)
     assert sum(isinstance(message, FileTransfer) for message in heard) < 50
-    assert told[-1] == (100, 100)
+    assert told[-1] == (1.0, "100 of 100")
 
 
 def test_on_a_link_of_200_ms_it_is_several_times_as_quick() -> None:

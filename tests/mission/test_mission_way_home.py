@@ -8,7 +8,7 @@ from shapely import LineString, box
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.way_home import told
+from ipoa_mission.checks.way_home import climb_for_way_home
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Phase, flown_legs
@@ -92,7 +92,7 @@ def test_it_climbs_over_the_goal_where_the_way_home_would_not_be_clear(
     assert last.altitude == pytest.approx(20.0 if climbs_to is None else climbs_to, abs=0.01)
     assert height_over_the_hall(flown, scenario) >= height + 2.5
     assert check_mission(flown, scenario) == ()
-    assert len(list(told(flown))) == (climbs_to is not None)
+    assert len(list(climb_for_way_home(flown))) == (climbs_to is not None)
 
 
 def test_it_does_not_climb_beyond_the_bounds_and_the_check_says_what_helps() -> None:

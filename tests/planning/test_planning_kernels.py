@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from ipoa_mission.geometry import climb_angles, turning_angles
-from ipoa_mission.planning import twins
 from ipoa_mission.planning.chart import Soft, chart_of
 from ipoa_mission.planning.polish import _windows
 from ipoa_mission.planning.problem import PreparedProblem, pose
@@ -18,6 +17,7 @@ from ipoa_mission.planning.spline import even_basis
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Polygon
+from tests.planning import twins
 from tests.planning.conftest import Make
 
 Town = Callable[[int], Scenario]

@@ -13,7 +13,7 @@ BALL = {"kind": "sphere", "name": "the ball", "east": 50, "north": 0, "up": 20, 
 
 
 def found(proof: Proof, limit: str) -> list[float]:
-    return [check.found.distance for check in proof.checks if check.limit == limit]
+    return [check.nearest.distance for check in proof.checks if check.limit == limit]
 
 
 def test_a_curve_has_at_least_what_is_proved_and_hardly_more(town: Town) -> None:
@@ -97,10 +97,10 @@ def test_a_low_start_may_be_left_but_not_be_hugged(scenario: Make) -> None:
     assert not low.holds
     assert low.worst.limit == "ground"
     assert low.worst.required == 15
-    assert low.worst.found.place[0] == pytest.approx(zone.radius)
+    assert low.worst.nearest.place[0] == pytest.approx(zone.radius)
     under = prove(np.array([(0.0, 0, 3), (10, 0, 2), (10, 0, 20), (100, 0, 20)]), job)
     assert under.worst.required == pytest.approx(2.99)
-    assert under.worst.found.distance == 2
+    assert under.worst.nearest.distance == 2
 
 
 def test_a_low_zone_is_wider_where_climbs_are_flat(scenario: Make) -> None:

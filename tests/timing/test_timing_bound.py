@@ -67,7 +67,7 @@ def test_more_of_anything_is_never_slower(corners: list[tuple[float, float, floa
 def test_no_flight_of_the_curve_beats_the_bound(name: str) -> None:
     flight = read_flight(FLIGHTS / name)
     route = itinerary(flight.mission)
-    places = route.places[[v.item.has_position for v in route.visits]]
+    places = route.program.places[[v.item.has_position for v in route.visits]]
     bound = least_time(places[1:], Kinematics(12.0, 3.0, 3.0, 3.0)).seconds
     assert 33.0 < bound < flight.spans.min()
 

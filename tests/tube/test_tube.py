@@ -107,9 +107,10 @@ def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle)
     course, world = straight(obstacle)
     rng = np.random.default_rng(7)
     size = np.array([PX4.level.distance(chance) for chance in rng.uniform(1e-6, 1.0, 400)])
+    ends = course.points[[0, -1]]  # of a straight course
+    flown = [world.obstacle_clearance(ends + np.array([0.0, moved, 0.0])).distance for moved in size]
     for chance in (0.05, 0.2):
         kept = approaches(course, world, PX4, 3.0).kept(chance)
-        flown = [world.obstacle_clearance(course.points + np.array([0.0, moved, 0.0])).distance for moved in size]
         assert np.mean(np.array(flown) < kept) <= chance + 2 * np.sqrt(chance / 400)
 
 
@@ -117,8 +118,8 @@ def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
     scenario = scenario_of()
     path = np.array([[0.0, 0.0, 20.0], [100.0, 0.0, 20.0]])
     rim = rim_of(PX4, 0.01)
-    nominal = {check.limit: check.found.distance for check in limits_kept(path, scenario, NO_TUBE)}
-    kept = {check.limit: check.found.distance for check in limits_kept(path, scenario, rim)}
+    nominal = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, NO_TUBE)}
+    kept = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, rim)}
     assert kept["ground"] == pytest.approx(nominal["ground"] - rim.down)
     assert kept["ceiling"] == pytest.approx(nominal["ceiling"] + rim.up)
 

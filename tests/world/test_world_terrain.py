@@ -66,12 +66,13 @@ def test_the_extreme_height_of_a_leg_is_what_dense_sampling_closes_in_on(kind: s
 def test_the_extreme_heights_of_many_legs_are_those_of_the_extreme_leg(kind: str) -> None:
     rng = np.random.default_rng(13)
     for _ in range(20):
-        ground, points = KINDS[kind](rng), rng.uniform(-20, 120, (40, 3))
+        ground, points = KINDS[kind](rng), rng.uniform(-20, 120, (12, 3))
         points[7] = points[8]
-        singly = [ground.least_height(points[i : i + 2])[0] for i in range(39)]
-        assert ground.least_height(points)[0] == pytest.approx(min(singly), abs=2e-4)
-        assert singly[ground.least_height(points)[1]] == pytest.approx(min(singly), abs=2e-4)
-        singly = [ground.greatest_height(points[i : i + 2])[0] for i in range(39)]
+        singly = [ground.least_height(points[i : i + 2])[0] for i in range(11)]
+        height, leg, _ = ground.least_height(points)
+        assert height == pytest.approx(min(singly), abs=2e-4)
+        assert singly[leg] == pytest.approx(min(singly), abs=2e-4)
+        singly = [ground.greatest_height(points[i : i + 2])[0] for i in range(11)]
         assert ground.greatest_height(points)[0] == pytest.approx(max(singly), abs=2e-4)
 
 

@@ -8,7 +8,8 @@ greatest lean it decides.
 import math
 from dataclasses import dataclass, replace
 
-GRAVITY = 9.80665  # [m/s^2]
+from ipoa_mission.geometry import GRAVITY
+
 TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
 THINNING = 9.6e-5  # by this share the air is thinner a metre higher [1/m]
 

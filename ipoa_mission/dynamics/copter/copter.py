@@ -44,7 +44,7 @@ from ipoa_mission.dynamics.copter.steps import SAMPLE_STEPS
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item
-from ipoa_mission.itinerary.copter_spline import Place
+from ipoa_mission.itinerary.program import Place, Program
 from ipoa_mission.wind import CALM, Wind
 
 JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
@@ -71,6 +71,16 @@ class Stop(NamedTuple):
     place: Place
     spline: bool = False
     after: tuple[Place, bool] | None = None
+
+
+def stop_at(program: Program, n: int, here: Place) -> Stop:
+    """Item n of a program as a stop; what it leaves open is that of `here`."""
+    place, spline = program.place(n, here), program.items[n].command == Command.NAV_SPLINE_WAYPOINT
+    onward = program.onward(n) if spline else None
+    if onward is None:
+        return Stop(place, spline)
+    after = program.place(onward, place), program.items[onward].command == Command.NAV_SPLINE_WAYPOINT
+    return Stop(place, spline, after)
 
 
 class Copter:

@@ -6,7 +6,8 @@ from ipoa_mission.autopilots.ardupilot import CopterLimits
 from ipoa_mission.dynamics.copter.motion import HOLD, SPLINE, STRAIGHT, ZERO, Bounds, Leg, Vector
 from ipoa_mission.dynamics.copter.scurve import AT_REST, Limits, change, profile
 from ipoa_mission.dynamics.copter.steps import along_limit, bend
-from ipoa_mission.itinerary.copter_spline import Place, cubic, minus, spline_tangents
+from ipoa_mission.itinerary.copter_spline import cubic, minus, spline_tangents
+from ipoa_mission.itinerary.program import Place
 
 SPLINE_SHARE = 0.5  # of the acceleration limits that a spline leg uses, along the curve and across it
 ZERO_LENGTH = 1e-6  # [m]

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ipoa_mission.autopilots.ardupilot import CopterLimits
-from ipoa_mission.dynamics.copter.airframe import GRAVITY, Airframe
+from ipoa_mission.dynamics.copter.airframe import Airframe
 from ipoa_mission.dynamics.copter.scurve import AT_REST, MOST_SEGMENTS, Profile, Segment
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import GRAVITY, Points
 from ipoa_mission.geometry import Vector as Numbers
 from ipoa_mission.wind import Wind
 

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-from ipoa_mission.dynamics.copter.airframe import GRAVITY, THINNING
+from ipoa_mission.dynamics.copter.airframe import THINNING
 from ipoa_mission.dynamics.copter.motion import (
     CLIMB,
     DESCENT,
@@ -23,6 +23,7 @@ from ipoa_mission.dynamics.copter.motion import (
     State,
     Tuning,
 )
+from ipoa_mission.geometry import GRAVITY
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Triple = tuple[float, float, float]

@@ -6,7 +6,7 @@ No mission and no parameter tells these, and every airframe has its own (docs/fl
 import math
 from typing import NamedTuple
 
-GRAVITY = 9.80665  # [m/s^2]
+from ipoa_mission.geometry import GRAVITY
 
 
 class Airframe(NamedTuple):

@@ -1,7 +1,7 @@
-"""`fly` a second time, compiled by numba: one source, two speeds.
+"""`fly` a second time, compiled: one source, two speeds.
 
-Compiling takes seconds, once on a machine (numba keeps the result); after that a flight takes a millisecond. Both say
-the same, so the choice is one of time only.
+The machine code is what was shipped, or numba's: that takes seconds, once on a machine (numba keeps the result). A
+flight then takes a millisecond. Both speeds say the same, so the choice is one of time only.
 """
 
 import sys
@@ -13,14 +13,17 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.compiled import njit
+from ipoa_mission.compiled.library import shipped
 from ipoa_mission.dynamics.px4 import flight
 from ipoa_mission.dynamics.px4.flight import fly
 from ipoa_mission.dynamics.px4.state import Law, Order, record_type
+from ipoa_mission.geometry import Points, Vector
 
 ROOM = Path(__file__).parent
 HERE = __package__ + "."
 MANY_STEPS = 50_000  # so many take plain Python as long as it takes to load numba and what it has kept
-Flown = tuple[list[float], list[float]]
+Flown = tuple[Vector, Points]
 
 
 def flying(orders: Sequence[Order], law: Law, fast: bool | None, steps: float) -> Callable[..., Flown]:
@@ -29,24 +32,32 @@ def flying(orders: Sequence[Order], law: Law, fast: bool | None, steps: float) -
     None takes whichever is sooner ready with so many steps.
     """
     if fast is None:
-        fast = compiled.cache_info().currsize > 0 or (steps > MANY_STEPS and _is_kept())
+        at_hand = shipped() is not None or compiled.cache_info().currsize > 0
+        fast = at_hand or (steps > MANY_STEPS and _is_kept())
     if not fast:
         return lambda *how: fly(orders, (law,), *how)
     machine = compiled()
-    records, laws = np.array(list(orders), record_type(Order)), np.array([law], record_type(Law))
-    return lambda *how: machine(records, laws, *how)
+    arguments = records(orders, Order), records([law], Law)
+    return lambda *how: machine(*arguments, *how)
+
+
+def records(tuples: Sequence[Any], kind: type) -> Any:
+    """Named tuples of one kind as an array of records."""
+    return np.array(list(tuples), record_type(kind))
 
 
 @lru_cache(maxsize=1)
 def compiled() -> Callable[..., Flown]:
     """`fly` compiled, with all functions of this room that it calls."""
-    import numba
+    kernels = shipped()
+    if kernels is not None:
+        return kernels[f"{flight.__name__}.{fly.__name__}"]
+    machine: Callable[..., Flown] = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(fly)
     from numba.extending import register_jitable
 
     for function in _called(flight):
         if function is not fly:
             register_jitable(error_model="numpy", no_cfunc_wrapper=True, forceinline=True)(function)
-    machine: Callable[..., Flown] = numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(fly)
     if not _is_kept():
         for kept in _kept():
             kept.unlink(missing_ok=True)

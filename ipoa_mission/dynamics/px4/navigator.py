@@ -4,18 +4,16 @@ import math
 from typing import NamedTuple
 
 from ipoa_mission.autopilots.px4 import Px4Limits
-from ipoa_mission.commands import Command, Frame, plain_frame
-from ipoa_mission.dynamics.px4.airframe import GRAVITY, Airframe, Senses
+from ipoa_mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
+from ipoa_mission.dynamics.px4.airframe import Airframe, Senses
 from ipoa_mission.dynamics.px4.state import GO, LAND, TAKE_OFF, Enu, Law, Order
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
-from ipoa_mission.itinerary.itinerary import LAST_NAV, UNTIMED, Itinerary, flying_already
+from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.wind import Wind
 
-HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
-#: A waypoint is flown through towards these; before everything else the vehicle brakes for a stop.
-AHEAD = FLOWN_TO | {Command.NAV_LAND, Command.NAV_TAKEOFF, Command.NAV_LOITER_UNLIM}
 ANYWHERE = 1e9  # a radius that everything is within [m]
 
 
@@ -155,14 +153,10 @@ class _Navigator:
         return orders
 
     def target(self, n: int) -> Enu:
-        """Where visit n leads: its own place, or straight above or below the place last bound for."""
-        east, north, up = (float(x) for x in self.route.places[n])
-        return self.here._replace(up=up) if math.isnan(east) else Enu(east, north, up)
+        """Where visit n leads: what it leaves open is that of the place last bound for."""
+        return Enu(*self.route.program.place(n, self.here))
 
     def onward(self, n: int) -> Enu | None:
-        """Where the vehicle flies on to from n without a stop; items that do not move it are no hindrance."""
-        for later in range(n + 1, len(self.route.visits)):
-            command = self.route.visits[later].item.command
-            if command <= LAST_NAV:
-                return self.target(later) if command in AHEAD else None
-        return None
+        """Where the vehicle flies on to from n without a stop."""
+        onward = self.route.program.onward(n)
+        return None if onward is None else self.target(onward)

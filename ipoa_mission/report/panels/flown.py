@@ -23,11 +23,11 @@ def flown_panel(comparison: Comparison) -> str:
     )
 
 
-def done_in_flight(found: tuple[Stop, ...], reached: Mapping[int, float]) -> dict[int, float]:
-    """Times at which items were done in flight, by their place in `found`; a loop's later rounds have none."""
+def done_in_flight(stops: tuple[Stop, ...], reached: Mapping[int, float]) -> dict[int, float]:
+    """Times at which items were done in flight, by their place in `stops`; a loop's later rounds have none."""
     done: dict[int, float] = {}
     met: set[int] = set()
-    for n, stop in enumerate(found):
+    for n, stop in enumerate(stops):
         index = stop.time.seq - 1
         if index in reached and index not in met:
             done[n] = reached[index]

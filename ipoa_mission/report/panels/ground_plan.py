@@ -31,7 +31,7 @@ TOOLS = (
 
 
 def ground_plan(
-    scenario: Scenario, extent: Extent, found: Sequence[Stop], course: Course, flown: Course | None, tube: Rim
+    scenario: Scenario, extent: Extent, stops: Sequence[Stop], course: Course, flown: Course | None, tube: Rim
 ) -> str:
     """The map of `extent` with north up; the tube is drawn as wide as it is to the sides of a straight flight."""
     airspace = scenario.airspace
@@ -41,14 +41,14 @@ def ground_plan(
         _relief(*ground_mesh_over(airspace, extent.lower, extent.upper, 120)),
         *(_footprint(body, highest) for body in sorted(bodies, key=lambda b: float(b.bounds[1, 2]))),
         _tube(course.points, tube.level),
-        _line(np.vstack([stop.way for stop in found if stop.place is not None]), "legs"),
+        _line(np.vstack([stop.way for stop in stops if stop.place is not None]), "legs"),
         _line(course.points, "planned"),
     ]
     if flown is not None:
         layers.append(_line(flown.points, "flown"))
     (west, south), (east, north) = extent.lower, extent.upper
     width, height = east - west, north - south
-    spots = "".join(_button(n, stop, extent) for n, stop in enumerate(found) if stop.place is not None)
+    spots = "".join(_button(n, stop, extent) for n, stop in enumerate(stops) if stop.place is not None)
     return (
         f'<div class="map" id="map" style="aspect-ratio:{width:.2f}/{height:.2f}" data-west="{west:.3f}" '
         f'data-south="{south:.3f}" data-width="{width:.3f}" data-height="{height:.3f}" tabindex="0">'

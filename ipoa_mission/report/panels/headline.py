@@ -14,23 +14,23 @@ from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.tube.promise import Promise
 
 
-def verdict(proof: Proof | None, promise: Promise | None, found: Sequence[Danger]) -> str:
+def verdict(proof: Proof | None, promise: Promise | None, dangers: Sequence[Danger]) -> str:
     """One line in words and with a sign: clear of everything, or not, on the legs and as predicted to be flown."""
     if proof is None:
         return '<p class="verdict">No leg between waypoints to judge.</p>'
-    against = [proof.words()] if not proof.holds else [danger.words for danger in found if danger.touching]
+    against = [proof.words()] if not proof.holds else [danger.words for danger in dangers if danger.touching]
     if against:
         return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {escape(against[0])}.</p>'
     least = proof.clearance
-    required = next(check.required for check in proof.checks if check.found is least)
+    required = next(check.required for check in proof.checks if check.nearest is least)
     words = f"Clear by {meters(least.distance)}: the nearest thing is {escape(least.what)}; {meters(required)} required"
     if promise is not None and promise.confidence is not None and (kept := promise.clearance) is not None:
         flights = f"{share_of_flights(promise.confidence)} keep it; nominal {meters(kept.nominal)}"
         words = f"Clear by {meters(kept.kept)} from {escape(kept.to)}: {flights}, {meters(kept.required)} required"
         if any(broken.on_the_way for broken in promise.broken):
             return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {words}.</p>'
-    if found:
-        return f'<p class="verdict bad"><b aria-hidden="true">!</b> {words}; but {escape(found[0].words)}.</p>'
+    if dangers:
+        return f'<p class="verdict bad"><b aria-hidden="true">!</b> {words}; but {escape(dangers[0].words)}.</p>'
     return f'<p class="verdict good"><b aria-hidden="true">✓</b> {words}.</p>'
 
 
@@ -67,13 +67,13 @@ def figures(
     return f'<dl class="figures">{"".join(cards)}</dl>'
 
 
-def warnings(found: Sequence[Danger], remarks: Sequence[str]) -> str:
+def warnings(dangers: Sequence[Danger], remarks: Sequence[str]) -> str:
     """What must be known before flying, dangers first; nothing when there is nothing."""
-    if not found and not remarks:
+    if not dangers and not remarks:
         return ""
-    rows = [f'<li class="bad">{escape(danger.words)}</li>' for danger in found]
+    rows = [f'<li class="bad">{escape(danger.words)}</li>' for danger in dangers]
     rows += [f"<li>{escape(remark)}</li>" for remark in remarks]
-    look = "warnings bad" if found else "warnings"
+    look = "warnings bad" if dangers else "warnings"
     return f'<section class="{look}"><h2>Before you fly</h2><ul>{"".join(rows)}</ul></section>'
 
 

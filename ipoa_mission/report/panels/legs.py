@@ -23,11 +23,11 @@ HEAD = (
 )
 
 
-def legs(found: Sequence[Stop], flown_done: Mapping[int, float] | None) -> str:
-    """The table; `flown_done` has the times at which items were done in flight, by their place in `found`."""
+def legs(stops: Sequence[Stop], flown_done: Mapping[int, float] | None) -> str:
+    """The table; `flown_done` has the times at which items were done in flight, by their place in `stops`."""
     flown_head = (("flown", "s"), ("off by", "s")) if flown_done is not None else ()
     head = "".join(f'<th scope="col">{name}<small>{unit}</small></th>' for name, unit in (*HEAD, *flown_head))
-    rows = "".join(_row(n, stop, flown_done) for n, stop in enumerate(found))
+    rows = "".join(_row(n, stop, flown_done) for n, stop in enumerate(stops))
     return (
         f'<div class="scroll" tabindex="0"><table id="legs"><thead><tr>{head}<th scope="col" class="words">slow because'
         f"</th></tr></thead><tbody>{rows}</tbody></table></div>"

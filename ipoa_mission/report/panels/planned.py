@@ -74,12 +74,12 @@ def convergence(evaluations: NDArray[np.int64], history: Vector) -> str:
 def _limit(check: Check) -> str:
     digits = 2 if check.unit == "m" else 1
     sign = '<span class="good">✓</span>' if check.holds else '<span class="bad">✕</span>'
-    found, required = (f"{number(value, digits)} {check.unit}" for value in (check.found.distance, check.required))
-    where = "".join(f"<td>{number(axis, 1)}</td>" for axis in check.found.place)
+    kept, required = (f"{number(value, digits)} {check.unit}" for value in (check.nearest.distance, check.required))
+    where = "".join(f"<td>{number(axis, 1)}</td>" for axis in check.nearest.place)
     name = escape(LIMIT_NAMES.get(check.limit, check.limit))
     return (
-        f'<tr><th scope="row">{sign} {name}</th><td><b>{found}</b></td><td>{required}</td>'
-        f'<td class="words">{escape(check.found.what)}</td>{where}</tr>'
+        f'<tr><th scope="row">{sign} {name}</th><td><b>{kept}</b></td><td>{required}</td>'
+        f'<td class="words">{escape(check.nearest.what)}</td>{where}</tr>'
     )
 
 

@@ -18,7 +18,7 @@ NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
 
 
 def height_profile(
-    course: Course, airspace: Airspace, required: float, found: Sequence[Stop], flown: Course | None, tube: Rim
+    course: Course, airspace: Airspace, required: float, stops: Sequence[Stop], flown: Course | None, tube: Rim
 ) -> str:
     """Heights over the distance on the ground, with the obstacles under and beside the path."""
     near = list(_near(course, airspace, required))
@@ -37,10 +37,10 @@ def height_profile(
     ]
     if flown is not None:
         layers.append(chart.curve(_along_of(flown, course), flown.points[:, 2], "flown"))
-    spots = [(n, course.at(stop.time.done_s)) for n, stop in enumerate(found) if stop.place is not None]
+    spots = [(n, course.at(stop.time.done_s)) for n, stop in enumerate(stops) if stop.place is not None]
     over = "".join(
         f'<button type="button" class="stop" data-stop="{n}" style="{chart.spot(course.along[i], up[i])}" '
-        f'aria-label="item {found[n].time.seq}"></button>'
+        f'aria-label="item {stops[n].time.seq}"></button>'
         for n, i in spots
     )
     return chart.html("profile", layers, over, "tall", along="along")
@@ -72,7 +72,7 @@ def distance_profile(course: Course, required: float) -> str:
     return chart.html("apart", layers, "", "low", along="along")
 
 
-def speed_profile(course: Course, found: Sequence[Stop], flown: Course | None) -> str:
+def speed_profile(course: Course, stops: Sequence[Stop], flown: Course | None) -> str:
     """Speed over time, with a tick where an item is done; what kept it slow is said when one points at it."""
     speeds = [course.speeds] + ([flown.speeds] if flown is not None else [])
     times = [course.times] + ([flown.times] if flown is not None else [])
@@ -86,7 +86,7 @@ def speed_profile(course: Course, found: Sequence[Stop], flown: Course | None) -
     ]
     if flown is not None:
         layers.append(chart.curve(flown.times, flown.speeds, "flown"))
-    over = "".join(_mark(n, stop, chart) for n, stop in enumerate(found) if stop.time.duration_s > 0)
+    over = "".join(_mark(n, stop, chart) for n, stop in enumerate(stops) if stop.time.duration_s > 0)
     return chart.html("speed", layers, over, "middle", along="times")
 
 

@@ -51,6 +51,10 @@ class Cylinder(Upright):
         """Itself."""
         return (self,)
 
+    def grown(self, aside: float, below: float, above: float) -> "Cylinder":
+        """Larger by so much."""
+        return Cylinder(self.name, self.east, self.north, self.radius + aside, self.base - below, self.top + above)
+
     def distance(self, points: Points) -> Vector:
         """Signed distance of points (n, 3), (n,)."""
         aside = np.hypot(points[:, 0] - self.east, points[:, 1] - self.north) - self.radius

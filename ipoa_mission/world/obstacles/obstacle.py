@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
@@ -23,6 +24,18 @@ class Column(NamedTuple):
     radius: float
     base: float
     top: float
+
+
+class Passing(NamedTuple):
+    """How straight legs pass a body, (n,) each: distances that no part of a leg falls short of [m].
+
+    `aside` is to its outline, `above` over its top and `below` under its base; `sides` is on how many a leg can hit it.
+    """
+
+    aside: Vector
+    above: Vector
+    below: Vector
+    sides: Vector
 
 
 class Obstacle(Protocol):
@@ -56,6 +69,19 @@ class Obstacle(Protocol):
     @property
     def parts(self) -> "tuple[Part, ...]":
         """Elementary bodies that cover it closely; the cost of a path counts each as a threat of its own."""
+        ...
+
+    @property
+    def plan(self) -> Any:
+        """Its ground plan, a geometry of shapely."""
+        ...
+
+    def grown(self, aside: float, below: float, above: float) -> "Obstacle":
+        """The same, larger by so much [m]; one that cannot grow stays as it is."""
+        ...
+
+    def passing(self, a: Points, b: Points) -> Passing:
+        """How the straight legs from a to b (n, 3) pass it."""
         ...
 
     def distance(self, points: Points) -> Vector:
@@ -145,6 +171,27 @@ class Body(ABC):
     def column(self) -> Column | None:
         """It is not upright."""
         return None
+
+    @property
+    def plan(self) -> Any:
+        """That of its column, or its box."""
+        if (column := self.column) is not None:
+            return column.shape.buffer(column.radius) if column.radius else column.shape
+        return shapely.box(*self.bounds[:, :2].ravel())
+
+    def grown(self, aside: float, below: float, above: float) -> "Any":
+        """Nobody knows how: as it is."""
+        return self
+
+    def passing(self, a: Points, b: Points) -> Passing:
+        """Beside its column or its box, over its top or under its base; a court or a corner has two sides."""
+        lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
+        shape, radius, base, top = self.column or Column(self.plan, 0.0, *self.bounds[:, 2])
+        sides = np.ones(len(a))
+        if self.column is not None and not self.convex:
+            sides = np.where(shapely.intersects(lines, shape.convex_hull), 2.0, 1.0)
+        low, high = np.minimum(a[:, 2], b[:, 2]), np.maximum(a[:, 2], b[:, 2])
+        return Passing(shapely.distance(lines, shape) - radius, low - top, base - high, sides)
 
     def outline(self) -> tuple[Plane, ...]:
         """One ring, (4, 2): the box."""

@@ -12,7 +12,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.nearest import closest_approach, foot, least, levels, straightened
 from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Column, expect_positive
 from ipoa_mission.world.obstacles.upright import Upright, upright_distance
-from ipoa_mission.world.polygon import Plane, Polygon, Ring
+from ipoa_mission.world.polygon import Plane, Polygon, Ring, rings_of
 
 TOUCHING = 1e-6  # a leg that goes through may have been tried at the walls only [m]
 
@@ -60,6 +60,11 @@ class Prism(Upright):
         """Itself."""
         return (self,)
 
+    def grown(self, aside: float, below: float, above: float) -> "Prism":
+        """Larger by so much, corners rounded."""
+        outer, holes = rings_of(self.footprint.buffered(aside))
+        return type(self)(self.name, outer, holes, self.base - below, self.top + above)
+
     def distance(self, points: Points) -> Vector:
         """Signed distance of points (n, 3), (n,)."""
         return upright_distance(self.footprint.distance(points[:, :2]), points[:, 2], self.base, self.top)
@@ -72,13 +77,13 @@ class Prism(Upright):
         for level in (self.base, self.top):
             rim = np.column_stack([corners, np.full(len(corners), level)])
             candidates += [foot(a, b, rim), closest_approach(a, b, rim, np.pad(edges, ((0, 0), (0, 1))))]
-        found, where = least(self, a, b, np.concatenate(candidates))
-        if found > TOUCHING:
-            return found, where
+        distance, where = least(self, a, b, np.concatenate(candidates))
+        if distance > TOUCHING:
+            return distance, where
         height, climb = a[2] - np.array([self.base, self.top]), b[2] - a[2]
         caps = np.column_stack([height**2, 2 * height * climb, np.full(2, climb**2)])
         inner = self.footprint.balance_parameters(a[:2], b[:2], caps, inside=True)
-        return min((found, where), least(self, a, b, inner))
+        return min((distance, where), least(self, a, b, inner))
 
     def outline(self) -> tuple[Plane, ...]:
         """The footprint and its holes."""

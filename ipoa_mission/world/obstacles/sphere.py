@@ -4,11 +4,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.nearest import foot, least, straightened
-from ipoa_mission.world.obstacles.obstacle import NO_EDGES, SPHERE, Body, ChartRow, expect_positive
+from ipoa_mission.world.obstacles.obstacle import NO_EDGES, SPHERE, Body, ChartRow, Passing, expect_positive
 from ipoa_mission.world.obstacles.surface import CIRCLE, circle
 from ipoa_mission.world.polygon import Plane
 
@@ -38,6 +39,26 @@ class Sphere(Body):
     def parts(self) -> tuple["Sphere"]:
         """Itself."""
         return (self,)
+
+    @property
+    def plan(self) -> shapely.Geometry:
+        """A disk."""
+        return shapely.Point(self.center[:2]).buffer(self.radius)
+
+    def grown(self, aside: float, below: float, above: float) -> "Sphere":
+        """Larger all round as it is aside."""
+        return Sphere(self.name, self.center, self.radius + aside)
+
+    def passing(self, a: Points, b: Points) -> Passing:
+        """As the plane that touches it where the leg is nearest: what is level and what is vertical of the way."""
+        step, center = b - a, np.asarray(self.center)
+        squares = np.maximum((step**2).sum(axis=1), 1e-12)
+        along = np.clip(((center - a) * step).sum(axis=1) / squares, 0.0, 1.0)
+        away = a + along[:, None] * step - center
+        length = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
+        share = (length - self.radius) / length
+        up = share * away[:, 2]
+        return Passing(share * np.hypot(away[:, 0], away[:, 1]), up, -up, np.ones(len(a)))
 
     def distance(self, points: Points) -> Vector:
         """Signed distance of points (n, 3), (n,)."""

@@ -29,12 +29,12 @@ def roof(rings: tuple[Plane, ...], top: float, size: float) -> list[Points]:
 
 def walls(ring: Plane, base: float, top: float, size: float) -> list[Points]:
     """The walls over a ring (n, 2) in tiles of up to `size` [m]."""
-    found = []
+    tiles = []
     for a, b in pairwise(np.vstack([ring, ring[:1]])):
         along = a + np.linspace(0, 1, _pieces(float(np.linalg.norm(b - a)), size) + 1)[:, None] * (b - a)
         for low, high in pairwise(np.linspace(base, top, _pieces(top - base, size) + 1)):
-            found += [np.array([(*p, low), (*q, low), (*q, high), (*p, high)]) for p, q in pairwise(along)]
-    return found
+            tiles += [np.array([(*p, low), (*q, low), (*q, high), (*p, high)]) for p, q in pairwise(along)]
+    return tiles
 
 
 def _diced(rings: tuple[Plane, ...], size: float) -> list[Plane]:

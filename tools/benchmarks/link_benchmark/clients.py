@@ -30,8 +30,8 @@ def ours(port: str, sent: Mission, fast: bool = False) -> tuple[bool, float, flo
     """Our client's upload, in the process of the client; `fast`: ArduPilot's mission file."""
     acknowledged: list[float] = []
 
-    def note(done: int, total: int) -> None:
-        if done == total and not acknowledged:
+    def note(share: float, words: str) -> None:
+        if share == 1 and not acknowledged:
             acknowledged.append(time.monotonic())
 
     vehicle_module.PRESENCE_S = 60.0

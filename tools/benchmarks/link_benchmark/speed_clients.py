@@ -30,7 +30,7 @@ def ours(port: int, items: Sequence[Item]) -> Upload:
     here = vehicle_module.connect(f"udpout:127.0.0.1:{port}", fast=False)
 
     def upload(acknowledged: Callable[[], None]) -> None:
-        here.upload_items(items, MissionType.MISSION, lambda done, total: acknowledged() if done == total else None)
+        here.upload_items(items, MissionType.MISSION, lambda share, words: acknowledged() if share == 1 else None)
 
     return upload
 

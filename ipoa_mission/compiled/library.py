@@ -1,0 +1,71 @@
+"""The machine code that was shipped: which file is for this CPU, and whether it is of these sources."""
+
+import ctypes
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.compiled.native import Native
+
+PACKAGE = Path(__file__).parent.parent
+#: What is compiled, and what it takes constants from.
+SOURCES = (
+    "compiled/native.py",
+    "autopilots/*.py",
+    "commands.py",
+    "dynamics/**/*.py",
+    "planning/_*.py",
+    "planning/chart.py",
+    "world/obstacles/obstacle.py",
+)
+INDEX = "kernels.json"
+#: Of CPUs, the best first, with what numpy calls the instructions that they must have.
+CPUS: dict[str, dict[str, tuple[str, ...]]] = {
+    "x86_64": {"x86-64-v3": ("AVX2", "FMA3", "F16C"), "x86-64": ()},
+    "aarch64": {"generic": ()},
+}
+NUMBA = "IPOA_MISSION_NUMBA"  # set to anything: compile with numba in any case
+
+
+@lru_cache(maxsize=1)
+def shipped() -> dict[str, Callable[..., Any]] | None:
+    """The kernels by module and name, or None if there are none for this system and these sources."""
+    folder = Path(__file__).parent
+    if os.environ.get(NUMBA) or not (folder / INDEX).is_file():
+        return None
+    index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
+    file = folder / file_name(this_cpu())
+    if index["sources"] != sources_digest() or not file.is_file():
+        return None
+    try:
+        library = ctypes.CDLL(str(file))
+    except OSError:  # another system's
+        return None
+    return {name: Native(library, name, *types) for name, types in index["kernels"].items()}
+
+
+def file_name(cpu: str) -> str:
+    """The library for a CPU."""
+    return f"kernels-{platform.system()}-{cpu}.so"
+
+
+def sources_digest() -> str:
+    """A hash of all that is compiled."""
+    digest = hashlib.sha256()
+    for path in sorted(path for pattern in SOURCES for path in PACKAGE.glob(pattern)):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def this_cpu() -> str:
+    """The best of `CPUS` that this machine's can stand for; none: an empty name."""
+    from numpy._core._multiarray_umath import __cpu_features__ as has
+
+    machine = platform.machine()
+    cpus = CPUS.get({"AMD64": "x86_64", "arm64": "aarch64"}.get(machine, machine), {})
+    return next((cpu for cpu, needed in cpus.items() if all(has.get(name) for name in needed)), "")

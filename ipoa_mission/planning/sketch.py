@@ -1,0 +1,57 @@
+"""A first path at once, for who is still moving things about: the ways through a thin lattice, polished, not searched.
+
+It is proved like any other, but nobody looked for a better one: `plan_path` does.
+"""
+
+from dataclasses import dataclass
+
+from threadpoolctl import threadpool_limits
+
+from ipoa_mission.planning.lattice import Guess, lay, ways
+from ipoa_mission.planning.obstruction import refuse_places
+from ipoa_mission.planning.path_problem import PathTask
+from ipoa_mission.planning.polish import polish
+from ipoa_mission.planning.problem import PreparedProblem, pose
+from ipoa_mission.planning.proof import Proof, prove_curve
+from ipoa_mission.planning.spline import Spline
+
+THINNEST, THIN = 0.4, 0.7  # how fine the lattices are, as shares of the planner's first one
+WAYS = 4  # ways that are looked at, the straight one aside
+CONTROL = 24  # control points of a sketch
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """A path, what it keeps of the limits, and other ways round that were looked at, the better ones first."""
+
+    curve: Spline
+    proof: Proof
+    others: tuple[Spline, ...]
+
+
+def sketch_path(task: PathTask) -> Sketch:
+    """The best of a few ways; the same for the same task. Mostly some tens of milliseconds, whatever the world holds.
+
+    Its proof may not hold: then this quick look found no way that keeps all limits, and one may be there all the same.
+
+    Raises:
+        NoPath: a given place breaks a limit.
+        BadInput: start and goal are the same place.
+    """
+    problem = pose(task)
+    refuse_places(problem)
+    with threadpool_limits(1, "blas"):
+        trails = [polish(guess.trail(problem), problem) for guess in _guesses(problem)]
+    best = sorted(trails, key=problem.cost)
+    proofs = [(trail, prove_curve(trail.curve, task)) for trail in best[:2]]
+    first = next((pair for pair in proofs if pair[1].holds), proofs[0])
+    return Sketch(first[0].curve, first[1], tuple(trail.curve for trail in best if trail is not first[0]))
+
+
+def _guesses(problem: PreparedProblem) -> list[Guess]:
+    straight = problem.task.places
+    inner = max(CONTROL, 5 * (len(straight) - 1))
+    for fineness in (THINNEST, THIN):
+        if found := ways(lay(problem, fineness), problem, WAYS):
+            return [Guess(straight, None, inner), *(Guess(way, None, inner) for way in found)]
+    return [Guess(straight, None, inner)]

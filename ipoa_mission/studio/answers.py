@@ -1,0 +1,268 @@
+"""What the server tells the page. Heights are metres above home unless they say otherwise."""
+
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field, TypeAdapter
+
+from ipoa_mission.studio.vocabulary import LngLat, Message, Path
+
+Number: TypeAlias = float | None
+
+
+class Document(Message):
+    """The scenario as it is now: its table as the text has it, and why it cannot be read, if so."""
+
+    kind: Literal["document"] = "document"
+    revision: int
+    name: str
+    path: str
+    text: str
+    scenario: dict[str, Any]
+    unsaved: bool
+    changed_outside: bool
+    undo: str | None
+    redo: str | None
+
+
+class Trouble(Message):
+    """Something was not done; `of` says what it was of."""
+
+    kind: Literal["trouble"] = "trouble"
+    of: Literal["edit", "scenario", "sketch", "plan", "file", "flight"]
+    message: str
+    hint: str | None = None
+    revision: int | None = None
+
+
+class Body(Message):
+    """An obstacle or a zone on the map; `path` where the scenario itself draws it. `rings`: outer one, then holes."""
+
+    name: str
+    path: Path | None
+    solid: bool
+    base: float
+    top: float
+    rings: tuple[tuple[LngLat, ...], ...]
+
+
+class Spot(Message):
+    """Home, start, goal, a via or a rally point."""
+
+    name: str
+    path: Path
+    place: LngLat
+    up: float
+    above_ground: float
+
+
+class Fence(Message):
+    """A geofence that the scenario draws itself."""
+
+    path: Path
+    inclusion: bool
+    ring: tuple[LngLat, ...]
+
+
+class Terrace(Message):
+    """Ground at least so high, as polygons: rings each, the outer one first."""
+
+    up: float
+    polygons: tuple[tuple[tuple[LngLat, ...], ...], ...]
+
+
+class World(Message):
+    """What a map shows of a scenario; `box` is west, south, east, north of the flight's bounds."""
+
+    kind: Literal["world"] = "world"
+    revision: int
+    box: tuple[float, float, float, float]
+    around: tuple[LngLat, ...]
+    floor: float
+    ceiling: float
+    bodies: tuple[Body, ...]
+    spots: tuple[Spot, ...]
+    fences: tuple[Fence, ...]
+    ground: tuple[Terrace, ...]
+    required: float
+    height_above_ground: float
+    remarks: tuple[str, ...]
+
+
+class Line(Message):
+    """A path: points on the map, and each one's height above home [m]."""
+
+    points: tuple[LngLat, ...]
+    up: tuple[float, ...]
+
+
+class Sketch(Message):
+    """The coarse first answer: a path that is proved as it stands, or not, and other ways round; never the last word.
+
+    `number` is that of the drag it answers, or None for the document.
+    """
+
+    kind: Literal["sketch"] = "sketch"
+    revision: int
+    number: int | None
+    line: Line
+    others: tuple[Line, ...]
+    holds: bool
+    verdict: str
+    length: float
+    clearance: float
+    nearest: str
+    seconds: float
+    took_s: float
+
+
+class Progress(Message):
+    """How far planning is."""
+
+    kind: Literal["progress"] = "progress"
+    revision: int
+    share: float
+    words: str
+
+
+class Course(Message):
+    """The flight as predicted, sample by sample: time [s], distance over ground [m], speed [m/s], ground's height."""
+
+    line: Line
+    times: tuple[float, ...]
+    along: tuple[float, ...]
+    speeds: tuple[float, ...]
+    ground: tuple[float, ...]
+    apart: tuple[Number, ...]
+
+
+class Binding(Message):
+    """What holds the flight back at a place, and how: near something, or slow. `at` is the sample of the course."""
+
+    what: Literal["near", "slow", "danger"]
+    words: str
+    at: int
+
+
+class Stop(Message):
+    """An item of the mission: as `show` numbers it."""
+
+    seq: int
+    name: str
+    done_s: float
+    reason: str
+    at: int
+    place: LngLat | None
+    up: float
+
+
+class Choice(Message):
+    """A way to choose waypoints, and what it would come to."""
+
+    mode: str
+    waypoints: int
+    seconds: float
+    deviation: float
+    flies_clear: bool
+    chosen: bool
+
+
+class Limit(Message):
+    """One limit that the proof looked at, in `unit`."""
+
+    limit: str
+    words: str
+    found: float
+    required: float
+    unit: str
+    holds: bool
+
+
+class Plan(Message):
+    """The proved answer; `proof` is a short digest of mission and promise, which a start must name."""
+
+    kind: Literal["plan"] = "plan"
+    revision: int
+    name: str
+    autopilot: str
+    proof: str
+    verdict: str
+    confidence: Number
+    kept: Number
+    nominal: Number
+    required: float
+    nearest: str
+    total_s: float
+    low_s: float
+    high_s: float
+    qgroundcontrol_s: float
+    length: float
+    energy_wh: Number
+    battery_left: Number
+    tube: tuple[float, float, float]
+    tube_ring: tuple[tuple[LngLat, ...], ...]
+    course: Course
+    stops: tuple[Stop, ...]
+    bindings: tuple[Binding, ...]
+    choices: tuple[Choice, ...]
+    limits: tuple[Limit, ...]
+    remarks: tuple[str, ...]
+    took_s: float
+
+
+class Loaded(Message):
+    """The mission is on a vehicle and was read back equal; what a start must name."""
+
+    kind: Literal["loaded"] = "loaded"
+    revision: int
+    vehicle: str
+    mission: str
+    proof: str
+    items: int
+    built_in: bool
+    remarks: tuple[str, ...]
+
+
+class Seen(Message):
+    """Where the vehicle is, as it says; `expected_s` is when the estimate had the last item that is done."""
+
+    kind: Literal["seen"] = "seen"
+    time_s: float
+    place: LngLat
+    up: float
+    speed: float
+    done: int
+    flown_s: Number
+    expected_s: Number
+
+
+class Landed(Message):
+    """The flight is over."""
+
+    kind: Literal["landed"] = "landed"
+    completed: bool
+    why_not: str
+    flown_s: float
+    estimated_s: float
+    log: str
+
+
+class State(Message):
+    """What the flight is at, in words; `phase` for what the page offers."""
+
+    kind: Literal["state"] = "state"
+    phase: Literal["idle", "uploading", "loaded", "preparing", "flying", "over"]
+    words: str
+
+
+class Written(Message):
+    """Files that were written."""
+
+    kind: Literal["written"] = "written"
+    files: tuple[str, ...]
+
+
+Answer: TypeAlias = Annotated[
+    Document | Trouble | World | Sketch | Progress | Plan | Loaded | Seen | Landed | State | Written,
+    Field(discriminator="kind"),
+]
+ANSWERS: TypeAdapter[Any] = TypeAdapter(Answer)

@@ -1,0 +1,140 @@
+"""The scenario that is being edited: its text, what was done to it, and the file that it is saved to."""
+
+import datetime
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.studio import answers
+from ipoa_mission.studio.edits import changed, parse_table
+from ipoa_mission.studio.journal import SUFFIX, Journal
+from ipoa_mission.studio.requests import Change
+
+BOM = b"\xef\xbb\xbf"
+
+
+class Stale(MissionError):
+    """Another window, or another program, was quicker."""
+
+
+class Document:
+    """A scenario file and what is done to it; `revision` grows with every change."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.revision = 1
+        self.changed_outside = False
+        self._journal = Journal.open(path.with_name(path.name + SUFFIX), read_text(path))
+
+    @property
+    def text(self) -> str:
+        """The scenario's text as it is now."""
+        return self._journal.text
+
+    def edit(self, changes: Iterable[Change], label: str) -> bool:
+        """Change the scenario; whether that made a difference.
+
+        Raises:
+            BadInput: there is nothing at a path, or the text is no TOML.
+        """
+        return self._write(changed(self.text, changes), label)
+
+    def rewrite(self, text: str, seen: int) -> bool:
+        """Replace the text.
+
+        Raises:
+            Stale: another window has changed it since this one saw it.
+        """
+        if seen != self.revision:
+            raise Stale("the scenario was changed elsewhere while its text was edited here", hint="copy it, and reload")
+        return self._write(text, "text edited")
+
+    def undo(self) -> bool:
+        """Take the last change back; whether there was one."""
+        return self._stepped(self._journal.undo())
+
+    def redo(self) -> bool:
+        """Do again what was taken back; whether there was something."""
+        return self._stepped(self._journal.redo())
+
+    def save(self, over: bool = False) -> None:
+        """Write the file, unless it has the text already.
+
+        Raises:
+            Stale: another program has changed it; `over` writes all the same.
+            BadInput: it cannot be written.
+        """
+        if not over and self.path.exists() and self._on_disk() != self._journal.saved:
+            self.changed_outside = True
+            raise Stale(f"{self.path.name} was changed by another program", hint="save over it, or take its text")
+        mark = BOM if self.path.exists() and self.path.read_bytes().startswith(BOM) else b""
+        if not self.path.exists() or self._on_disk() != self.text:
+            write_atomically(self.path, mark + self.text.encode())
+        self._journal.mark_saved()
+        self.changed_outside = False
+
+    def look_at_disk(self) -> bool:
+        """See whether another program has written the file; without changes of ours its text is taken at once.
+
+        Whether anything is different from before.
+        """
+        try:
+            there = self._on_disk()
+        except BadInput:
+            return False
+        if there == self._journal.saved:
+            return False
+        if self.text == self._journal.saved or there == self.text:
+            return self.take_theirs()
+        before, self.changed_outside = self.changed_outside, True
+        return not before
+
+    def take_theirs(self) -> bool:
+        """Take the text of the file, as an edit that can be undone."""
+        self._journal.take_from_disk(self._on_disk())
+        self.changed_outside = False
+        return self._stepped(True)
+
+    def as_answer(self) -> answers.Document:
+        """Itself for a page."""
+        journal = self._journal
+        try:
+            table = _plain(parse_table(self.text).unwrap())
+        except BadInput:
+            table = {}
+        return answers.Document(
+            revision=self.revision,
+            name=self.path.stem,
+            path=str(self.path),
+            text=self.text,
+            scenario=table,
+            unsaved=self.text != journal.saved,
+            changed_outside=self.changed_outside,
+            undo=journal.undo_label,
+            redo=journal.redo_label,
+        )
+
+    def _write(self, text: str, label: str) -> bool:
+        return self._stepped(self._journal.write(text, label))
+
+    def _stepped(self, different: bool) -> bool:
+        self.revision += different
+        return different
+
+    def _on_disk(self) -> str:
+        return read_text(self.path)
+
+
+def _plain(value: Any) -> Any:
+    """A table without what JSON does not know."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_plain(one) for one in value]
+    if isinstance(value, datetime.date | datetime.time):
+        return value.isoformat()
+    if isinstance(value, float) and not abs(value) < float("inf"):
+        return str(value)
+    return value

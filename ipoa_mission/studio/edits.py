@@ -1,0 +1,224 @@
+"""Changes of a scenario's text: what is not changed stays byte for byte as it was, comments and all."""
+
+from collections.abc import Callable, Iterable, MutableMapping
+from typing import Any
+
+import numpy as np
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import AoT, Array
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.studio.requests import Add, Change, Put, Shift, Take
+from ipoa_mission.studio.vocabulary import LngLat, Path
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+DIGITS, DEGREES = 2, 7  # decimals of metres and of degrees that a place is written with
+RINGS = ("footprint", "polygon")  # keys of corners; with `_geodetic` behind they are [latitude, longitude]
+#: What is written with a place of the map, as [east, north] or [latitude, longitude].
+Move = Callable[[float, float], tuple[float, float]]
+
+
+def parse_table(text: str) -> tomlkit.TOMLDocument:
+    """A text as a table that can be changed.
+
+    Raises:
+        BadInput: it is no TOML.
+    """
+    try:
+        return tomlkit.parse(text)
+    except (TOMLKitError, ValueError, RecursionError) as error:
+        raise BadInput(f"the scenario's text is not TOML: {error}", hint="mend the text, or undo") from error
+
+
+def changed(text: str, changes: Iterable[Change]) -> str:
+    """The text with these changes, one after the other.
+
+    >>> from ipoa_mission.studio.requests import Put
+    >>> changed("safety_distance = 2.0  # of the hull\\n", [Put(path=("safety_distance",), value=3.0)])
+    'safety_distance = 3.0  # of the hull\\n'
+
+    Raises:
+        BadInput: the text is no TOML, or has nothing at a path.
+    """
+    document = parse_table(text)
+    apply_changes(document, changes)
+    return tomlkit.dumps(document)
+
+
+def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change]) -> None:
+    """The same on a table, in place: one that keeps its text, or a plain one.
+
+    Raises:
+        BadInput: there is nothing at a path.
+    """
+    for change in changes:
+        try:
+            _apply(document, change)
+        except (KeyError, IndexError, TypeError, ValueError, TOMLKitError) as error:
+            path = ".".join(map(str, getattr(change, "path", (getattr(change, "to", ""),))))
+            raise BadInput(f"{path}: expected something that can be changed there: {error}") from error
+
+
+def frame_of(table: MutableMapping[str, Any]) -> LocalFrame:
+    """The local frame at the home that a scenario's table names."""
+    home = table["home"]
+    place = (home["latitude_deg"], home["longitude_deg"], home.get("altitude_amsl", 0.0))
+    return LocalFrame(Geodetic(*map(float, place)))
+
+
+def _apply(document: MutableMapping[str, Any], change: Change) -> None:
+    match change:
+        case Put():
+            _put(document, change.path, change.value)
+        case Take():
+            _take(document, change.path)
+        case Shift(path=("home",)):
+            _shift_home(document, change)
+        case Shift():
+            frame = frame_of(document)
+            step = _local(frame, change.put_down) - _local(frame, change.taken)
+            _move(_at(document, change.path), *_moves(frame, frame, step))
+        case Add():
+            _add(document, change)
+
+
+def _at(document: Any, path: Path) -> Any:
+    for step in path:
+        document = document[step]
+    return document
+
+
+def _put(document: Any, path: Path, value: Any) -> None:
+    *way, last = path
+    here = document
+    for step in way:
+        if isinstance(step, str) and step not in here:
+            here[step] = tomlkit.table()
+        here = here[step]
+    here[last] = value
+
+
+def _take(document: Any, path: Path) -> None:
+    *way, last = path
+    here = _at(document, tuple(way))
+    del here[last]
+    if way and not isinstance(last, str) and not len(here):
+        del _at(document, tuple(way[:-1]))[way[-1]]
+
+
+def _add(document: Any, change: Add) -> None:
+    table, frame = dict(change.table), frame_of(document)
+    if change.place is not None:
+        table = _placed(table, change.place, frame, _speaks_degrees(document))
+    if change.ring is not None:
+        key = "polygon" if change.to == "fence" else "footprint"
+        table[key] = [_local(frame, corner).tolist() for corner in change.ring]
+    known = document.get(change.to)
+    at = len(known) if known is not None and change.at is None else change.at or 0
+    if known is None:
+        document[change.to] = known = tomlkit.aot()
+    if isinstance(known, Array):
+        inline = tomlkit.inline_table()
+        inline.update(table)
+        known.insert(at, inline)
+    else:
+        known.insert(at, _as_table(table) if isinstance(known, AoT) else table)
+
+
+def _as_table(values: dict[str, Any]) -> tomlkit.items.Table:
+    table = tomlkit.table()
+    for key, value in values.items():
+        table.add(key, value)
+    table.add(tomlkit.nl())
+    return table
+
+
+def _speaks_degrees(document: Any) -> bool:
+    """Whether this scenario has its goal in latitude and longitude; what is added speaks the same."""
+    return "latitude_deg" in document.get("goal", {})
+
+
+def _placed(table: dict[str, Any], place: LngLat, frame: LocalFrame, in_degrees: bool) -> dict[str, Any]:
+    if in_degrees:
+        where = {"latitude_deg": round(place[1], DEGREES), "longitude_deg": round(place[0], DEGREES)}
+    else:
+        where = dict(zip(("east", "north"), _local(frame, place).tolist(), strict=True))
+    kind = {"kind": table.pop("kind")} if "kind" in table else {}
+    return kind | where | table
+
+
+def _local(frame: LocalFrame, place: LngLat) -> Any:
+    """East and north of a place of the map, to the centimetre, (2,)."""
+    return frame.local(Geodetic(place[1], place[0], frame.home.altitude))[:2].round(DIGITS)
+
+
+# --- moving what has places -------------------------------------------------------------------------------------------
+
+
+def _moves(old: LocalFrame, new: LocalFrame, step: Any) -> tuple[Move, Move]:
+    """How [east, north] and how [latitude, longitude] move by `step` (2,) [m] into another frame."""
+
+    def local(east: float, north: float) -> tuple[float, float]:
+        moved = np.array([float(east) + step[0], float(north) + step[1], 0.0])
+        if new is not old:
+            there = old.geodetic(moved)
+            moved = new.local(Geodetic(there.latitude_deg, there.longitude_deg, new.home.altitude))
+        return round(float(moved[0]), DIGITS), round(float(moved[1]), DIGITS)
+
+    def geodetic(latitude: float, longitude: float) -> tuple[float, float]:
+        east, north, _ = old.local(Geodetic(float(latitude), float(longitude), old.home.altitude))
+        there = old.geodetic(np.array([east + step[0], north + step[1], 0.0]))
+        return round(there.latitude_deg, DEGREES), round(there.longitude_deg, DEGREES)
+
+    return local, geodetic
+
+
+def _move(table: Any, local: Move, geodetic: Move | None) -> None:
+    """Move everything in a table that has a place: itself, its corners, its center."""
+    for keys, move in ((("east", "north"), local), (("latitude_deg", "longitude_deg"), geodetic)):
+        if move is not None and all(key in table for key in keys):
+            for key, value in zip(keys, move(*(table[key] for key in keys)), strict=True):
+                table[key] = value
+    for key in RINGS:
+        for ring, move in ((table.get(key), local), (table.get(f"{key}_geodetic"), geodetic)):
+            if ring is not None and move is not None:
+                _move_ring(ring, move)
+    for hole in table.get("holes", ()):
+        hole_move = geodetic if "footprint_geodetic" in table else local
+        if hole_move is not None:
+            _move_ring(hole, hole_move)
+    if "center" in table:
+        _move(table["center"], local, geodetic)
+
+
+def _move_ring(ring: Any, move: Move) -> None:
+    for corner in ring:
+        corner[0], corner[1] = move(corner[0], corner[1])
+
+
+def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
+    """Home alone moves: what is given in metres from it is written anew, so that it stays where it is on the map."""
+    old, home = frame_of(document), document["home"]
+    _move(home, *_moves(old, old, _local(old, change.put_down) - _local(old, change.taken)))
+    local, _ = _moves(old, frame_of(document), np.zeros(2))
+    for key in ("start", "goal"):
+        _move(document[key], local, None)
+    for key in ("via", "rally", "obstacles", "fence"):
+        for table in document.get(key, ()):
+            _move(table, local, None)
+    _shift_boxes(document, local)
+
+
+def _shift_boxes(document: Any, local: Move) -> None:
+    """Bounds and a grid of heights are along the axes, and so only moved."""
+    east, north = local(0.0, 0.0)
+    bounds = document.get("bounds", {})
+    for key, by in (("east", east), ("north", north)):
+        if key in bounds:
+            for n, side in enumerate(bounds[key]):
+                bounds[key][n] = round(float(side) + by, DIGITS)
+    terrain = document.get("terrain", {})
+    for table in (terrain, *terrain.get("peaks", ())):
+        if "east" in table and "north" in table:
+            _move(table, local, None)

@@ -1,0 +1,73 @@
+"""Who may talk to the studio: the page it gave out, on this machine, with the token of its address; nobody else.
+
+A stranger's page in the same browser cannot read the token; its requests name its own origin, and a name that it made
+to lead here (DNS rebinding) is not one of ours.
+"""
+
+import hmac
+from collections.abc import Iterable
+
+from starlette.datastructures import Headers
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+#: Scripts, styles, pictures and connections from here only; nothing may frame it, and no form leads elsewhere.
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
+    "connect-src 'self'{tiles}; worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'; require-trusted-types-for 'script'; trusted-types default"
+)
+HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+    "Permissions-Policy": "geolocation=(), camera=(), microphone=()",
+}
+
+
+class Guard:
+    """In front of an application: refuses strangers, and tells browsers what the page may do."""
+
+    def __init__(self, app: ASGIApp, token: str, hosts: Iterable[str], policy: str) -> None:
+        self._app = app
+        self._token = token
+        self._hosts = frozenset(hosts)
+        self._origins = frozenset(f"http://{host}" for host in self._hosts)
+        self._policy = policy
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let a request pass, or not: 403, and no word of what is here."""
+        if scope["type"] not in ("http", "websocket"):
+            return await self._app(scope, receive, send)
+        if not self._allowed(scope):
+            if scope["type"] == "websocket":
+                return await send({"type": "websocket.close", "code": 1008})
+            return await PlainTextResponse("Forbidden", 403)(scope, receive, self._with_headers(send))
+        return await self._app(scope, receive, self._with_headers(send))
+
+    def _allowed(self, scope: Scope) -> bool:
+        headers = Headers(scope=scope)
+        origin = headers.get("origin")
+        if headers.get("host") not in self._hosts or (origin is not None and origin not in self._origins):
+            return False
+        if headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
+            return False
+        must_say_origin = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
+        if must_say_origin and origin is None:
+            return False
+        first = scope["path"].lstrip("/").split("/", 1)[0]
+        return hmac.compare_digest(first.encode(), self._token.encode())
+
+    def _with_headers(self, send: Send) -> Send:
+        async def dressed(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                told = HEADERS | {"Content-Security-Policy": self._policy}
+                message["headers"] = [
+                    *message.get("headers", []),
+                    *((key.lower().encode(), value.encode()) for key, value in told.items()),
+                ]
+            await send(message)
+
+        return dressed

@@ -1,0 +1,180 @@
+"""What the page shows of a planned flight, and of a coarse one."""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+
+from ipoa_mission.energy.flight import Consumption
+from ipoa_mission.flight import Flight
+from ipoa_mission.geometry import Points
+from ipoa_mission.planning.sketch import Sketch
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.report import course as report_course
+from ipoa_mission.report.stops import Stop, stops
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.studio import answers
+from ipoa_mission.studio.view import line_of, on_map
+from ipoa_mission.studio.vocabulary import LngLat
+from ipoa_mission.timing.bound import least_time
+from ipoa_mission.timing.route import kinematics
+from ipoa_mission.tube.limits import NO_TUBE, Rim, rim_of
+from ipoa_mission.tube.measured import law_of
+
+SAMPLES = 500  # of the predicted flight
+NEAR, CLOSE = 5, 1.5  # places that are named as near, and how much nearer than required is near enough to be named
+SLOW = 4  # items that are named as slow
+
+
+def sketched(found: Sketch, scenario: Scenario, revision: int, number: int | None, took_s: float) -> answers.Sketch:
+    """A coarse path for the map. Its time is the least that the vehicle's limits allow on it, so no estimate."""
+    vehicle, frame = scenario.vehicle, scenario.frame
+    points = _sampled(found.curve)
+    limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
+    clearance = found.proof.clearance
+    return answers.Sketch(
+        revision=revision,
+        number=number,
+        line=line_of(frame, points),
+        others=tuple(line_of(frame, _sampled(other)) for other in found.others),
+        holds=found.proof.holds,
+        verdict=found.proof.words(),
+        length=round(float(found.curve.length), 1),
+        clearance=round(float(clearance.distance), 2),
+        nearest=clearance.what,
+        seconds=round(least_time(points, limits).seconds, 1),
+        took_s=round(took_s, 3),
+    )
+
+
+def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
+    """A proved flight for the page."""
+    scenario, estimate, promise = flight.scenario, flight.estimate, flight.promise
+    course = report_course.follow(estimate.track, scenario.airspace, SAMPLES)
+    found = stops(flight.mission, estimate, scenario)
+    kept, chance = promise.clearance, scenario.safety.chance
+    rim = NO_TUBE if chance is None else rim_of(law_of(flight.mission.autopilot, scenario.wind.speed), chance)
+    energy, battery = flight.energy, scenario.vehicle.battery
+    return answers.Plan(
+        revision=revision,
+        name=flight.name,
+        autopilot=str(flight.mission.autopilot),
+        proof=proof_digest(flight),
+        verdict=flight.proof.words(),
+        confidence=promise.confidence,
+        kept=None if kept is None else round(kept.kept, 3),
+        nominal=None if kept is None else round(kept.nominal, 3),
+        required=scenario.limits.obstacle_distance,
+        nearest="" if kept is None else kept.to,
+        total_s=round(estimate.total_s, 2),
+        low_s=round(estimate.low_s, 2),
+        high_s=round(estimate.high_s, 2),
+        qgroundcontrol_s=round(estimate.qgroundcontrol_s, 1),
+        length=round(float(course.along[-1]), 1),
+        energy_wh=None if energy is None else round(energy.energy_wh, 2),
+        battery_left=None if energy is None or battery is None else _left(energy, scenario),
+        tube=(rim.level, rim.up, rim.down),
+        tube_ring=_tube(course.points, rim, scenario),
+        course=_course(course, scenario),
+        stops=tuple(_stop(stop, course, scenario) for stop in found),
+        bindings=tuple(_bindings(flight, found, course)),
+        choices=tuple(_choices(flight)),
+        limits=tuple(_limits(flight)),
+        remarks=flight.remarks,
+        took_s=round(took_s, 2),
+    )
+
+
+def proof_digest(flight: Flight) -> str:
+    """Ten hexadecimal digits of the mission and of what was proved and promised about it."""
+    mission, about = flight.mission, json.dumps(flight.summary(), sort_keys=True)
+    written = repr((mission.home, mission.items, mission.fence, mission.rally, sorted(mission.parameters.items())))
+    return hashlib.sha256(f"{mission.autopilot} {written} {about}".encode()).hexdigest()[:10]
+
+
+def _left(energy: Consumption, scenario: Scenario) -> float | None:
+    battery = scenario.vehicle.battery
+    return None if battery is None else round(float(energy.left(battery.build())), 3)
+
+
+def _sampled(curve: Spline) -> Points:
+    return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
+
+
+def _tube(points: Points, rim: Rim, scenario: Scenario) -> tuple[tuple[LngLat, ...], ...]:
+    """The outline of where flights are, from above: rings, the outer one first."""
+    if rim.level <= 0.0:
+        return ()
+    around = shapely.LineString(points[:, :2]).simplify(rim.level / 10).buffer(rim.level, quad_segs=4)
+    rings = (around.exterior, *around.interiors)
+    return tuple(on_map(scenario.frame, shapely.get_coordinates(ring)) for ring in rings)
+
+
+def _course(course: report_course.Course, scenario: Scenario) -> answers.Course:
+    apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
+    return answers.Course(
+        line=line_of(scenario.frame, course.points),
+        times=tuple(course.times.round(2).tolist()),
+        along=tuple(course.along.round(1).tolist()),
+        speeds=tuple(course.speeds.round(2).tolist()),
+        ground=tuple(course.ground.round(2).tolist()),
+        apart=tuple(apart),
+    )
+
+
+def _stop(stop: Stop, course: report_course.Course, scenario: Scenario) -> answers.Stop:
+    place = None if stop.place is None else on_map(scenario.frame, stop.place[None, :])[0]
+    return answers.Stop(
+        seq=stop.time.seq,
+        name=stop.name,
+        done_s=round(stop.time.done_s, 2),
+        reason=stop.time.reason,
+        at=course.at(stop.time.done_s),
+        place=place,
+        up=0.0 if stop.place is None else round(float(stop.place[2]), 2),
+    )
+
+
+def _bindings(flight: Flight, found: tuple[Stop, ...], course: report_course.Course) -> Iterator[answers.Binding]:
+    """Where the flight comes nearest to what, and which items something keeps slow, the worst first."""
+    scenario = flight.scenario
+    for danger in report_course.dangers(course, scenario):
+        yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
+    for check in sorted(flight.promise.limits, key=lambda kept: kept.slack)[:NEAR]:
+        if math.isfinite(check.kept) and check.slack < CLOSE * check.required + 1.0:
+            at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
+            distance = f"{check.kept:.2f} m" if flight.promise.confidence else f"{check.nominal:.2f} m"
+            words = f"{check.limit}: {distance} to {check.to}, {check.required:.2f} m required"
+            yield answers.Binding(what="near", words=words, at=at)
+    slow = sorted((stop for stop in found if stop.time.reason), key=lambda stop: -stop.time.duration_s)
+    for stop in slow[:SLOW]:
+        words = f"item {stop.time.seq}: {stop.time.reason}, {stop.time.mean_speed:.1f} m/s on average"
+        yield answers.Binding(what="slow", words=words, at=course.at(stop.time.done_s))
+
+
+def _choices(flight: Flight) -> Iterator[answers.Choice]:
+    for option in flight.options:
+        yield answers.Choice(
+            mode=option.mode,
+            waypoints=len(option.route.points),
+            seconds=option.seconds,
+            deviation=option.deviation,
+            flies_clear=option.flies_clear,
+            chosen=option.mode == flight.scenario.route.mode,
+        )
+
+
+def _limits(flight: Flight) -> Iterator[answers.Limit]:
+    for check in flight.proof.checks:
+        if math.isfinite(check.nearest.distance):
+            yield answers.Limit(
+                limit=check.limit,
+                words=check.words(),
+                found=round(float(check.nearest.distance), 3),
+                required=round(float(check.required), 3),
+                unit=check.unit,
+                holds=check.holds,
+            )

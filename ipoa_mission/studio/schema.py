@@ -1,0 +1,49 @@
+"""The JSON schema of all messages, that of scenarios in it: TypeScript's types of the page are made from it.
+
+`python -m ipoa_mission.studio.schema` prints it.
+"""
+
+import json
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.studio.answers import Answer
+from ipoa_mission.studio.requests import Request
+
+
+def schema() -> dict[str, Any]:
+    """Every message by its name, `Answer` and `Request` for one of them, and `Scenario` for the scenario's table."""
+    unions = {"Answer": _members(Answer), "Request": _members(Request)}
+    kinds = [(kind, "serialization") for members in unions.values() for kind in members]
+    _, found = models_json_schema([*kinds, (Scenario, "validation")])  # type: ignore[list-item]
+    for name, members in unions.items():
+        found["$defs"][name] = {"oneOf": [{"$ref": f"#/$defs/{member.__name__}"} for member in members]}
+    found["$defs"]["Document"]["properties"]["scenario"] = {"$ref": "#/$defs/Scenario"}
+    plain: dict[str, Any] = _plain(found)
+    return {"title": "Messages", "type": "object", "additionalProperties": False} | plain
+
+
+def _plain(node: Any) -> Any:
+    """The same without titles of members, and with tuples as TypeScript's generator reads them."""
+    if isinstance(node, list):
+        return [_plain(one) for one in node]
+    if not isinstance(node, dict):
+        return node
+    node = {key: _plain(value) for key, value in node.items() if key != "title" or not isinstance(value, str)}
+    if "prefixItems" in node:
+        node["items"] = node.pop("prefixItems")
+    constant = [name for name, one in node.get("properties", {}).items() if isinstance(one, dict) and "const" in one]
+    if constant:  # what tells one message from another is always there
+        node["required"] = sorted({*node.get("required", []), *constant})
+    return node
+
+
+def _members(union: Any) -> tuple[type[BaseModel], ...]:
+    return tuple(union.__origin__.__args__)
+
+
+if __name__ == "__main__":
+    print(json.dumps(schema(), indent=1))

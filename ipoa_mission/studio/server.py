@@ -1,0 +1,107 @@
+"""The studio's web server: the page and its parts under a secret path, and a WebSocket for everything that is said."""
+
+import asyncio
+import json
+import secrets
+import socket
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from pydantic import ValidationError
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from ipoa_mission.studio.answers import Trouble
+from ipoa_mission.studio.guard import POLICY, Guard
+from ipoa_mission.studio.requests import REQUESTS
+from ipoa_mission.studio.session import Session
+
+LONGEST = 4_000_000  # of a message [bytes]
+TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+
+
+@dataclass
+class Page:
+    """A window, as the session sees it: what it is told is sent in order by a task of its own."""
+
+    queue: asyncio.Queue[dict[str, Any]]
+
+    def __hash__(self) -> int:
+        return id(self)
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send it a message, soon."""
+        self.queue.put_nowait(message)
+
+
+def application(session: Session, bundle: Path, token: str, host: str) -> Starlette:
+    """The web application on a session; `bundle` is the folder of the built page, `host` its "name:port"."""
+
+    async def page(request: Request) -> Response:
+        name = request.path_params.get("name") or "index.html"
+        file = bundle / name
+        if Path(name).name != name or not file.is_file() or file.suffix not in TYPES:
+            return PlainTextResponse("Not found", 404)
+        return FileResponse(file, media_type=TYPES[file.suffix])
+
+    async def talk(socket: WebSocket) -> None:
+        await socket.accept()
+        window = Page(asyncio.Queue())
+        sending = asyncio.create_task(_send(socket, window))
+        session.join(window)
+        try:
+            while True:
+                text = await socket.receive_text()
+                try:
+                    request = REQUESTS.validate_json(text)
+                except ValidationError as error:
+                    told = Trouble(of="edit", message=f"this message makes no sense: {error.error_count()} errors")
+                    window.tell(told.model_dump(mode="json"))
+                    continue
+                session.handle(request, window)
+        except WebSocketDisconnect:
+            pass
+        finally:
+            session.leave(window)
+            sending.cancel()
+
+    @asynccontextmanager
+    async def alive(app: Starlette) -> AsyncIterator[None]:
+        running = asyncio.create_task(session.run())
+        yield
+        running.cancel()
+        with suppress(asyncio.CancelledError):
+            await running
+
+    routes = [WebSocketRoute("/talk", talk), Route("/", page), Route("/{name}", page)]
+    guard = Middleware(Guard, token=token, hosts=(host,), policy=POLICY.format(tiles=""))
+    return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard], lifespan=alive)
+
+
+def serve(path: Path, bundle: Path, port: int, seed: int, tell_address: Callable[[str], None]) -> None:
+    """Serve the studio on this machine until Ctrl-C; `tell_address` is told where, when the port is open.
+
+    Raises:
+        BadInput: the scenario cannot be read.
+    """
+    token = secrets.token_urlsafe(24)
+    listener = socket.create_server(("127.0.0.1", port))
+    host = f"127.0.0.1:{listener.getsockname()[1]}"
+    app = application(Session(path, seed), bundle, token, host)
+    config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
+    tell_address(f"http://{host}/{token}/")
+    uvicorn.Server(config).run(sockets=[listener])
+
+
+async def _send(socket: WebSocket, window: Page) -> None:
+    with suppress(WebSocketDisconnect, RuntimeError):
+        while True:
+            await socket.send_text(json.dumps(await window.queue.get(), allow_nan=False))

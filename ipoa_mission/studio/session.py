@@ -1,0 +1,200 @@
+"""One document, the windows on it, and the planning that follows every change of it."""
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from pathlib import Path
+from typing import Any, Protocol
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.studio.answers import State, Trouble
+from ipoa_mission.studio.document import Document
+from ipoa_mission.studio.processes import Died, Process
+from ipoa_mission.studio.requests import Do, Drag, Edit, Rewrite, Start, Upload
+from ipoa_mission.studio.vocabulary import Message
+
+SETTLED_S = 0.6  # without a change, after which the proved path is planned
+LOOK_S = 1.0  # how often the file is looked at for what other programs write
+WORKER = "ipoa_mission.studio.worker"
+
+
+class Window(Protocol):
+    """A page that is open."""
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send it a message, soon."""
+        ...
+
+
+class Session:
+    """What the windows share. All of it happens in one event loop."""
+
+    def __init__(self, path: Path, seed: int = 0) -> None:
+        self.document = Document(path)
+        self.windows: set[Window] = set()
+        self._seed = seed
+        self._quick, self._thorough = Process(WORKER), Process(WORKER)
+        self._jobs: dict[str, asyncio.Task[None]] = {}
+        self._drags: dict[Window, Drag] = {}
+        self._latest: dict[str, dict[str, Any]] = {}
+
+    # --- windows ------------------------------------------------------------------------------------------------------
+
+    def join(self, window: Window) -> None:
+        """A window opens: it is told how things stand."""
+        self.windows.add(window)
+        window.tell(self.document.as_answer().model_dump(mode="json"))
+        for message in self._latest.values():
+            window.tell(message)
+        if "world" not in self._latest:
+            self._follow()
+
+    def leave(self, window: Window) -> None:
+        """A window closes."""
+        self.windows.discard(window)
+        self._drags.pop(window, None)
+
+    def tell_all(self, message: Message | dict[str, Any]) -> None:
+        """Tell every window; the latest answer of a kind is kept for those that open later."""
+        told = message if isinstance(message, dict) else message.model_dump(mode="json")
+        if told["kind"] in ("world", "sketch", "plan", "loaded", "state") or told["kind"] == "trouble":
+            self._latest[told["kind"] if told["kind"] != "trouble" else f"trouble of {told['of']}"] = told
+        for window in self.windows:
+            window.tell(told)
+
+    # --- requests -----------------------------------------------------------------------------------------------------
+
+    def handle(self, request: Any, window: Window) -> None:
+        """Do what a window asks; what cannot be done is told to it alone."""
+        try:
+            match request:
+                case Edit():
+                    self._changed(self.document.edit(request.changes, request.label))
+                case Rewrite():
+                    self._changed(self.document.rewrite(request.text, request.seen))
+                case Drag():
+                    self._drags[window] = request
+                    self._job("drag", self._answer_drags)
+                case Do():
+                    self._do(request)
+                case Upload() | Start():
+                    self.fly(request)
+        except MissionError as error:
+            window.tell(Trouble(of="edit", message=str(error), hint=error.hint).model_dump(mode="json"))
+            window.tell(self.document.as_answer().model_dump(mode="json"))
+
+    def fly(self, request: Upload | Start) -> None:
+        """Flights are another matter."""
+
+    def _do(self, request: Do) -> None:
+        document = self.document
+        match request.what:
+            case "undo":
+                self._changed(document.undo())
+            case "redo":
+                self._changed(document.redo())
+            case "save" | "save_over":
+                document.save(over=request.what == "save_over")
+                self.tell_all(document.as_answer())
+            case "take_theirs":
+                self._changed(document.take_theirs())
+            case "plan":
+                self._start("plan", self._plan)
+            case "cancel":
+                self._stop("plan")
+                self.tell_all(State(phase="idle", words="planning was cancelled"))
+            case "export":
+                self._start("write", self._write)
+
+    def _changed(self, different: bool) -> None:
+        if different:
+            self.tell_all(self.document.as_answer())
+            self._follow()
+
+    # --- planning -----------------------------------------------------------------------------------------------------
+
+    def _follow(self) -> None:
+        """Look at the scenario as it is now, sketch it, and when it has settled plan it."""
+        for kind in ("sketch", "plan", "trouble of scenario", "trouble of sketch", "trouble of plan"):
+            self._latest.pop(kind, None)
+        self._stop("plan")
+        self._job("look", self._look)
+        self._start("plan", self._plan_when_settled)
+
+    async def _look(self) -> None:
+        seen = -1
+        while seen != self.document.revision:
+            seen = self.document.revision
+            makes_sense = await self._ask(self._quick, {"job": "look"})
+            if not makes_sense:
+                self._stop("plan")
+            elif seen == self.document.revision:
+                await self._ask(self._quick, {"job": "sketch", "number": None, "changes": []})
+
+    async def _answer_drags(self) -> None:
+        while self._drags:
+            window, drag = self._drags.popitem()
+            changes = [change.model_dump(mode="json") for change in drag.changes]
+            order = {"job": "sketch", "number": drag.number, "changes": changes}
+            await self._ask(self._quick, order, window.tell)
+
+    async def _plan_when_settled(self) -> None:
+        await self._thorough.start()
+        await asyncio.sleep(SETTLED_S)
+        await self._plan()
+
+    async def _plan(self) -> None:
+        await self._ask(self._thorough, {"job": "plan", "seed": self._seed})
+
+    async def _write(self) -> None:
+        order = {"job": "write", "folder": str(self.document.path.parent), "pickle": False}
+        await self._ask(self._thorough, order)
+
+    async def _ask(
+        self, process: Process, order: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None
+    ) -> bool:
+        """Have a worker do something, and tell what it answers; whether there was no trouble."""
+        document, kinds = self.document, list[str]()
+
+        def hear(answer: dict[str, Any]) -> None:
+            kinds.append(answer["kind"])
+            (tell or self.tell_all)(answer)
+
+        order = {"text": document.text, "path": str(document.path), "revision": document.revision} | order
+        try:
+            await process.ask(order, hear)
+        except Died:
+            kinds.append("trouble")
+            message = "the planner ended unexpectedly; nothing of the scenario is lost"
+            self.tell_all(Trouble(of="plan", message=message, hint="plan again", revision=document.revision))
+        return "trouble" not in kinds
+
+    def _job(self, name: str, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """Begin a piece of work unless it is under way: then it sees by itself that there is more to do."""
+        if name not in self._jobs or self._jobs[name].done():
+            self._jobs[name] = asyncio.create_task(work())
+
+    def _start(self, name: str, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        self._stop(name)
+        self._jobs[name] = asyncio.create_task(work())
+
+    def _stop(self, name: str) -> None:
+        if (job := self._jobs.get(name)) is not None:
+            job.cancel()
+
+    # --- as long as it lives ------------------------------------------------------------------------------------------
+
+    async def run(self) -> None:
+        """Look at the file now and then, until cancelled; then end the workers."""
+        try:
+            while True:
+                await asyncio.sleep(LOOK_S)
+                revision = self.document.revision
+                if self.document.look_at_disk():
+                    self.tell_all(self.document.as_answer())
+                    if self.document.revision != revision:
+                        self._follow()
+        finally:
+            for name in self._jobs:
+                self._stop(name)
+            await asyncio.gather(self._quick.close(), self._thorough.close())
+            await asyncio.gather(*self._jobs.values(), return_exceptions=True)

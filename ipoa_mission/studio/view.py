@@ -1,0 +1,126 @@
+"""A scenario as a map shows it: everything in longitude and latitude, heights above home."""
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+from contourpy import FillType, contour_generator
+from numpy.typing import NDArray
+
+from ipoa_mission.geometry import Points
+from ipoa_mission.report.ground_mesh import ground_mesh
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.studio.answers import Body, Fence, Spot, Terrace, World
+from ipoa_mission.studio.answers import Line as MapLine
+from ipoa_mission.studio.vocabulary import LngLat
+from ipoa_mission.world.frame import LocalFrame
+
+TERRACES, CELLS = 12, 96  # steps of the ground, and cells along the longer side from which they are drawn
+DEGREES = 7
+LEVEL = 1e-6  # ground that is exactly at a level is above it [m]
+
+
+def world_of(scenario: Scenario, revision: int) -> World:
+    """All that a map needs of a scenario."""
+    airspace, frame, limits = scenario.airspace, scenario.frame, scenario.limits
+    bounds = airspace.bounds
+    corners = np.array([(*bounds.lower[:2], 0.0), (*bounds.upper[:2], 0.0)])
+    (west, south), (east, north) = on_map(frame, corners)
+    rim = [(bounds.lower[0], bounds.lower[1]), (bounds.upper[0], bounds.lower[1])]
+    rim += [(bounds.upper[0], bounds.upper[1]), (bounds.lower[0], bounds.upper[1])]
+    return World(
+        revision=revision,
+        box=(west, south, east, north),
+        around=on_map(frame, np.asarray(rim)),
+        floor=float(bounds.lower[2]),
+        ceiling=float(bounds.upper[2]),
+        bodies=tuple(_bodies(scenario)),
+        spots=tuple(_spots(scenario)),
+        fences=tuple(_fence(n, fence, frame) for n, fence in enumerate(scenario.fence)),
+        ground=tuple(_terraces(scenario)),
+        required=limits.obstacle_distance,
+        height_above_ground=limits.height_above_ground,
+        remarks=scenario.remarks,
+    )
+
+
+def on_map(frame: LocalFrame, points: NDArray[np.float64]) -> tuple[LngLat, ...]:
+    """Longitude and latitude [deg] of local points (n, 2 or 3)."""
+    if points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    latitude, longitude, _ = frame.to_geodetic(points)
+    return tuple(zip(longitude.round(DEGREES).tolist(), latitude.round(DEGREES).tolist(), strict=True))
+
+
+def line_of(frame: LocalFrame, points: Points) -> MapLine:
+    """A path (n, 3) on the map."""
+    return MapLine(points=on_map(frame, points), up=tuple(points[:, 2].round(2).tolist()))
+
+
+def _bodies(scenario: Scenario) -> Iterator[Body]:
+    """Every obstacle; the scenario's own come first in its airspace."""
+    frame = scenario.frame
+    for n, body in enumerate(scenario.airspace.obstacles):
+        base, top = body.bounds[:, 2].tolist()
+        yield Body(
+            name=body.name,
+            path=("obstacles", n) if n < len(scenario.obstacles) else None,
+            solid=body.solid,
+            base=round(base, 2),
+            top=round(top, 2),
+            rings=tuple(_closed(on_map(frame, np.asarray(ring, float))) for ring in body.outline()),
+        )
+
+
+def _spots(scenario: Scenario) -> Iterator[Spot]:
+    places: list[tuple[str, tuple[str | int, ...], Any]] = [("home", ("home",), np.zeros(3))]
+    places += [("start", ("start",), scenario.start_point), ("goal", ("goal",), scenario.goal_point)]
+    places += [(f"via {n + 1}", ("via", n), point) for n, point in enumerate(scenario.via_points)]
+    places += [(f"rally {n + 1}", ("rally", n), point) for n, point in enumerate(scenario.rally_points)]
+    points = np.array([point for _, _, point in places])
+    heights = points[:, 2] - scenario.airspace.ground(points)
+    for (name, path, point), where, height in zip(places, on_map(scenario.frame, points), heights, strict=True):
+        yield Spot(
+            name=name, path=path, place=where, up=round(float(point[2]), 2), above_ground=round(float(height), 2)
+        )
+
+
+def _fence(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:
+    if fence.center is not None and fence.radius is not None:
+        circle = shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=16)
+        ring = on_map(frame, shapely.get_coordinates(circle.exterior))
+    elif fence.polygon is not None:
+        ring = _closed(on_map(frame, np.array(fence.polygon, float)))
+    else:
+        ring = _closed(tuple((longitude, latitude) for latitude, longitude in fence.polygon_geodetic or ()))
+    return Fence(path=("fence", n), inclusion=fence.inclusion, ring=ring)
+
+
+def _terraces(scenario: Scenario) -> Iterator[Terrace]:
+    """The ground as a model of cardboard has it: steps, each drawn where the ground is at least so high."""
+    east, north, up = ground_mesh(scenario.airspace, CELLS)
+    low, high = float(up.min()), float(up.max())
+    step = _round_step(max(high - low, 1.0) / TERRACES)
+    maker: Any = contour_generator(east, north, up, fill_type=FillType.OuterOffset)
+    for level in np.arange(math.floor(low / step), math.floor(high / step) + 1) * step:
+        polygons, offsets = maker.filled(float(level) - LEVEL, np.inf)
+        drawn = [
+            tuple(on_map(scenario.frame, points[a:b]) for a, b in pairwise(offset))
+            for points, offset in zip(polygons, offsets, strict=True)
+        ]
+        if drawn:
+            yield Terrace(up=round(float(level), 2), polygons=tuple(drawn))
+
+
+def _round_step(value: float) -> float:
+    """The least of 1, 2, 5, 10, ... times a power of ten that is not below `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return float(next(k * power for k in (1, 2, 5, 10) if k * power >= value * (1 - 1e-9)))
+
+
+def _closed(ring: tuple[LngLat, ...]) -> tuple[LngLat, ...]:
+    return (*ring, ring[0])

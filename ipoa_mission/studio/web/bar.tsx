@@ -1,0 +1,60 @@
+// The bar on top: what is open, the tools, undo and redo, saving, the view.
+import { send, set, type Tool } from "./store";
+import { useStudio } from "./use";
+
+const TOOLS: [Tool, string, string, string][] = [
+  ["select", "↖", "Select and drag", "v"],
+  ["via", "◆", "Via point", "w"],
+  ["polygon", "⬠", "Building, corner by corner", "b"],
+  ["cylinder", "○", "Mast or tree", "m"],
+  ["keep-out", "⊘", "Keep-out fence", "x"],
+  ["keep-in", "▢", "Keep-in fence", "f"],
+];
+
+export function Bar() {
+  const { document: shown, tool, space, connected } = useStudio();
+  if (!shown) return <header class="bar"><h1>studio</h1></header>;
+  return (
+    <header class="bar">
+      <h1>{shown.name}<span class={shown.unsaved ? "unsaved" : "saved"}>{shown.unsaved ? "unsaved" : "saved"}</span></h1>
+      <div class="group" role="toolbar" aria-label="Tools">
+        {TOOLS.map(([name, sign, words, key]) => (
+          <button type="button" key={name} aria-pressed={tool === name} title={`${words} (${key})`} aria-label={words}
+            onClick={() => set({ tool: name })}><span aria-hidden="true">{sign}</span></button>
+        ))}
+      </div>
+      <div class="group">
+        <button type="button" disabled={!shown.undo} title={shown.undo ? `Undo: ${shown.undo}` : "Undo"} aria-label="Undo"
+          onClick={() => send({ kind: "do", what: "undo" })}>↶</button>
+        <button type="button" disabled={!shown.redo} title={shown.redo ? `Redo: ${shown.redo}` : "Redo"} aria-label="Redo"
+          onClick={() => send({ kind: "do", what: "redo" })}>↷</button>
+      </div>
+      <div class="group">
+        <button type="button" aria-pressed={space} onClick={() => set({ space: !space })}>3-D</button>
+        <button type="button" class="strong" disabled={!shown.unsaved} onClick={() => send({ kind: "do", what: "save" })}>Save</button>
+      </div>
+      {!connected && <p class="lost" role="status">The studio does not answer. What was done is kept; it will be back when the program is.</p>}
+    </header>
+  );
+}
+
+/** Keys that work wherever no field is written in. */
+export function listenToKeys(): void {
+  addEventListener("keydown", event => {
+    if (event.target instanceof HTMLElement && event.target.matches("input, textarea, select")) return;
+    const held = event.ctrlKey || event.metaKey;
+    const what = held && event.key === "s" ? "save"
+      : held && (event.key === "y" || (event.shiftKey && event.key.toLowerCase() === "z")) ? "redo"
+        : held && event.key === "z" ? "undo" : null;
+    if (what) {
+      event.preventDefault();
+      send({ kind: "do", what });
+    } else if (!held && !event.altKey) {
+      const tool = TOOLS.find(one => one[3] === event.key);
+      if (tool) set({ tool: tool[0] });
+      if (event.key === "Escape") set({ tool: "select", selected: null });
+      if (event.key === "3") set({ space: true });
+      if (event.key === "2") set({ space: false });
+    }
+  });
+}

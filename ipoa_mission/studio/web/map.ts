@@ -1,0 +1,159 @@
+// The map: MapLibre with a style of our own, made of nothing but the scenario; no tile is asked for anywhere.
+import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type GeoJSONSource, type StyleSpecification } from "maplibre-gl";
+import type { Line, World } from "./messages";
+import { color, onSchemeChange } from "./colors";
+import * as shapes from "./shapes";
+import { listen, proved, studio, type Studio } from "./store";
+
+setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
+
+const SOURCES = ["ground", "bodies", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "draft"] as const;
+type SourceName = (typeof SOURCES)[number];
+const EMPTY = shapes.collection([]);
+const FLAT = ["ground", "roofs", "roof-lines", "tube"];
+const SPACE = ["ground-space", "roofs-space", "zones-space", "ribbon", "flown-ribbon"];
+
+export function makeMap(container: HTMLElement): MapLibre {
+  const map = new MapLibre({
+    container, style: style(), center: [0, 0], zoom: 1, maxZoom: 22, maxPitch: 75, attributionControl: false,
+    dragRotate: true, fadeDuration: 0, canvasContextAttributes: { antialias: true },
+  });
+  map.addControl(new NavigationControl({ visualizePitch: true }), "top-right");
+  map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
+  map.on("load", () => {
+    map.addImage("hatch", hatch());
+    drawAll(map, studio);
+    listen((now, before) => update(map, now, before));
+  });
+  onSchemeChange(() => {
+    map.setStyle(style(), { diff: false });
+    map.once("style.load", () => { map.addImage("hatch", hatch()); drawAll(map, studio); });
+  });
+  return map;
+}
+
+export function fit(map: MapLibre, world: World, animate = true): void {
+  const places = world.spots.map(spot => spot.place as [number, number]);
+  const [west, south, east, north] = world.box as [number, number, number, number];
+  const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
+  const near = [Math.min(...lng), Math.min(...lat), Math.max(...lng), Math.max(...lat)] as const;
+  const room = 0.25 * Math.max(near[2] - near[0], near[3] - near[1], 0.0003);
+  map.fitBounds(
+    [[Math.max(west, near[0] - room), Math.max(south, near[1] - room)], [Math.min(east, near[2] + room), Math.min(north, near[3] + room)]],
+    { padding: 30, animate: animate && !matchMedia("(prefers-reduced-motion: reduce)").matches, pitch: studio.space ? 58 : 0 },
+  );
+}
+
+/** Fill in what is drawn while the user draws. */
+export function draft(map: MapLibre, features: GeoJSON.Feature[]): void {
+  fill(map, "draft", features);
+}
+
+function update(map: MapLibre, now: Studio, before: Studio): void {
+  if (now.world !== before.world && now.world) {
+    drawWorld(map, now.world);
+    if (!before.world) fit(map, now.world, false);
+  }
+  if (["plan", "sketch", "drag", "document", "world"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
+  if (now.flown !== before.flown) drawFlown(map, now);
+  if (now.space !== before.space) {
+    showSpace(map, now.space);
+    map.easeTo({ pitch: now.space ? 58 : 0, bearing: now.space ? map.getBearing() || -18 : 0, duration: 500 });
+    drawPath(map, now);
+  }
+}
+
+function drawAll(map: MapLibre, now: Studio): void {
+  if (now.world) {
+    drawWorld(map, now.world);
+    if (map.getZoom() < 3) fit(map, now.world, false);
+  }
+  drawPath(map, now);
+  drawFlown(map, now);
+  showSpace(map, now.space);
+}
+
+function drawWorld(map: MapLibre, world: World): void {
+  fill(map, "ground", shapes.ground(world));
+  fill(map, "bodies", shapes.bodies(world));
+  fill(map, "fences", shapes.fences(world));
+  fill(map, "bounds", shapes.bounds(world));
+}
+
+/** The proved path if there is one of what is here now, else the coarse one, dashed. */
+function drawPath(map: MapLibre, now: Studio): void {
+  const plan = proved(now), coarse = now.drag ?? (plan ? null : now.sketch);
+  const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
+  fill(map, "path", course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })] : []);
+  fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
+  fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
+  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4) : []);
+}
+
+function drawFlown(map: MapLibre, now: Studio): void {
+  const points = now.flown.map(seen => seen.place), up = now.flown.map(seen => seen.up);
+  fill(map, "flown", points.length > 1 ? [shapes.line(points)] : []);
+  const course = { points, up } as Line;
+  fill(map, "flown-ribbon", now.space && now.world && points.length > 1 ? shapes.ribbon(course, shapes.lowest(now.world), 1.4, 1) : []);
+}
+
+function showSpace(map: MapLibre, space: boolean): void {
+  for (const name of FLAT) map.setLayoutProperty(name, "visibility", space ? "none" : "visible");
+  for (const name of SPACE) map.setLayoutProperty(name, "visibility", space ? "visible" : "none");
+  map.setPaintProperty("path", "line-opacity", space ? 0.25 : 1);
+}
+
+function fill(map: MapLibre, name: SourceName, features: GeoJSON.Feature[]): void {
+  (map.getSource(name) as GeoJSONSource | undefined)?.setData(shapes.collection(features));
+}
+
+/** Strokes across what may not be entered. */
+function hatch(): ImageData {
+  const size = 12, canvas = document.createElement("canvas");
+  canvas.width = canvas.height = size;
+  const pen = canvas.getContext("2d")!;
+  pen.strokeStyle = color("bad");
+  pen.lineWidth = 1.2;
+  pen.globalAlpha = 0.75;
+  for (const shift of [-size, 0, size]) {
+    pen.moveTo(shift, size);
+    pen.lineTo(shift + size, 0);
+  }
+  pen.stroke();
+  return pen.getImageData(0, 0, size, size);
+}
+
+function style(): StyleSpecification {
+  const ramp = (low: string, high: string): any => ["interpolate", ["linear"], ["get", "share"], 0, color(low), 1, color(high)];
+  const solid: any = ["==", ["get", "solid"], true], zone: any = ["!=", ["get", "solid"], true];
+  const dash = [2.2, 1.6];
+  return {
+    version: 8,
+    sources: Object.fromEntries(SOURCES.map(name => [name, { type: "geojson", data: EMPTY, tolerance: 0, maxzoom: 19 }])),
+    layers: [
+      { id: "paper", type: "background", paint: { "background-color": color("paper") } },
+      { id: "ground", type: "fill", source: "ground", paint: { "fill-color": ramp("low-ground", "high-ground"), "fill-antialias": false } },
+      { id: "contours", type: "line", source: "ground", paint: { "line-color": color("contour"), "line-width": 0.6, "line-opacity": 0.55 } },
+      { id: "ground-space", type: "fill-extrusion", source: "ground", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-ground", "high-ground"), "fill-extrusion-height": ["get", "rise"] } },
+      { id: "bounds", type: "line", source: "bounds", paint: { "line-color": color("quiet"), "line-width": 1, "line-dasharray": [4, 4] } },
+      { id: "tube", type: "fill", source: "tube", paint: { "fill-color": color("planned"), "fill-opacity": 0.2 } },
+      { id: "roofs", type: "fill", source: "bodies", filter: solid, paint: { "fill-color": ramp("low-roof", "high-roof") } },
+      { id: "roof-lines", type: "line", source: "bodies", filter: solid, paint: { "line-color": color("edge"), "line-width": 0.8 } },
+      { id: "zones", type: "fill", source: "bodies", filter: zone, paint: { "fill-pattern": "hatch" } },
+      { id: "zone-lines", type: "line", source: "bodies", filter: zone, paint: { "line-color": color("bad"), "line-width": 1.4 } },
+      { id: "keep-out", type: "fill", source: "fences", filter: ["!", ["get", "inclusion"]], paint: { "fill-pattern": "hatch" } },
+      { id: "fence-lines", type: "line", source: "fences", paint: { "line-color": ["case", ["get", "inclusion"], color("good"), color("bad")], "line-width": 2 } },
+      { id: "others", type: "line", source: "others", paint: { "line-color": color("legs"), "line-width": 1.4, "line-dasharray": [1.5, 2], "line-opacity": 0.8 } },
+      { id: "path", type: "line", source: "path", filter: ["!", ["get", "coarse"]], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3.4 } },
+      { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
+      { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
+      { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.92 } },
+      { id: "zones-space", type: "fill-extrusion", source: "bodies", filter: zone, layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("bad"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.18 } },
+      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("planned"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
+      { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
+      { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },
+      { id: "draft", type: "line", source: "draft", paint: { "line-color": color("focus"), "line-width": 2 } },
+      { id: "draft-points", type: "circle", source: "draft", filter: ["==", ["geometry-type"], "Point"], paint: { "circle-color": color("card"), "circle-stroke-color": color("focus"), "circle-stroke-width": 2, "circle-radius": 5 } },
+    ],
+  };
+}

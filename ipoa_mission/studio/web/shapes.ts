@@ -1,0 +1,83 @@
+// What the map draws, as GeoJSON: the world, a path, its ribbon in space.
+import type { Line, Plan, World } from "./messages";
+import type { LngLat, Path } from "./store";
+
+type Feature = GeoJSON.Feature;
+
+export function collection(features: Feature[]): GeoJSON.FeatureCollection {
+  return { type: "FeatureCollection", features };
+}
+
+const polygon = (rings: unknown, properties: Record<string, unknown>): Feature =>
+  ({ type: "Feature", properties, geometry: { type: "Polygon", coordinates: rings as LngLat[][] } });
+
+export function line(points: unknown, properties: Record<string, unknown> = {}): Feature {
+  return { type: "Feature", properties, geometry: { type: "LineString", coordinates: points as LngLat[] } };
+}
+
+/** Terraces from low to high; `share` is how high each is among them, `rise` how far above the lowest ground. */
+export function ground(world: World): Feature[] {
+  const levels = world.ground.map(terrace => terrace.up);
+  const low = levels[0] ?? 0, high = levels.at(-1) ?? 1;
+  return world.ground.flatMap(terrace => terrace.polygons.map(rings => polygon(rings, {
+    up: terrace.up, rise: terrace.up - low, share: (terrace.up - low) / Math.max(high - low, 1),
+  })));
+}
+
+export function lowest(world: World): number {
+  return world.ground[0]?.up ?? Math.min(0, world.floor);
+}
+
+/** Obstacles and zones; those that the scenario itself draws carry the path to them. */
+export function bodies(world: World): Feature[] {
+  const floor = lowest(world);
+  const highest = Math.max(1, ...world.bodies.filter(body => body.solid).map(body => body.top));
+  return world.bodies.map(body => polygon(body.rings, {
+    name: body.name, solid: body.solid, base: body.base, top: body.top, path: body.path ? pathKey(body.path) : "",
+    share: Math.max(0, body.top) / highest,
+    from: Math.max(0, body.base - floor), to: Math.max(0.1, Math.min(body.top, world.ceiling + 40) - floor),
+  }));
+}
+
+export function fences(world: World): Feature[] {
+  return world.fences.map(fence => polygon([fence.ring], { inclusion: fence.inclusion, path: pathKey(fence.path) }));
+}
+
+export function bounds(world: World): Feature[] {
+  return [line([...world.around, world.around[0]])];
+}
+
+export function tube(plan: Plan): Feature[] {
+  return plan.tube_ring.length ? [polygon(plan.tube_ring, {})] : [];
+}
+
+export const METERS = 111_320; // of a degree of latitude, closely enough to draw by
+
+/** A path as a band of boxes in the air, `wide` meters across: what a map of extrusions can show of it. */
+export function ribbon(path: Line, floor: number, wide: number, high: number): Feature[] {
+  const points = path.points as LngLat[];
+  const features: Feature[] = [];
+  const narrow = Math.cos(((points[0]?.[1] ?? 0) * Math.PI) / 180);
+  for (let n = 1; n < points.length; n++) {
+    const [west, south] = points[n - 1]!, [east, north] = points[n]!;
+    const dx = (east - west) * METERS * narrow, dy = (north - south) * METERS;
+    const length = Math.hypot(dx, dy);
+    if (length < 0.05) continue;
+    const aside = wide / 2 / length / METERS;
+    const [x, y] = [(-dy * aside) / narrow, dx * aside];
+    const up = ((path.up[n - 1] ?? 0) + (path.up[n] ?? 0)) / 2 - floor;
+    features.push(polygon(
+      [[[west + x, south + y], [east + x, north + y], [east - x, north - y], [west - x, south - y], [west + x, south + y]]],
+      { from: Math.max(0, up - high / 2), to: Math.max(0.1, up + high / 2) },
+    ));
+  }
+  return features;
+}
+
+export function pathKey(path: Path): string {
+  return path.join(".");
+}
+
+export function keyPath(key: string): Path {
+  return key.split(".").map(step => (/^\d+$/.test(step) ? Number(step) : step));
+}

@@ -1,0 +1,78 @@
+// Home, start, goal and via points as buttons on the map: dragged by hand, or moved by the arrow keys.
+import { Marker, type Map as MapLibre } from "maplibre-gl";
+import type { Spot } from "./messages";
+import { METERS, pathKey } from "./shapes";
+import { drag, edit, endDrag, listen, set, studio, type Change, type LngLat } from "./store";
+
+const SIGNS: Record<string, string> = { home: "H", start: "S", goal: "G", via: "", rally: "R" };
+const KEYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+interface Shown {
+  spot: Spot;
+  marker: Marker;
+  button: HTMLButtonElement;
+}
+
+export function showSpots(map: MapLibre): void {
+  const shown = new Map<string, Shown>();
+  const draw = () => {
+    const spots = studio.world?.spots ?? [];
+    const keys = new Set(spots.map(spot => pathKey(spot.path)));
+    for (const [key, { marker }] of shown) {
+      if (!keys.has(key)) {
+        marker.remove();
+        shown.delete(key);
+      }
+    }
+    for (const spot of spots) {
+      const key = pathKey(spot.path);
+      if (!shown.has(key)) shown.set(key, make(map, spot, () => shown.get(key)!));
+      const one = shown.get(key)!;
+      one.spot = spot;
+      one.marker.setLngLat(spot.place as LngLat);
+      one.button.setAttribute("aria-label", `${spot.name}, ${spot.up.toFixed(0)} m above home; arrow keys move it`);
+      one.button.title = `${spot.name}: ${spot.up.toFixed(1)} m above home, ${spot.above_ground.toFixed(1)} m above ground`;
+    }
+  };
+  const mark = () => {
+    const selected = studio.selected ? pathKey(studio.selected) : "";
+    for (const [key, { button }] of shown) button.classList.toggle("chosen", key === selected);
+  };
+  listen((now, before) => {
+    if (now.world !== before.world) draw();
+    if (now.selected !== before.selected || now.world !== before.world) mark();
+  });
+  draw();
+}
+
+function make(map: MapLibre, spot: Spot, self: () => Shown): Shown {
+  const kind = String(spot.path[0]);
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = `spot ${kind}`;
+  button.dataset.spot = pathKey(spot.path);
+  button.textContent = SIGNS[kind] || String(Number(spot.path[1] ?? 0) + 1);
+  const marker = new Marker({ element: button, draggable: true }).setLngLat(spot.place as LngLat).addTo(map);
+  const shift = (put: LngLat): Change => ({ op: "shift", path: self().spot.path, taken: self().spot.place as LngLat, put_down: put });
+  marker.on("drag", () => drag([shift(marker.getLngLat().toArray() as LngLat)]));
+  marker.on("dragend", () => {
+    endDrag();
+    edit(`${self().spot.name} moved`, shift(marker.getLngLat().toArray() as LngLat));
+    set({ selected: self().spot.path });
+  });
+  button.addEventListener("click", event => {
+    event.stopPropagation();
+    set({ selected: self().spot.path });
+  });
+  button.addEventListener("keydown", event => {
+    const step = KEYS[event.key];
+    if (!step) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const far = event.shiftKey ? 10 : 1;
+    const [lng, lat] = self().spot.place as LngLat;
+    const narrow = Math.cos((lat * Math.PI) / 180);
+    edit(`${self().spot.name} moved`, shift([lng + (step[0] * far) / METERS / narrow, lat + (step[1] * far) / METERS]));
+  });
+  return { spot, marker, button };
+}

@@ -1,0 +1,149 @@
+// What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
+import type { Answer, Document, Edit, Landed, Loaded, Plan, Put, Progress, Request, Seen, Sketch, State, Trouble, World } from "./messages";
+import { connect } from "./link";
+
+export type Change = Edit["changes"][number];
+export type Path = Put["path"];
+export type LngLat = [number, number];
+
+export type Tool = "select" | "via" | "box" | "polygon" | "cylinder" | "keep-out" | "keep-in" | "rally";
+
+export interface Candidate {
+  name: string;
+  plan: Plan;
+  text: string;
+}
+
+export interface Studio {
+  connected: boolean;
+  document: Document | null;
+  world: World | null;
+  sketch: Sketch | null;
+  drag: Sketch | null;
+  plan: Plan | null;
+  progress: Progress | null;
+  troubles: Trouble[];
+  tool: Tool;
+  selected: Path | null;
+  space: boolean;
+  at: number;
+  playing: boolean;
+  candidates: Candidate[];
+  loaded: Loaded | null;
+  seen: Seen | null;
+  flown: Seen[];
+  landed: Landed | null;
+  flight: State | null;
+  notice: string;
+}
+
+export let studio: Studio = {
+  connected: false, document: null, world: null, sketch: null, drag: null, plan: null, progress: null, troubles: [],
+  tool: "select", selected: null, space: false, at: 0, playing: false, candidates: [], loaded: null, seen: null,
+  flown: [], landed: null, flight: null, notice: "",
+};
+
+type Listener = (now: Studio, before: Studio) => void;
+const listeners = new Set<Listener>();
+
+export function listen(listener: Listener): void {
+  listeners.add(listener);
+}
+
+export function set(change: Partial<Studio>): void {
+  const before = studio;
+  studio = { ...studio, ...change };
+  for (const listener of listeners) listener(studio, before);
+}
+
+const link = connect(hear, connected => set({ connected }));
+
+export function send(request: Request): void {
+  link.send(request);
+}
+
+/** Change the scenario; every window is told. */
+export function edit(label: string, ...changes: Change[]): void {
+  if (studio.document) send({ kind: "edit", seen: studio.document.revision, label, changes });
+}
+
+let asked = 0;
+let waiting: Change[] | null = null;
+let awaited = false;
+
+/** Ask how it would be. One question is under way at a time; of those that come meanwhile the last is asked next. */
+export function drag(changes: Change[]): void {
+  if (awaited) {
+    waiting = changes;
+    return;
+  }
+  awaited = true;
+  send({ kind: "drag", number: ++asked, changes });
+}
+
+export function endDrag(): void {
+  waiting = null;
+  set({ drag: null });
+}
+
+function dragAnswered(): void {
+  awaited = false;
+  if (waiting) {
+    const next = waiting;
+    waiting = null;
+    drag(next);
+  }
+}
+
+function hear(answer: Answer): void {
+  switch (answer.kind) {
+    case "document":
+      document.title = `${answer.unsaved ? "● " : ""}${answer.name} · studio`;
+      if (answer.revision !== studio.document?.revision) set({ progress: null, troubles: [], drag: null });
+      set({ document: answer });
+      break;
+    case "world":
+      set({ world: answer });
+      break;
+    case "sketch":
+      if (answer.number !== null) {
+        dragAnswered();
+        if (answer.number === asked && awaited === false && waiting === null) set({ drag: answer });
+        else set({ drag: answer });
+      } else {
+        set({ sketch: answer });
+      }
+      break;
+    case "progress":
+      set({ progress: answer });
+      break;
+    case "plan":
+      set({ plan: answer, progress: null, at: Math.min(studio.at, answer.course.times.length - 1) });
+      break;
+    case "trouble":
+      if (answer.of === "sketch" && awaited) dragAnswered();
+      set({ troubles: [...studio.troubles.filter(one => one.of !== answer.of), answer] });
+      if (answer.of === "plan") set({ progress: null });
+      break;
+    case "loaded":
+      set({ loaded: answer, landed: null, flown: [], seen: null });
+      break;
+    case "seen":
+      set({ seen: answer, flown: [...studio.flown, answer] });
+      break;
+    case "landed":
+      set({ landed: answer });
+      break;
+    case "state":
+      set({ flight: answer });
+      break;
+    case "written":
+      set({ notice: `written: ${answer.files.join(", ")}` });
+      break;
+  }
+}
+
+/** The plan, if it is of the scenario as it is now. */
+export function proved(now: Studio): Plan | null {
+  return now.plan && now.document && now.plan.revision === now.document.revision ? now.plan : null;
+}

@@ -1,0 +1,62 @@
+// The first thing that one wants to know: is it clear, is that proved, how long will it fly; and what is being done.
+import { proved, send, type Studio } from "./store";
+import { meters, seconds, share } from "./words";
+
+export function Verdict({ now }: { now: Studio }) {
+  const trouble = now.troubles[0];
+  const plan = proved(now), coarse = now.drag ?? now.sketch;
+  return (
+    <section class="verdict" aria-live="polite">
+      {trouble ? <Trouble now={now} />
+        : plan && !now.drag ? (
+          <p class="good"><b aria-hidden="true">✓</b> Proved. {plan.confidence !== null && plan.kept !== null
+            ? <>{share(plan.confidence)} of flights keep {meters(plan.kept, 2)} from {plan.nearest}; {meters(plan.required, 2)} required.</>
+            : <>{plan.verdict}.</>}</p>
+        ) : coarse ? (
+          <p class={coarse.holds ? "coarse" : "bad"}><b aria-hidden="true">{coarse.holds ? "≈" : "✕"}</b> {now.drag ? "While you drag: a" : "A"} coarse
+            path{coarse.holds ? `, ${meters(coarse.clearance, 2)} from ${coarse.nearest}` : ` breaks a limit: ${coarse.verdict}`}.
+            {coarse.holds ? " Not yet the best one, and its tube is not proved." : " The planner may still find a way."}</p>
+        ) : <p class="coarse">Looking at the scenario …</p>}
+      {now.progress && !plan && (
+        <div class="progress">
+          <progress max="1" value={now.progress.share} aria-label="planning" />
+          <span>{now.progress.words}</span>
+          <button type="button" onClick={() => send({ kind: "do", what: "cancel" })}>Cancel</button>
+        </div>
+      )}
+      <Figures now={now} />
+    </section>
+  );
+}
+
+function Trouble({ now }: { now: Studio }) {
+  return <>{now.troubles.map(trouble => (
+    <div key={trouble.of}>
+      <p class="bad"><b aria-hidden="true">✕</b> {trouble.message}</p>
+      {trouble.hint && <p class="note">Try: {trouble.hint}</p>}
+      {trouble.of === "plan" && <button type="button" onClick={() => send({ kind: "do", what: "plan" })}>Plan again</button>}
+    </div>
+  ))}</>;
+}
+
+function Figures({ now }: { now: Studio }) {
+  const plan = proved(now), coarse = now.drag ?? now.sketch;
+  if (plan && !now.drag) {
+    return (
+      <dl class="figures">
+        <div><dt>flight</dt><dd>{seconds(plan.total_s)}<small>{seconds(plan.low_s)} to {seconds(plan.high_s)}</small></dd></div>
+        <div><dt>clearance kept</dt><dd>{plan.kept === null ? "–" : meters(plan.kept, 2)}<small>{meters(plan.required, 2)} required</small></dd></div>
+        <div><dt>path</dt><dd>{meters(plan.length, 0)}<small>QGroundControl says {seconds(plan.qgroundcontrol_s)}</small></dd></div>
+        {plan.energy_wh !== null && <div><dt>energy</dt><dd>{plan.energy_wh.toFixed(1)} Wh<small>{plan.battery_left === null ? "" : `${share(plan.battery_left)} left`}</small></dd></div>}
+      </dl>
+    );
+  }
+  if (!coarse) return null;
+  return (
+    <dl class="figures rough">
+      <div><dt>route, at least</dt><dd>{seconds(coarse.seconds)}<small>no estimate: a lower bound</small></dd></div>
+      <div><dt>clearance, nominal</dt><dd>{meters(coarse.clearance, 2)}<small>to {coarse.nearest}</small></dd></div>
+      <div><dt>path</dt><dd>{meters(coarse.length, 0)}<small>answered in {Math.round(coarse.took_s * 1000)} ms</small></dd></div>
+    </dl>
+  );
+}

@@ -1,0 +1,93 @@
+"""`--param` and its like: the other firmware's names, and names that nobody has, are told with the right one."""
+
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission import Autopilot, BadInput, estimate, fly, read_mission, write_mission
+from ipoa_mission.autopilots.parameters import expect_known, expect_own, firmware_of
+from ipoa_mission.link.flight_log import read_flights
+from tests.cli.conftest import Planned, Run
+
+LOGS = Path(__file__).parents[1] / "logs"
+
+
+@pytest.fixture
+def mission(planned: Planned) -> Path:
+    return planned("sitl")[1] / "sitl.plan"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "estimate {mission}",
+        "show {mission}",
+        "check {mission}",
+        "export {mission} x.csv",
+        "fly {mission}",
+        "plan {missions}/sitl.toml",
+        "fly {missions}/sitl.toml",
+        "mock",
+    ],
+)
+def test_every_verb_names_the_parameter_of_the_right_firmware(
+    run: Run, mission: Path, missions: Path, words: str
+) -> None:
+    ended = run(words.format(mission=mission, missions=missions) + " --param WP_SPD=5")
+    assert ended.code == 2
+    assert ended.out == ""
+    assert ended.err == (
+        "error: WP_SPD: expected a parameter of px4, not of ardupilot\nhint: px4 has MPC_XY_CRUISE for that\n"
+    )
+    assert [*Path().rglob("*.plan")] == []
+
+
+def test_a_name_that_neither_has_is_told_with_the_nearest(run: Run, mission: Path) -> None:
+    assert "hint: did you mean MPC_XY_CRUISE?" in run(f"estimate {mission} --param MPC_XY_CRUIS=5").err
+    assert "hint: --param-file takes any parameter" in run(f"estimate {mission} --param QWXZ=5").err
+    Path("all.params").write_text("QWXZ 5\n")
+    assert run(f"estimate {mission} --param-file all.params").code == 0
+
+
+def test_a_file_of_the_other_firmware_is_named(run: Run, mission: Path) -> None:
+    write_mission(read_mission(mission), "x.plan")
+    Path("x.params").write_text("WPNAV_ACCEL,100\n")
+    assert run("estimate x.plan").err.startswith("error: x.params: WPNAV_ACCEL: expected a parameter of px4")
+    assert run("plan x.toml").code == 2
+
+
+def test_the_parameters_beside_a_waypoints_file_say_whose_it_is(planned: Planned, tmp_path: Path) -> None:
+    path = tmp_path / "x.waypoints"
+    write_mission(planned("campus")[0].mission, path)
+    assert read_mission(path).autopilot is Autopilot.PX4
+    (tmp_path / "x.params").write_text("WPNAV_ACCEL,100\n")
+    assert read_mission(path).autopilot is Autopilot.ARDUPILOT
+
+
+def test_a_scenario_names_the_place(run: Run, missions: Path) -> None:
+    text = (missions / "sitl.toml").read_text()
+    Path("other.toml").write_text(text.replace('"px4"', '"px4"\nparameters = { RTL_ALT = 3000.0 }'))
+    assert run("plan other.toml").err.startswith(
+        "error: other.toml: vehicle.parameters: RTL_ALT: expected a parameter of px4, not of ardupilot; "
+        "px4 has RTL_RETURN_ALT for that\n"
+    )
+
+
+def test_the_api_refuses_what_no_model_knows(planned: Planned) -> None:
+    mission = planned("sitl")[0].mission
+    for job in (estimate, fly):
+        for name in ("NONSENSE", "WPNAV_SPEED"):
+            with pytest.raises(BadInput, match=f"{name}: expected a parameter"):
+                job(mission, {name: 1.0})
+    assert estimate(mission, {"MIS_TAKEOFF_ALT": 3.0}).total_s == estimate(mission).total_s
+
+
+@pytest.mark.parametrize("log", sorted(LOGS.glob("*.bin")) + sorted(LOGS.glob("*.ulg")), ids=lambda path: path.name)
+def test_what_the_real_ones_log_is_their_own(log: Path) -> None:
+    flown = read_flights(log)
+    for flight in flown.flights:
+        assert len(flight.parameters) > 20
+        expect_own(flight.parameters, flown.autopilot)
+        assert firmware_of(flight.parameters) is flown.autopilot
+        with pytest.raises(BadInput):
+            expect_known(flight.parameters, next(one for one in Autopilot if one is not flown.autopilot))

@@ -1,0 +1,96 @@
+"""Machine code made when the package is built: it says what numba says, and only stands for the sources it is of."""
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.compiled import library
+from tools import REPOSITORY
+
+#: A small flight planned and both autopilots' times: everything that is compiled has its part in it.
+PLANNED = """
+import json, sys
+from pathlib import Path
+from ipoa_mission import plan_flight, read_scenario
+from ipoa_mission.compiled.library import shipped
+told = {}
+for autopilot in ("px4", "ardupilot"):
+    scenario = Path("missions/sitl.toml").read_text().replace('autopilot = "px4"', f'autopilot = "{autopilot}"')
+    there = Path(sys.argv[1]) / f"{autopilot}.toml"
+    there.write_text(scenario)
+    for file in plan_flight(read_scenario(there), seed=3).write(sys.argv[1]):
+        told[file.name] = file.read_text()
+print(json.dumps([shipped() is not None, "numba" in sys.modules, told]))
+"""
+
+
+def planned(folder: Path, **environment: str) -> tuple[bool, bool, dict[str, str]]:
+    folder.mkdir()
+    run = subprocess.run(
+        [sys.executable, "-c", PLANNED, str(folder)],
+        capture_output=True, text=True, check=True, cwd=REPOSITORY, env=os.environ | environment, timeout=400,
+    )  # fmt: skip
+    native, numba, files = json.loads(run.stdout.splitlines()[-1])
+    return native, numba, files
+
+
+@pytest.mark.skipif(library.shipped() is None, reason="no machine code was made of these sources")
+def test_a_plan_is_the_same_bytes_by_machine_code_and_by_numba(tmp_path: Path) -> None:
+    native, imported, files = planned(tmp_path / "native")
+    assert (native, imported) == (True, False)
+    native, imported, again = planned(tmp_path / "numba", **{library.NUMBA: "1"})
+    assert (native, imported) == (False, True)
+    assert files == again
+    assert len(files) >= 6
+
+
+def test_all_that_a_kernel_is_made_of_counts_for_its_hash() -> None:
+    def name(path: Path) -> str:
+        return path.relative_to(library.PACKAGE).with_suffix("").as_posix().replace("/", ".")
+
+    counted = {name(path) for pattern in library.SOURCES for path in library.PACKAGE.glob(pattern)}
+    kernels = [*library.PACKAGE.glob("planning/_*.py"), *library.PACKAGE.glob("dynamics/*/*.py")]
+    imported = {
+        node.module.removeprefix("ipoa_mission.")
+        for path in kernels
+        if path.name != "__init__.py"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("ipoa_mission.")
+    }
+    #: Compiled code takes neither numbers nor lines from these.
+    besides = {"compiled", "compiled.library", "errors", "geometry", "wind", "items", "itinerary.copter_spline"}
+    besides |= {"itinerary.itinerary", "itinerary.legs", "itinerary.program", "dynamics.copter", "dynamics.px4"}
+    assert imported - counted <= besides
+    assert len(counted) > 20
+
+
+def test_other_sources_are_not_what_was_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = library.sources_digest()
+    source = tmp_path / "planning" / "_kernels.py"
+    source.parent.mkdir()
+    source.write_text("x = 1\n")
+    monkeypatch.setattr(library, "PACKAGE", tmp_path)
+    one = library.sources_digest()
+    source.write_text("x = 2\n")
+    assert len({before, one, library.sources_digest()}) == 3
+
+
+def test_without_machine_code_and_numba_the_error_names_the_way_out() -> None:
+    code = """
+import sys
+sys.modules["numba"] = None
+from ipoa_mission.errors import MissionError
+try:
+    import ipoa_mission.planning._kernels
+except MissionError as error:
+    print(error, error.hint)
+"""
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | {library.NUMBA: "1"}
+    )
+    assert "no machine code for this system, and numba is not installed pip install numba" in run.stdout

@@ -1,0 +1,87 @@
+"""A studio on a scenario of its own, without a browser: the page's requests are made by hand."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("tomlkit")
+pytest.importorskip("uvicorn")
+testclient = pytest.importorskip("starlette.testclient")
+
+from ipoa_mission.studio.server import application  # noqa: E402
+from ipoa_mission.studio.session import Session  # noqa: E402
+
+TOKEN, HOST = "secret-token", "127.0.0.1:8123"
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+class Talk:
+    """A window's end of the conversation."""
+
+    def __init__(self, socket: Any) -> None:
+        self._socket = socket
+        self.heard: list[dict[str, Any]] = []
+
+    def say(self, **request: Any) -> None:
+        self._socket.send_json(request)
+
+    def wait(self, kind: str, meant: Callable[[dict[str, Any]], bool] = lambda answer: True) -> dict[str, Any]:
+        """The next answer of a kind that is the one meant; trouble that is not expected fails the test."""
+        while True:
+            answer = dict(self._socket.receive_json())
+            self.heard.append(answer)
+            if answer["kind"] == kind and meant(answer):
+                return answer
+            assert answer["kind"] != "trouble", answer
+
+    def wait_for_trouble(self, of: str) -> dict[str, Any]:
+        """The next trouble of this sort."""
+        while True:
+            answer = dict(self._socket.receive_json())
+            if answer["kind"] == "trouble" and answer["of"] == of:
+                return answer
+
+
+class Studio:
+    """A running server on `scenario`."""
+
+    def __init__(self, client: Any, scenario: Path) -> None:
+        self.client = client
+        self.scenario = scenario
+
+    @contextmanager
+    def window(self) -> Iterator[Talk]:
+        headers = {"host": HOST, "origin": f"http://{HOST}"}
+        with self.client.websocket_connect(f"/{TOKEN}/talk", headers=headers) as socket:
+            yield Talk(socket)
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    """One server for a module: its workers need seconds to begin."""
+    folder = tmp_path_factory.mktemp("studio")
+    bundle = folder / "bundle"
+    bundle.mkdir()
+    (bundle / "index.html").write_text("<!doctype html><title>studio</title>")
+    scenario = Path(shutil.copy(MISSIONS / "campus.toml", folder / "campus.toml"))
+    app = application(Session(scenario), bundle, TOKEN, HOST)
+    with testclient.TestClient(app, base_url=f"http://{HOST}") as client:
+        yield Studio(client, scenario)
+
+
+@pytest.fixture
+def studio(running: Studio) -> Iterator[Studio]:
+    """It, with the scenario as it is in the repository when the test is over."""
+    yield running
+    with running.window() as talk:
+        text = (MISSIONS / "campus.toml").read_text()
+        document = talk.wait("document")
+        if document["text"] != text:
+            talk.say(kind="rewrite", seen=document["revision"], text=text)
+            talk.wait("document")
+        talk.say(kind="do", what="save_over")
+        talk.wait("document", lambda told: not told["unsaved"])

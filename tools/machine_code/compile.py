@@ -1,0 +1,147 @@
+"""From kernels to one library: numba compiles them, LLVM makes an object of them, a C compiler links it.
+
+Without a C compiler on the machine that of the package `ziglang` links.
+"""
+
+import importlib.util
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+import numba
+from numba import types
+
+from ipoa_mission.compiled.native import Type
+from tools.machine_code.kernels import Kernel
+
+#: What numba's compiled code calls. Memory: numba's `MemInfo` (count of references, destructor, its argument, the
+#: address, the size) before the data, in one piece of the C library's memory. Reshaping without a copy: strides of a
+#: contiguous array that becomes one-dimensional.
+RUNTIME = """
+declare i8* @malloc(i64)
+declare void @free(i8*)
+declare void @NRT_decref(i8*)
+
+define i8* @NRT_MemInfo_alloc_aligned(i64 %size, i32 %align) {
+  %wide = zext i32 %align to i64
+  %room = add i64 %size, 64
+  %all = add i64 %room, %wide
+  %memory = call i8* @malloc(i64 %all)
+  %none = icmp eq i8* %memory, null
+  br i1 %none, label %full, label %begin
+full:
+  ret i8* null
+begin:
+  %words = bitcast i8* %memory to i64*
+  store i64 1, i64* %words
+  %here = ptrtoint i8* %memory to i64
+  %after = add i64 %here, 64
+  %over = urem i64 %after, %wide
+  %rest = sub i64 %wide, %over
+  %data = add i64 %after, %rest
+  %at = getelementptr i64, i64* %words, i64 3
+  store i64 %data, i64* %at
+  %long = getelementptr i64, i64* %words, i64 4
+  store i64 %size, i64* %long
+  ret i8* %memory
+}
+
+define void @NRT_MemInfo_call_dtor(i8* %memory) {
+  call void @free(i8* %memory)
+  ret void
+}
+
+define i32 @numba_attempt_nocopy_reshape(
+  i64 %dimensions, i64* %shape, i64* %strides, i64 %new, i64* %new_shape, i64* %new_strides, i64 %item, i32 %fortran
+) {
+  %one = icmp eq i64 %new, 1
+  br i1 %one, label %flat, label %otherwise
+flat:
+  store i64 %item, i64* %new_strides
+  ret i32 1
+otherwise:
+  ret i32 0
+}
+
+define void @release(i8* %memory) {
+  call void @NRT_decref(i8* %memory)
+  ret void
+}
+"""
+
+
+def type_of(kind: Any) -> Type:
+    """A numba type as `ipoa_mission.compiled.native` has it."""
+    if isinstance(kind, types.Boolean):
+        return "bool"
+    if kind == types.int64:
+        return "int"
+    if kind == types.float64:
+        return "float"
+    if isinstance(kind, types.Array):
+        dtype = numba.np.numpy_support.as_dtype(kind.dtype)
+        return f"{dtype.str} {kind.ndim}"
+    if isinstance(kind, types.BaseTuple):
+        return [type_of(one) for one in kind]
+    raise TypeError(f"expected a number, a tuple or an array, not {kind}")
+
+
+def compiled(kernels: Iterable[Kernel], cpu: str) -> tuple[bytes, dict[str, list[Any]]]:
+    """An object file of all kernels for a CPU, and the types of each one's arguments and result."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
+        cpu=cpu, opt=3, reloc="pic", codemodel="default"
+    )
+    whole, index = llvm.parse_assembly(RUNTIME), {}
+    whole.triple, whole.data_layout = llvm.get_process_triple(), str(machine.target_data)
+    for name, dispatcher, arguments in kernels:
+        signature = tuple(map(numba.typeof, arguments))
+        dispatcher.compile(signature)
+        result = dispatcher.overloads[signature]
+        module = llvm.parse_assembly(result.library.get_llvm_str())
+        module.get_function(result.fndesc.mangled_name).name = name
+        for function in module.functions:
+            if not function.is_declaration and function.name != name and function.linkage != llvm.Linkage.linkonce_odr:
+                function.linkage = llvm.Linkage.internal
+        whole.link_in(module)
+        gives = result.fndesc.restype
+        index[name] = [[type_of(one) for one in signature], None if gives == types.none else type_of(gives)]
+    for function in whole.functions:
+        if not function.is_declaration and function.name not in {*index, "release"}:
+            function.linkage = llvm.Linkage.internal
+    for constant in whole.global_variables:
+        if not constant.is_declaration:
+            constant.linkage = llvm.Linkage.internal
+    passes = llvm.create_new_module_pass_manager()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.run(whole, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))
+    whole.verify()
+    return machine.emit_object(whole), index
+
+
+def link(machine_code: bytes, library: Path) -> None:
+    """Write a shared library; what it calls must be in the C library.
+
+    Raises:
+        subprocess.CalledProcessError: it cannot be linked.
+    """
+    part = library.with_suffix(".o")
+    part.write_bytes(machine_code)
+    command = [*linker(), "-shared", "-o", str(library), str(part), "-lm"]
+    if sys.platform == "linux":
+        command.append("-Wl,-z,defs,-s")
+    subprocess.run(command, check=True)
+    part.unlink()
+
+
+def linker() -> list[str]:
+    """The C compiler of this machine, or that of the package `ziglang`."""
+    here = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
+    if here is None and importlib.util.find_spec("ziglang"):
+        return [sys.executable, "-m", "ziglang", "cc"]
+    return [here or "cc"]

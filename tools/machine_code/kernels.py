@@ -1,0 +1,62 @@
+"""The kernels that are compiled, and an example of the arguments of each, for their types."""
+
+import importlib
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ipoa_mission.autopilots.ardupilot import copter_limits
+from ipoa_mission.dynamics.compiled import compiled as compiled_module
+from ipoa_mission.dynamics.copter import steps
+from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
+from ipoa_mission.dynamics.copter.motion import NO_LEG, State, flat, packed, packed_legs, room_for, tuning
+from ipoa_mission.dynamics.px4.compiled import compiled as compiled_flight
+from ipoa_mission.dynamics.px4.compiled import records
+from ipoa_mission.dynamics.px4.state import Law, Order
+from ipoa_mission.planning.chart import Chart, Raster, Rules, Soft
+from ipoa_mission.wind import CALM
+
+PLANNING = {"path_costs": "_kernels", "survey": "_kernels", "path_model": "_path_model", "spread": "_dijkstra"}
+
+
+class Kernel(NamedTuple):
+    """Under which name it is looked up, what numba has made of it, and arguments that it takes."""
+
+    name: str
+    dispatcher: Any
+    arguments: tuple[Any, ...]
+
+
+def _numbers(dimensions: int, kind: type = np.float64) -> Any:
+    return np.zeros((1,) * dimensions, kind)
+
+
+def kernels() -> Iterator[Kernel]:
+    """All of them, not yet compiled."""
+    raster = Raster(0.0, 0.0, 1.0, 2, 2)
+    lists, kinds = (_numbers(1, np.int32),) * 2, _numbers(1, np.int8)
+    low_zones = _numbers(2)
+    chart = Chart(
+        raster, *lists, _numbers(1), _numbers(2), kinds, _numbers(2), _numbers(2), raster, _numbers(2),
+        _numbers(1), _numbers(1), 1.0, low_zones,
+    )  # fmt: skip
+    rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
+    soft, spans = Soft._make([1.0] * len(Soft._fields)), (_numbers(1, np.int64), _numbers(3))
+    planning = {
+        "path_costs": (_numbers(3), chart, rules),
+        "survey": (_numbers(2), chart, rules),
+        "path_model": (_numbers(2), spans, 1, chart, rules, soft, 1.0, _numbers(2)),
+        "spread": (
+            _numbers(3), _numbers(3), _numbers(2), _numbers(2, np.int64), _numbers(1), True, 0, chart, rules,
+        ),
+    }  # fmt: skip
+    for name, arguments in planning.items():
+        module = f"ipoa_mission.planning.{PLANNING[name]}"
+        yield Kernel(f"{module}.{name}", getattr(importlib.import_module(module), name), arguments)
+    leg = packed_legs([flat(NO_LEG)])
+    still = packed(tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM))
+    copter = (packed(State()), leg, still, room_for(1, compiled=True))
+    yield Kernel(f"{steps.__name__}.fly_leg", compiled_module(steps).fly_leg, copter)
+    px4 = (records([], Order), records([], Law), 0.0, (1.0, 1.0), 0)
+    yield Kernel("ipoa_mission.dynamics.px4.flight.fly", compiled_flight(), px4)
