@@ -6,6 +6,7 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
+from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.wind import CALM, Wind
@@ -81,7 +82,7 @@ def test_a_wind_near_the_ground_alone_costs_nothing_on_the_way() -> None:
 
 def test_the_built_in_autopilot_flies_in_the_same_wind() -> None:
     flight = read_flight(IN_WIND / "straight_w8d0t0-ardupilot")
-    flown = Flight(Autopilot.ARDUPILOT, flight.mission.home, flight.parameters, flight.wind)
+    flown = Flight(Autopilot.ARDUPILOT, flight.mission.home, flight.parameters, Conditions(flight.wind))
     flown.load(flight.mission.items)
     flown.arm()
     flown.start()
