@@ -5,8 +5,11 @@ Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPil
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
+from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
@@ -20,6 +23,14 @@ MULTICOPTERS = frozenset({QUADROTOR, 3, 4, 13, 14, 15, 29, 35})
 
 OTHER_VEHICLES = {1: "a fixed wing", 10: "a rover", 11: "a boat", 12: "a submarine"}
 OTHER_VEHICLES |= dict.fromkeys(range(19, 26), "a VTOL")
+
+#: How high above home the ground is, east and north of it [m].
+Ground: TypeAlias = Callable[[float, float], float]
+
+
+def LEVEL(east: float, north: float) -> float:  # noqa: N802  # the constant among grounds
+    """The ground where nothing is known of it: as high as home."""
+    return 0.0
 
 
 @dataclass(frozen=True)
@@ -75,8 +86,10 @@ class Mission:
 
     `cruise_speed` [m/s] is what ground stations show in a plan's header; the vehicle obeys DO_CHANGE_SPEED.
     `parameters` are those of the vehicle that differ from its autopilot's defaults, by the autopilot's own names.
-    `vehicle_type` is the MAV_TYPE that a `.plan` names. `findings` are what reading the file had to say, and `source`
-    its text: a mission that was not changed is written back as it was.
+    `vehicle_type` is the MAV_TYPE that a `.plan` names, `vehicle` what was learned of the one that flies it,
+    and `ground` how high the ground is above home.
+    `findings` are what reading the file had to say, and `source` its text: a mission that was not changed is written
+    back as it was.
 
     >>> home = Geodetic(47.397742, 8.545594, 488.0)
     >>> there = Geodetic(47.398642, 8.545594, 488.0)
@@ -95,6 +108,8 @@ class Mission:
     rally: tuple[Geodetic, ...] = ()
     parameters: Parameters = field(default_factory=dict, hash=False)
     vehicle_type: int = QUADROTOR
+    vehicle: LearnedVehicle | None = field(default=None, compare=False, repr=False)
+    ground: Ground = field(default=LEVEL, compare=False, repr=False)
     findings: tuple[Finding, ...] = field(default=(), compare=False, repr=False)
     source: str = field(default="", compare=False, repr=False)
 

@@ -57,12 +57,15 @@ MAY_IMPORT = {
     "simulator": {"link", "mission", "dynamics", "itinerary", "items", "autopilots", "commands", "world"},
     "report": set(),
     "flight": set(),
+    "learn": set(),
     "studio": set(),
     "experiments": set(),
 }
-_BELOW_THE_REPORT = set(MAY_IMPORT) - {"report", "flight", "studio", "experiments", "simulator", "optimize", "maps"}
+_ABOVE = {"report", "flight", "learn", "studio", "experiments", "simulator", "optimize", "maps"}
+_BELOW_THE_REPORT = set(MAY_IMPORT) - _ABOVE
 MAY_IMPORT["report"] = _BELOW_THE_REPORT
 MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
+MAY_IMPORT["learn"] = {"link", "timing", "dynamics", "itinerary", "items", "autopilots", "commands", "world"}
 MAY_IMPORT["experiments"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
 MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"experiments", "optimize"}
 MAY_IMPORT["cli"] = set(MAY_IMPORT)

@@ -59,6 +59,7 @@ ARDUCOPTER_DEFAULTS: Parameters = MappingProxyType(
         "ATC_RATE_R_MAX": 0.0,
         "ATC_RATE_P_MAX": 0.0,
         "PSC_ANGLE_MAX": 0.0,
+        "RNGFND1_TYPE": 0.0,
     }
 )
 
@@ -122,6 +123,7 @@ class CopterLimits:
     p_height: float
     yaw_rate: float
     rtl_turns: bool
+    sees_ground: bool
 
 
 def copter_limits(parameters: Parameters) -> CopterLimits:
@@ -178,5 +180,6 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
         velocity_filter=p["PSC_VELXY_FLTE"],
         p_height=p["PSC_POSZ_P"],
         rtl_turns=p["WP_YAW_BEHAVIOR"] != EXCEPT_RTL,
+        sees_ground=p["RNGFND1_TYPE"] > 0,
         yaw_rate=math.radians(p["ATC_SLEW_YAW"] / 100) if p["WP_YAW_BEHAVIOR"] > 0 else 0.0,
     )

@@ -13,10 +13,12 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 
 RANGE_LAG_S = 0.14  # by which PX4's height over the ground lags behind a range finder that is sinking
+NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR from which on PX4's simulated vehicle has none [m]
 RELAXED_THRUST = 0.6  # of the way from the least thrust to that of hovering: less is low, where hovering is learned
 STAGES = 3  # of being sure: in contact, perhaps landed, landed
 
-#: PX4 1.17's own defaults for a multicopter in AUTO.MISSION (SI units and degrees, as it has them).
+#: PX4 1.17's own defaults for a multicopter in AUTO.MISSION (SI units and degrees, as it has them). What PX4 sets for
+#: every multicopter as it starts (`rc.mc_defaults`) goes before the defaults in its parameter reference.
 PX4_DEFAULTS: Parameters = MappingProxyType(
     {
         "MPC_XY_CRUISE": 5.0,
@@ -43,8 +45,8 @@ PX4_DEFAULTS: Parameters = MappingProxyType(
         "NAV_ACC_RAD": 2.0,
         "NAV_MC_ALT_RAD": 0.8,
         "COM_SPOOLUP_TIME": 1.0,
-        "RTL_RETURN_ALT": 60.0,
-        "RTL_DESCEND_ALT": 30.0,
+        "RTL_RETURN_ALT": 30.0,
+        "RTL_DESCEND_ALT": 10.0,
         "RTL_MIN_DIST": 10.0,
         "RTL_CONE_ANG": 45.0,
         "RTL_LAND_DELAY": 0.0,
@@ -67,6 +69,7 @@ PX4_DEFAULTS: Parameters = MappingProxyType(
         "MPC_THR_MIN": 0.12,
         "LNDMC_TRIG_TIME": 1.0,
         "LNDMC_Z_VEL_MAX": 0.25,
+        "SIH_DISTSNSR_OVR": -1.0,
     }
 )
 
@@ -99,10 +102,9 @@ POSITIVE = (
 
 
 class Px4Return(NamedTuple):
-    """How high PX4 returns: RTL_RETURN_ALT, RTL_DESCEND_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
+    """How high PX4 returns: RTL_RETURN_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
 
     altitude: float
-    descend_altitude: float
     least_distance: float
     radius: float
     cone_deg: float
@@ -110,18 +112,13 @@ class Px4Return(NamedTuple):
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Return":
         """By these parameters; what is not given has PX4's default."""
-        names = ("RTL_RETURN_ALT", "RTL_DESCEND_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")
+        names = ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")
         return cls(*(parameters.get(name, PX4_DEFAULTS[name]) for name in names))
 
     def height(self, above: float, distance: float) -> float:
-        """How high above home PX4 1.17 returns from so high `above` it, `distance` away on the level [m], as recorded.
+        """How high above home PX4 returns from so high `above` it, `distance` away on the level [m].
 
-        No higher than RTL_DESCEND_ALT, or than it is: so did all 21 recorded flights that end in RTL.
-        """
-        return max(above, min(self.height_by_manual(above, distance), self.descend_altitude))
-
-    def height_by_manual(self, above: float, distance: float) -> float:
-        """The same by its manual: RTL_RETURN_ALT at least, near home less.
+        RTL_RETURN_ALT at least, near home less.
 
         Within RTL_MIN_DIST a cone of RTL_CONE_ANG is high enough, though not less than two NAV_ACC_RAD; within
         NAV_ACC_RAD twice the distance.
@@ -195,8 +192,10 @@ class Px4Limits(NamedTuple):
     turns_first: bool
     returning: Px4Return
     land_delay: float
+    land_delay_height: float
     disarm_delay: float
     touchdown: Px4Touchdown
+    has_range_finder: bool
 
 
 def px4_limits(parameters: Parameters) -> Px4Limits:
@@ -255,6 +254,8 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         turns_first=p["MPC_YAW_MODE"] == TURN_FIRST,
         returning=Px4Return.of(p),
         land_delay=max(p["RTL_LAND_DELAY"], 0.0),
+        land_delay_height=p["RTL_DESCEND_ALT"],
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
         touchdown=Px4Touchdown.of(p),
+        has_range_finder=abs(p["SIH_DISTSNSR_OVR"]) < NO_RANGE_FINDER,
     )

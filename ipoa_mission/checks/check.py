@@ -44,8 +44,9 @@ def check_mission(
             from ipoa_mission.checks.clearance import check_clearance, promise_if_known
             from ipoa_mission.checks.ground import check_ground
             from ipoa_mission.checks.passed_over import check_passed_over
+            from ipoa_mission.tube.flown_in import flown_in
 
-            mission, frame = mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame
+            mission, frame = flown_in(mission, scenario), scenario.frame
             legs = flown_legs(mission, frame, scenario.airspace.ground)
             findings += [*_check_fence(mission, frame, legs), *check_airspace(mission, scenario, legs)]
             promise = promise_if_known(mission, scenario) if promise is None else promise

@@ -1,7 +1,7 @@
 """The way home: straight, as high as the autopilot's parameters and the last waypoint say, over whatever stands there.
 
 An autopilot that returns from above its return altitude stays as high as it is (ArduCopter's RTL_ALT and PX4's
-RTL_RETURN_ALT and RTL_DESCEND_ALT are least heights), so a mission can see to a clear way home whatever the vehicle's
+RTL_RETURN_ALT are least heights), so a mission can see to a clear way home whatever the vehicle's
 parameters are.
 """
 
@@ -18,14 +18,14 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.room import with_room
 from ipoa_mission.world.frame import Geodetic
 
-STEP, HIGHEST = 5, 500  # [m] above home
-TIGHT = 4.0  # at so many tight places the tube has room on the way home
+HEIGHT_STEP, HIGHEST = 5, 500  # [m] above home
+TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
 SAG = 0.3  # the predicted way home is up to so much lower than it is set [m]
 
-#: The parameters for the return altitude, and their unit in metres; PX4 1.17 was recorded to heed the lower of its two.
+#: The parameter for the return altitude, and its unit in metres.
 PARAMETERS = {
-    Autopilot.PX4: (("RTL_RETURN_ALT", "RTL_DESCEND_ALT"), 1.0),
-    Autopilot.ARDUPILOT: (("RTL_ALT",), 0.01),
+    Autopilot.PX4: ("RTL_RETURN_ALT", 1.0),
+    Autopilot.ARDUPILOT: ("RTL_ALT", 0.01),
 }
 
 
@@ -38,7 +38,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
-    roomy = with_room(scenario, TIGHT)
+    roomy = with_room(scenario, TIGHT_PLACES)
     if _is_clear(_ways_home(mission, scenario), roomy):
         return mission
     last = mission.items[-2]
@@ -66,13 +66,12 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     required clearance, if one does: near home an autopilot does not climb to it.
     """
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
-    names, unit = PARAMETERS[mission.autopilot]
-    roomy = with_room(scenario, TIGHT)
+    name, unit = PARAMETERS[mission.autopilot]
+    roomy = with_room(scenario, TIGHT_PLACES)
     for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0)):
         value = altitude / unit
-        if _is_clear(_ways_home(mission.with_parameters(dict.fromkeys(names, value)), scenario), roomy):
-            setting = f"{' and '.join(names)} = {value:.0f} make{'s' * (len(names) == 1)} it clear"
-            return f"{setting}, in the vehicle and under [vehicle.parameters]; or {others}"
+        if _is_clear(_ways_home(mission.with_parameters({name: value}), scenario), roomy):
+            return f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
     return others
 
 
@@ -87,7 +86,7 @@ def climb_for_way_home(mission: Mission) -> Iterator[str]:
 
 
 def _heights(above: float) -> Iterator[float]:
-    return (float(height) for height in range(STEP, HIGHEST + 1, STEP) if height > above)
+    return (float(height) for height in range(HEIGHT_STEP, HIGHEST + 1, HEIGHT_STEP) if height > above)
 
 
 def _ways_home(mission: Mission, scenario: Scenario) -> list[Leg]:

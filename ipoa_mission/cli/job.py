@@ -1,4 +1,4 @@
-"""What the command line was given to fly: a scenario, which is planned first, or a mission file."""
+"""What the command line was given to fly: a scenario that was planned here, or a mission file."""
 
 import logging
 from collections.abc import Mapping
@@ -16,6 +16,7 @@ from ipoa_mission.cli.reading import read_with_parameters
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.flight import Flight, plan_flight
 from ipoa_mission.items import Mission
+from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.wind import CALM, Wind
@@ -35,32 +36,30 @@ class Job:
     wind: Wind = CALM
 
 
-def prepare(
+def read_job(
     source: Path,
-    seed: int = 0,
     autopilot: Autopilot | None = None,
-    optimizer: str | None = None,
     parameters: Mapping[str, float] | None = None,
     wind: Wind | None = None,
+    vehicle: Path | None = None,
 ) -> Job:
-    """A job from a scenario (`.toml`) or a mission file.
+    """A job from a mission file.
 
     Raises:
         BadInput: the file is wrong.
-        NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
-        NotEnoughBattery: it would not come home with its reserve.
     """
-    if source.suffix == ".toml":
-        flight = plan(adapt_scenario(source, optimizer, autopilot=autopilot, parameters=parameters), seed, wind)
-        air = flight.scenario.wind.air()
-        return Job(flight.name, flight.mission, flight.estimate, flight.remarks, flight, air)
-    mission, remarks = read_with_parameters(source, autopilot, parameters)
+    mission, remarks = read_with_parameters(source, autopilot, parameters, vehicle)
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
     remarks += tuple(finding.message for finding in warnings)
     air = wind or CALM
     return Job(source.stem, mission, estimate(mission, wind=air), remarks, wind=air)
+
+
+def planned(flight: Flight) -> Job:
+    """The job of a flight that was planned here."""
+    return Job(flight.name, flight.mission, flight.estimate, flight.remarks, flight, flight.scenario.wind.air())
 
 
 def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
@@ -76,6 +75,7 @@ def adapt_scenario(
     polish: bool = True,
     autopilot: Autopilot | None = None,
     parameters: Mapping[str, float] | None = None,
+    vehicle: Path | None = None,
 ) -> Scenario:
     """The scenario in a file, with what the command line says in its place."""
     scenario = read_scenario(path)
@@ -85,10 +85,12 @@ def adapt_scenario(
         changes["planning"] = scenario.planning.model_copy(update=planning)
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
-    vehicle: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
+    changed: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
     if parameters:
-        vehicle["parameters"] = overridden(scenario.vehicle.parameters, parameters)
-    if vehicle:
-        expect_own(vehicle.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
-        changes["vehicle"] = scenario.vehicle.model_copy(update=vehicle)
+        changed["parameters"] = overridden(scenario.vehicle.parameters, parameters)
+    if changed or vehicle:
+        expect_own(changed.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
+        changes["vehicle"] = scenario.vehicle.model_copy(update=changed)
+    if vehicle is not None:
+        changes["vehicle"] = changes["vehicle"].learned_as(read_vehicle(vehicle, changes["vehicle"].autopilot))
     return scenario.model_copy(update=changes)

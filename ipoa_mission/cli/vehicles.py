@@ -1,6 +1,7 @@
 """A vehicle at the other end of a link, for the verbs that need one: found, checked against, written to."""
 
 import logging
+import time
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -39,7 +40,7 @@ def connect_to(
 ) -> "AnyVehicle":
     """The vehicle on a link. Every frame goes to `record` (left out: to `usual_record`), unless MAVSDK speaks for us.
 
-    What is done with it may take `timeout` seconds in all.
+    After `timeout` seconds from now it is given up, unless it is in flight by then.
 
     Raises:
         BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record or time).
@@ -48,7 +49,7 @@ def connect_to(
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.errors import BadInput
 
-    signer = signer_of(key)
+    signer, began = signer_of(key), time.monotonic()
     if backend is Backend.MAVSDK:
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
 
@@ -61,6 +62,8 @@ def connect_to(
         from ipoa_mission.link.vehicle import connect
 
         vehicle = connect(link, system, record or usual_record, signer, patience_of(timeout), anyway=anyway)
+        if timeout is not None:
+            vehicle.give_up_after(timeout - (time.monotonic() - began))
     log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, backend)
     return vehicle
 
@@ -93,7 +96,7 @@ def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, .
 
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
     """Whether it is known what a mission file is for: `.waypoints` does not say, and serves whoever is there."""
-    return autopilot is not None or file.suffix != ".waypoints"
+    return autopilot is not None or file.suffix.lower() != ".waypoints"
 
 
 def get(vehicle: "AnyVehicle") -> "Mission":

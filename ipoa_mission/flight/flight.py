@@ -14,9 +14,11 @@ from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.flight.summary import summarize
+from ipoa_mission.flight.written import digest
 from ipoa_mission.items import Mission
-from ipoa_mission.mission.plan_file import write_plan
-from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
+from ipoa_mission.mission.parameter_file import beside, write_with_parameters
+from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
@@ -27,6 +29,7 @@ from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.tube.flown_in import flown_in
 from ipoa_mission.tube.promise import Promise, promise_of
 from ipoa_mission.wind import Wind
 
@@ -77,13 +80,12 @@ class Flight:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise BadInput(f"{folder}: cannot be made a folder: {error.strerror}") from error
-        plan, waypoints, about, parameters = (
-            folder / f"{self.name}{suffix}" for suffix in (".plan", ".waypoints", ".json", ".params")
-        )
-        write_plan(self.mission, plan)
-        write_waypoints(self.mission, waypoints)
-        write_atomically(about, json.dumps(self.summary(), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
-        return (plan, waypoints, about, *([parameters] if self.mission.parameters else []))
+        plan, waypoints, about = (folder / f"{self.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
+        contents = {plan: plan_text(self.mission), waypoints: waypoints_text(self.mission)}
+        told = self.summary() | {"sha256": {path.name: digest(text) for path, text in contents.items()}}
+        contents[about] = json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        write_with_parameters(self.mission, contents)
+        return (*contents, *([beside(plan)] if self.mission.parameters else []))
 
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
@@ -129,7 +131,7 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     chosen = [option.route for option in options if option.mode == scenario.route.mode]
     mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
-    promise = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
+    promise = promise_of(flown_in(mission, scenario), scenario)
     findings = refuse_errors(check_mission(mission, scenario, promise))
     predicted = estimate(mission, wind=scenario.wind.air())
     energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)

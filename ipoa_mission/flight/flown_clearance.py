@@ -11,6 +11,7 @@ from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.flown_in import flown_in
 from ipoa_mission.world.airspace import Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
@@ -81,7 +82,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         checks = prove_mission(mission, scenario).checks
         planned = min(check.nearest.distance for check in checks if check.limit in ("obstacles", "ground"))
         strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
-        promise = promise_if_known(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario)
+        promise = promise_if_known(flown_in(mission, scenario), scenario)
         kept = None if promise is None else promise.clearance
         promised = None if kept is None else kept.kept
     return FlownClearance(least, place, float(times[near]), required, planned, strayed, promised)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from ipoa_mission.commands import LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import Item, Mission
+from ipoa_mission.items import LEVEL, Ground, Item, Mission
 from ipoa_mission.itinerary.program import Program, as_flown
 from ipoa_mission.world.frame import LocalFrame
 
@@ -27,11 +27,15 @@ class Visit:
 
 @dataclass(frozen=True)
 class Itinerary:
-    """Visits in order, and the same as a program without jumps; `over_terrain` names items whose height is."""
+    """Visits in order, and the same as a program without jumps; `over_terrain` names items whose height is.
+
+    Landings come down to the `ground`.
+    """
 
     visits: tuple[Visit, ...]
     program: Program
     over_terrain: tuple[int, ...]
+    ground: Ground = LEVEL
 
 
 def itinerary(mission: Mission) -> Itinerary:
@@ -50,7 +54,8 @@ def itinerary(mission: Mission) -> Itinerary:
         if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT and item.has_position
     )
     visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
-    return Itinerary(visits, Program(items, LocalFrame(mission.home), mission.autopilot), tuple(over_terrain))
+    program = Program(items, LocalFrame(mission.home), mission.autopilot)
+    return Itinerary(visits, program, tuple(over_terrain), mission.ground)
 
 
 def flying_already(route: Itinerary) -> float | None:

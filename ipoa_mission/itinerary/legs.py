@@ -226,10 +226,8 @@ def _ardupilot_return_heights(parameters: Parameters, height: float, distance: f
 
 
 def _px4_return_heights(parameters: Parameters, height: float, distance: float) -> tuple[float, ...]:
-    """PX4's RTL: the height that it was recorded at, and the one of its manual where that is another."""
-    law = Px4Return.of(parameters)
-    recorded, manual = law.height(height, distance), law.height_by_manual(height, distance)
-    return (recorded,) if recorded == manual else (recorded, manual)
+    """PX4's RTL, as its manual has it."""
+    return (Px4Return.of(parameters).height(height, distance),)
 
 
 #: How high above home the autopilot returns; of several heights the first is the usual one.

@@ -79,15 +79,19 @@ def as_flown(mission: Mission) -> Mission:
     return replace(mission, items=tuple(items))
 
 
+def is_passed(item: Item) -> bool:
+    """Whether ArduCopter is to have been at this waypoint, and not to stay there: a hold counts in whole seconds."""
+    waypoint = item.command in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
+    return waypoint and item.params[0] < 1
+
+
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
     """The item that is flown on to without stopping at item n; those that do not move the vehicle are no hindrance.
 
     `later` are the items that follow in the order in which they come up; without it, in the order of their numbers.
     """
-    if autopilot is Autopilot.ARDUPILOT:
-        waypoint = items[n].command in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
-        if not waypoint or not items[n].params[0] < 1:
-            return None
+    if autopilot is Autopilot.ARDUPILOT and not is_passed(items[n]):
+        return None
     for index in range(n + 1, len(items)) if later is None else later:
         if items[index].command <= LAST_NAV:
             return index if items[index].command in FLOWN_ON_INTO[autopilot] else None

@@ -15,10 +15,12 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item
 from ipoa_mission.mission.document import Node
+from ipoa_mission.mission.scan_shapes import corners_of, trigger
+from ipoa_mission.mission.structure_scan import lay_out_structure
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 LEAST_SPACING = 0.5  # transects nearer to each other are one in the middle [m]
-BEYOND = 2000.0  # the first transect would lie half of this, and of the polygon's width, from its middle [m]
+TRANSECT_REACH = 2000.0  # the first transect would lie half of this, and of the polygon's width, from its middle [m]
 MOST_TRANSECTS = 2000
 SAME = 1e-6  # places nearer to each other are one [m]
 STRAIGHT = 1e-9  # sine of a turn that is none
@@ -47,13 +49,15 @@ def lay_out(node: Node) -> list[Item]:
         BadInput: naming the place, where the geometry does not say enough.
     """
     name = node["complexItemType"].text()
+    if name == "StructureScan":
+        return lay_out_structure(node)
     if name not in ("survey", "CorridorScan") or node.get("TransectStyleComplexItem") is None:
         raise BadInput(
             f'{node.where}: expected the waypoints of the complex item "{name}", but it holds none',
-            hint="only surveys and corridor scans can be laid out from their geometry",
+            hint="only surveys, corridor scans and structure scans can be laid out from their geometry",
         )
     style = _style(node["TransectStyleComplexItem"])
-    corners = _corners(node["polygon" if name == "survey" else "polyline"], 3 if name == "survey" else 2)
+    corners = corners_of(node["polygon" if name == "survey" else "polyline"], 3 if name == "survey" else 2)
     frame = LocalFrame(Geodetic(*corners[0].tolist()))
     plane = frame.to_local(corners[:, 0], corners[:, 1], 0.0)[:, :2]
     transects = _survey(node, plane, style) if name == "survey" else _corridor(node, plane, style)
@@ -86,17 +90,6 @@ def _style(node: Node) -> _Style:
     )
 
 
-def _corners(node: Node, least: int) -> Points:
-    """Latitude and longitude, (n, 2)."""
-    places = [each.array(2, "numbers (latitude, longitude)") for each in node.array()]
-    corners = np.array([[value.number("degrees") for value in place] for place in places]).reshape(-1, 2)
-    if len(corners) < least or (np.abs(corners) > (90.0, 180.0)).any():
-        raise node.wrong(f"{least} corners or more, as latitude and longitude in degrees")
-    if np.ptp(corners, axis=0).max() > 1.0:
-        raise node.wrong("corners within a degree of each other")
-    return corners
-
-
 def _survey(node: Node, plane: Points, style: _Style) -> list[Points]:
     """The transects through a polygon, all in one direction, (k, 2) each."""
     angle = node["angle"].number("degrees")
@@ -104,7 +97,7 @@ def _survey(node: Node, plane: Points, style: _Style) -> list[Points]:
     along = np.array([math.sin(math.radians(angle)), math.cos(math.radians(angle))])
     across = np.array([along[1], -along[0]])
     low, high = plane.min(axis=0), plane.max(axis=0)
-    middle, half = (low + high) / 2, (float((high - low).max()) + BEYOND) / 2
+    middle, half = (low + high) / 2, (float((high - low).max()) + TRANSECT_REACH) / 2
     sides = (plane - middle) @ across
     spacing = style.spacing if style.spacing >= LEAST_SPACING else math.inf
     first, last = (math.ceil((sides.min() + half) / spacing), math.floor((sides.max() + half) / spacing))
@@ -195,17 +188,17 @@ def _items(transects: list[Points], style: _Style, frame: LocalFrame) -> Iterato
         if style.turnaround > 0:
             yield _waypoint(first, style, frame)
             if always and ends[0]:
-                yield _trigger(style.trigger)
+                yield trigger(style.trigger)
         for k, place in enumerate(transect):
             yield _waypoint(place, style, frame)
             if style.trigger > 0 and k == 0:
-                yield _trigger(style.trigger)
+                yield trigger(style.trigger)
         if style.trigger > 0 and (not always or (ends[1] and style.turnaround <= 0)):
-            yield _trigger(0.0)
+            yield trigger(0.0)
         if style.turnaround > 0:
             yield _waypoint(last, style, frame)
             if always and ends[1]:
-                yield _trigger(0.0)
+                yield trigger(0.0)
 
 
 def _beyond(transect: Points, distance: float) -> Points:
@@ -218,7 +211,3 @@ def _waypoint(place: Points, style: _Style, frame: LocalFrame) -> Item:
     latitude, longitude, _ = frame.to_geodetic(np.array([[place[0], place[1], 0.0]]))
     params = (0.0, 0.0, 0.0, math.nan)
     return Item(Command.NAV_WAYPOINT, style.frame, params, float(latitude[0]), float(longitude[0]), style.altitude)
-
-
-def _trigger(distance: float) -> Item:
-    return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, 1.0, 0.0))

@@ -58,6 +58,6 @@ def _guesses(problem: PreparedProblem) -> list[Guess]:
     straight = problem.task.places
     inner = max(CONTROL, 5 * (len(straight) - 1))
     for fineness in (THINNEST, THIN):
-        if found := ways(lay(problem, fineness), problem, WAYS):
-            return [Guess(straight, None, inner), *(Guess(way, None, inner) for way in found)]
+        if routes := ways(lay(problem, fineness), problem, WAYS):
+            return [Guess(straight, None, inner), *(Guess(way, None, inner) for way in routes)]
     return [Guess(straight, None, inner)]

@@ -5,10 +5,11 @@ lies between two items that both the estimate and the flight know.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.renamed import by_old_names
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
@@ -19,6 +20,7 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.prediction import Track
+from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
 #: Items that fly somewhere; the route is what lies between the first and the last of them.
@@ -111,17 +113,23 @@ class ComparedFlight:
     remarks: tuple[str, ...]
 
 
-def compare_logged(flight: LoggedFlight, mission: Mission | None, parameters: Parameters) -> ComparedFlight | None:
+def compare_logged(
+    flight: LoggedFlight,
+    mission: Mission | None,
+    parameters: Parameters,
+    vehicle: LearnedVehicle | None = None,
+    wind: Wind = CALM,
+) -> ComparedFlight | None:
     """A flight of a log against the estimate of `mission`; without one, of what the log says that was flown.
 
-    `parameters` go before those of the log, and these before the mission's own. None where nothing says which mission
-    it was.
+    `parameters` go before those of the log, and these before the mission's own; `vehicle`: what was learned of it. None
+    where nothing says which mission it was.
     """
     flown = mission or flight.mission
     if flown is None:
         return None
     flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
-    predicted = estimate(flown)
+    predicted = estimate(replace(flown, vehicle=vehicle), wind=wind)
     record = flight.record(flown)
     comparison = compare_flight(predicted, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))

@@ -21,6 +21,7 @@ from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.tube.flown_in import ground_of
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
@@ -71,6 +72,8 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
         rally=_rally(scenario),
         parameters=scenario.vehicle.autopilot_parameters(),
+        vehicle=scenario.vehicle.learned,
+        ground=ground_of(scenario),
     )
 
 

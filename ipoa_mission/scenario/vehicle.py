@@ -3,8 +3,9 @@
 import math
 from typing import Annotated
 
-from pydantic import Field, StringConstraints, ValidationInfo, field_validator, model_validator
+from pydantic import Field, PrivateAttr, StringConstraints, ValidationInfo, field_validator, model_validator
 
+from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot, Parameters
@@ -82,6 +83,7 @@ class VehicleSection(Section):
     """Left out, no energy is estimated."""
     battery: BatterySection | None = None
     """Left out, no plan is refused for its energy."""
+    _learned: LearnedVehicle | None = PrivateAttr(None)
 
     @field_validator("parameters")
     @classmethod
@@ -97,6 +99,17 @@ class VehicleSection(Section):
         if self.battery is not None and self.airframe is None:
             raise ValueError("expected an airframe with the battery")
         return self
+
+    @property
+    def learned(self) -> LearnedVehicle | None:
+        """What was learned of the vehicle from its flights, where the command line names a file of it."""
+        return self._learned
+
+    def learned_as(self, vehicle: LearnedVehicle) -> "VehicleSection":
+        """The same with what was learned of it."""
+        copied = self.model_copy()
+        copied._learned = vehicle
+        return copied
 
     def autopilot_parameters(self) -> Parameters:
         """Parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""

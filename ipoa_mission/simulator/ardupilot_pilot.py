@@ -14,8 +14,9 @@ from ipoa_mission.autopilots.ardupilot import (
 )
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
-from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
+from ipoa_mission.dynamics.copter.airframe import airframe_of
 from ipoa_mission.dynamics.copter.copter import Copter, stop_at
+from ipoa_mission.dynamics.copter.leash import LeashedCopter
 from ipoa_mission.dynamics.copter.motion import DESCENT
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import Place
@@ -30,14 +31,18 @@ class ArduPilotPilot:
         """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
         self._body, self._now = body, situation
         limits = copter_limits(usable(parameters))
-        airframe = ARDUPILOT_SIMULATOR.at_altitude(situation.program.frame.home.altitude)
-        self._copter = Copter(limits, body.wind, airframe, here=body.place)
+        given = body.conditions
+        airframe = airframe_of(given.vehicle).at_altitude(situation.program.frame.home.altitude)
+        made = LeashedCopter if given.vehicle is not None and given.vehicle.leashed else Copter
+        self._copter = made(limits, given.wind, airframe, here=body.place, ground=given.ground)
+        self._landing_s = THROTTLE_DOWN_S + LAND_DETECTOR_S + airframe.landing_delay
         self._legs: Iterator[None] = iter(())
         self._then: Callable[[], None] | None = None
         self._flying = False
         self._touched_s: float | None = None
+        self._floor = self._copter.state.z
         self._copter.face(body.yaw)
-        self._lift_s = ARMING_DELAY_S + 2.0 * limits.spool_up + LIFT_S
+        self._lift_s = ARMING_DELAY_S + 2.0 * limits.spool_up + LIFT_S + airframe.lift_delay
         self._spool_up = limits.spool_up
 
     # --- orders -----------------------------------------------------------------------------------------------------
@@ -142,11 +147,12 @@ class ArduPilotPilot:
         if self._copter.this.kind == DESCENT:
             self._touched_s = self._now.time_s
             self._copter.stand(0.0)
+            self._floor = self._copter.state.z
 
     def _stand(self, seconds: float) -> None:
         """On the ground with the throttle running down, until it is sure to have landed."""
-        self._now.landed = seconds >= THROTTLE_DOWN_S + LAND_DETECTOR_S
-        if seconds >= THROTTLE_DOWN_S + LAND_DETECTOR_S + self._spool_up:  # motors spun down
+        self._now.landed = seconds >= self._landing_s
+        if seconds >= self._landing_s + self._spool_up:  # motors spun down
             if self._now.mode is FlightMode.MISSION:
                 last = self._now.program.items[self._now.current].command == Command.NAV_LAND
                 self._now.done(self._now.current, announced=not last)
@@ -172,4 +178,6 @@ class ArduPilotPilot:
         body.x, body.y, body.z = state.x, state.y, state.z
         body.vx, body.vy, body.vz = state.vx, state.vy, state.vz
         body.lean_x, body.lean_y = state.lean_x, state.lean_y
-        body.on_ground = state.z <= 0.0
+        if state.z > self._floor:
+            self._floor = -math.inf  # it flies
+        body.on_ground = state.z <= self._floor

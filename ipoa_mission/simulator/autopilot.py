@@ -13,13 +13,13 @@ from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
+from ipoa_mission.simulator.conditions import USUAL, Conditions
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.flight import Flight, FlightMode
 from ipoa_mission.simulator.judgement import infeasibility
 from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import PERSONALITIES
 from ipoa_mission.simulator.transfers import Transfers
-from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
 
 ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
@@ -42,7 +42,7 @@ class Autopilot(Commander):
         cold: bool = False,
         nak_at: int | None = None,
         seed: int = 0,
-        wind: Wind = CALM,
+        conditions: Conditions = USUAL,
     ) -> None:
         """`cold`: it is powered up now, and has no position for a while; else it has stood there for long.
 
@@ -51,7 +51,7 @@ class Autopilot(Commander):
         """
         habits = PERSONALITIES[family]
         self.table = ParameterTable(family, parameters or {})
-        flight = Flight(family, home, self.table.values, wind, seed=seed)
+        flight = Flight(family, home, self.table.values, conditions, seed=seed)
         transfers = Transfers(habits, lambda: flight.home, self._say, self._listed, nak_at)
         super().__init__(habits, flight, transfers, self.table.values, 0.0 if cold else -math.inf)
         takes_file = habits.has_mission_file and nak_at is None

@@ -18,10 +18,10 @@ from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import Program
 from ipoa_mission.simulator.ardupilot_pilot import ArduPilotPilot
+from ipoa_mission.simulator.conditions import USUAL, Conditions
 from ipoa_mission.simulator.px4_pilot import PX4Pilot
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Reached, Situation
 from ipoa_mission.simulator.vehicle import Vehicle
-from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["Flight", "FlightMode", "MissionState", "Reached"]
@@ -54,7 +54,7 @@ class Flight:
         autopilot: Autopilot,
         home: Geodetic,
         parameters: Parameters,
-        wind: Wind = CALM,
+        conditions: Conditions = USUAL,
         seed: int = 0,
     ) -> None:
         """`parameters` are read again whenever the vehicle is armed.
@@ -67,7 +67,7 @@ class Flight:
         self._given = parameters
         self._now = Situation(self._program(()), mission=MissionState.NO_MISSION)
         self._chance = random.Random(seed)
-        self._body = Vehicle(wind)
+        self._body = Vehicle(conditions)
         self._pilot: Pilot = PILOTS[autopilot](self._body, self._now, self.parameters, self._chance)
 
     # --- what it is like --------------------------------------------------------------------------------------------

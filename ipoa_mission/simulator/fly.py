@@ -13,6 +13,7 @@ from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle, meet
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.server import PERFECT
 from ipoa_mission.simulator.station import Station
@@ -56,7 +57,8 @@ def board(
     """A connected simulated vehicle that stands at the mission's home."""
     expect_known(parameters, mission.autopilot)
     values = mission.with_parameters(parameters).parameters
-    autopilot = Autopilot(mission.autopilot, mission.home, values, nak_at=faults.nak_at, seed=seed, wind=wind)
+    flown_in = Conditions(wind, mission.ground, mission.vehicle)
+    autopilot = Autopilot(mission.autopilot, mission.home, values, nak_at=faults.nak_at, seed=seed, conditions=flown_in)
     station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)

@@ -6,7 +6,7 @@ import random
 from ipoa_mission.autopilots.px4 import px4_limits
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
-from ipoa_mission.dynamics.px4.airframe import SIH, SIH_SENSES
+from ipoa_mission.dynamics.px4.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.dynamics.px4.body import carried
 from ipoa_mission.dynamics.px4.navigator import law, leg, stay, take_off, way_down, way_home, waypoint
 from ipoa_mission.dynamics.px4.senses import no_errors
@@ -26,10 +26,13 @@ class PX4Pilot:
     """Flies the orders of one item, or of RTL or LAND, after the other; the vehicle is moved along."""
 
     def __init__(self, vehicle: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
-        self._vehicle, self._now, self._limits = vehicle, situation, px4_limits(parameters)
-        self._law = law(self._limits, SIH, SIH_SENSES, (vehicle.wind.east, vehicle.wind.north), STEP_S)
+        given, limits = vehicle.conditions, px4_limits(parameters)
+        airframe = airframe_of(given.vehicle)
+        self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
+        self._vehicle, self._now, self._ground = vehicle, situation, given.ground
+        self._law = law(self._limits, airframe, SIH_SENSES, given.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
-        self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds))
+        self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []
         self._announced = False
         self._here = self._state.body.place  # the place last bound for
@@ -46,7 +49,7 @@ class PX4Pilot:
                 self._return()
             case FlightMode.LAND:
                 here = self._over_home()
-                self._fly(way_down(here, here, self._limits, self._cruise, self._limits.disarm_delay))
+                self._fly(way_down(here, self._down(here), self._limits, self._cruise, self._limits.disarm_delay))
             case FlightMode.HOLD:
                 self._brake()
 
@@ -71,7 +74,7 @@ class PX4Pilot:
         if now.landed:
             now.landed = False
             place, errors = self._state.body.place, self._state.errors
-            self._state = begun(at_rest(place, now.time_s, self._vehicle.yaw, errors), order)
+            self._state = begun(at_rest(place, now.time_s, self._vehicle.yaw, errors, True), order)
         self._state = step(self._state._replace(time=now.time_s), order, self._law)
         reached = self._state.reached
         if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.holds:
@@ -108,10 +111,10 @@ class PX4Pilot:
     def _fall(self) -> None:
         """No thrust: on the ground it stays there, above it it falls."""
         state, place = self._state, self._state.body.place
-        if place.up > 0.0:
+        if place.up > (ground := self._ground(place.east, place.north)):
             state = state._replace(body=carried(state, NO_THRUST, self._law, stands=False), time=self._now.time_s)
         elif not state.body.on_ground or state.contact.stands:
-            state = at_rest(place._replace(up=0.0), self._now.time_s, state.nose.yaw, state.errors)
+            state = at_rest(place._replace(up=ground), self._now.time_s, state.nose.yaw, state.errors, True)
         self._state = state
 
     def _show(self) -> None:
@@ -148,8 +151,8 @@ class PX4Pilot:
         if item.command == Command.NAV_DELAY:
             return stay(start, limits, max(item.params[0], STEP_S))
         if item.command == Command.NAV_LAND:
-            self._here = goal._replace(up=0.0)
-            return [] if self._now.landed else way_down(start, goal, limits, cruise, 0.0)
+            self._here = self._down(goal)
+            return [] if self._now.landed else way_down(start, self._here, limits, cruise, 0.0)
         self._here, climb = goal, []
         if self._now.landed:  # whatever the item is, it takes off to its height first
             start = self._over_home()._replace(up=goal.up)
@@ -165,7 +168,11 @@ class PX4Pilot:
 
     def _return(self) -> None:
         self._cruise = self._limits.cruise
-        self._fly(way_home(self._over_home(), self._limits))
+        self._fly(way_home(self._over_home(), self._limits, self._down(Enu(0.0, 0.0, 0.0))))
+
+    def _down(self, place: Enu) -> Enu:
+        """The ground below a place."""
+        return place._replace(up=self._ground(place.east, place.north))
 
     def _over_home(self) -> Enu:
         """Where it is, its height over where it believes home to be."""

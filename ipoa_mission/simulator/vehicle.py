@@ -2,7 +2,7 @@
 
 from typing import TypeAlias
 
-from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.simulator.conditions import USUAL, Conditions
 
 Triple: TypeAlias = tuple[float, float, float]  # east, north, up
 
@@ -10,8 +10,8 @@ Triple: TypeAlias = tuple[float, float, float]  # east, north, up
 class Vehicle:
     """Place and motion, east, north, up [m, m/s]; lean as the level acceleration g tan(angle) [m/s^2]; yaw [rad]."""
 
-    def __init__(self, wind: Wind = CALM) -> None:
-        self.wind = wind
+    def __init__(self, conditions: Conditions = USUAL) -> None:
+        self.conditions = conditions
         self.x = self.y = self.z = 0.0
         self.vx = self.vy = self.vz = 0.0
         self.lean_x = self.lean_y = 0.0

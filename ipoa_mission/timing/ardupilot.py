@@ -18,8 +18,9 @@ from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.dynamics.copter.copter import Copter, Stop, stop_at
+from ipoa_mission.dynamics.copter.leash import LeashedCopter
 from ipoa_mission.dynamics.copter.legs import limits_along
-from ipoa_mission.dynamics.copter.motion import STRAIGHT
+from ipoa_mission.dynamics.copter.motion import DESCENT, STRAIGHT
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
@@ -41,14 +42,18 @@ def fly_arducopter(
     wind: Wind = CALM,
     fast: bool | None = None,
     airframe: Airframe = ARDUPILOT_SIMULATOR,
+    leashed: bool = False,
 ) -> Prediction:
-    """Fly the itinerary as ArduCopter does; `fast` is as in `estimate`.
+    """Fly the itinerary as ArduCopter does; `fast` is as in `estimate`. 3.x is `leashed`.
 
     Raises:
         BadInput: an item never ends, or a parameter has no sense.
         MissionError: the copter does not get on, as against a wind stronger than it can fly.
     """
-    flight = _Flight(route, parameters, wind, airframe, fast)
+    limits, height = copter_limits(parameters), flying_already(route)
+    made = LeashedCopter if leashed else Copter
+    copter = made(limits, wind, airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
+    flight = _Flight(route, copter, wind, airframe, height is not None)
     for n in range(len(route.visits)):
         try:
             flight.reasons.append(flight.visit(n))
@@ -68,14 +73,10 @@ def fly_arducopter(
 class _Flight:
     """A flight under way: the copter, and what is noted of it."""
 
-    def __init__(
-        self, route: Itinerary, parameters: Parameters, wind: Wind, airframe: Airframe, fast: bool | None
-    ) -> None:
-        self.route, self.wind, self.limits = route, wind, copter_limits(parameters)
-        self.top = airframe.top_speed(self.limits.lean)
-        height = flying_already(route)
-        self.airborne = height is not None
-        self.copter = Copter(self.limits, wind, airframe, fast, here=(0.0, 0.0, height or 0.0))
+    def __init__(self, route: Itinerary, copter: Copter, wind: Wind, airframe: Airframe, airborne: bool) -> None:
+        self.route, self.wind, self.copter, self.limits = route, wind, copter, copter.limits
+        self.airframe, self.top = airframe, airframe.top_speed(self.limits.lean)
+        self.airborne = airborne
         self.done: list[float] = []
         self.reasons: list[str] = []
         self.remarks: list[str] = []
@@ -160,7 +161,7 @@ class _Flight:
     def take_off(self, height: float) -> None:
         """Spool up on the ground and climb to the height."""
         if not self.airborne:
-            self.stand(ARMING_DELAY_S + 2 * self.limits.spool_up + LIFT_S)
+            self.stand(max(ARMING_DELAY_S + 2 * self.limits.spool_up + LIFT_S + self.airframe.lift_delay, 0.0))
             self.airborne = True
         if height > self.copter.here[2]:
             self.copter.take_off(height)
@@ -170,8 +171,9 @@ class _Flight:
         """Fly the legs of an ending; on the ground, until the landing is noticed."""
         for _ in legs:
             self.run()
-        if self.copter.here[2] <= 0:
-            self.stand(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.limits.spool_up)
+        if self.copter.this.kind == DESCENT:
+            delay = self.airframe.landing_delay
+            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.limits.spool_up + delay, 0.0))
             self.airborne = False
 
     def run(self) -> float:

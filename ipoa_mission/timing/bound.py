@@ -17,6 +17,7 @@ from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.timing.cubic import derivatives
 
 SPACING = 0.25  # of the places at which the speed is found [m]
+MOST_PLACES = 40_000  # on a curve that is longer they stand farther apart
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def least_time(points: Points, kinematics: Kinematics) -> Bound:
 def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
     """Lengths (m,), unit tangents (m, 3) and curvatures (m,) [1/m] of the spline through the points."""
     chords = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
-    count = max(int(np.ceil(chords[-1] / SPACING)), 40) + 1
+    count = min(max(int(np.ceil(chords[-1] / SPACING)), 40), MOST_PLACES) + 1
     even = np.linspace(0.0, 1.0, count)
     near = even[1] * np.linspace(0.0, 1.0, 12)[1:-1] ** 3  # where speed builds up from nothing, or falls to it
     at = chords[-1] * np.sort(np.concatenate([even, near, 1.0 - near]))

@@ -6,8 +6,9 @@ import numpy as np
 
 from ipoa_mission.autopilots.parameters import expect_known
 from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Autopilot, Parameters
-from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
+from ipoa_mission.dynamics.copter.airframe import airframe_of as copter_airframe
 from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
+from ipoa_mission.dynamics.px4.airframe import airframe_of as px4_airframe
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
@@ -127,9 +128,11 @@ def predict(
         raise MissionError(f"the mission is for {mission.other_vehicle}, and only multicopters have a time model")
     route = itinerary(mission)
     if mission.autopilot is Autopilot.PX4:
-        return route, fly_px4(route, mission.parameters, wind, fast, senses=KNOWS if sure else SIH_SENSES)
-    airframe = ARDUPILOT_SIMULATOR.at_altitude(mission.home.altitude)
-    return route, fly_arducopter(route, mission.parameters, wind, fast, airframe)
+        senses = KNOWS if sure else SIH_SENSES
+        return route, fly_px4(route, mission.parameters, wind, fast, px4_airframe(mission.vehicle), senses)
+    airframe = copter_airframe(mission.vehicle).at_altitude(mission.home.altitude)
+    leashed = mission.vehicle is not None and mission.vehicle.leashed
+    return route, fly_arducopter(route, mission.parameters, wind, fast, airframe, leashed)
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:

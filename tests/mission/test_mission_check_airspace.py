@@ -83,7 +83,7 @@ def test_the_way_to_where_a_payload_is_put_down_or_a_height_is_taken_is_flown(co
 
 def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
     scenario = world()
-    high = {"RTL_RETURN_ALT": 50.0, "RTL_DESCEND_ALT": 50.0}
+    high = {"RTL_RETURN_ALT": 50.0}
     legs = flown_legs(flight(scenario, (60.0, 0.0, 20.0)).with_parameters(high), scenario.frame)
     assert [(leg.seq, leg.phase) for leg in legs] == [
         (1, Phase.TAKEOFF),
@@ -106,10 +106,10 @@ def test_the_legs_of_a_flight_are_climb_cruise_return_and_landing() -> None:
         (ARDUPILOT, {"RTL_ALT": 4000.0}, 10.0, [30.0]),  # RTL_CONE_SLOPE is 3
         (ARDUPILOT, {"RTL_ALT": 4000.0, "RTL_CONE_SLOPE": 0.0}, 10.0, [40.0]),
         (ARDUPILOT, {"RTL_CLIMB_MIN": 500.0}, 60.0, [25.0]),
-        (PX4, {}, 45.0, [30.0, 60.0]),  # RTL_DESCEND_ALT, as recorded; RTL_RETURN_ALT, as its manual says
-        (PX4, {"RTL_DESCEND_ALT": 60.0}, 45.0, [60.0]),
+        (PX4, {}, 45.0, [30.0]),  # RTL_RETURN_ALT is 30 m on every multicopter
+        (PX4, {"RTL_RETURN_ALT": 60.0}, 45.0, [60.0]),
         (PX4, {}, 9.0, [20.0]),  # RTL_CONE_ANG is 45 degrees, RTL_MIN_DIST 10 m
-        (PX4, {"RTL_CONE_ANG": 0.0, "RTL_DESCEND_ALT": 80.0}, 9.0, [60.0]),
+        (PX4, {"RTL_CONE_ANG": 0.0, "RTL_RETURN_ALT": 60.0}, 9.0, [60.0]),
         (PX4, {"RTL_RETURN_ALT": 10.0}, 45.0, [20.0]),
     ],
 )
@@ -168,7 +168,7 @@ def test_rally_points_are_places_to_return_to() -> None:
     scenario = world()
     mission = replace(flight(scenario, (60.0, 0.0, 20.0)), rally=(replace(place(scenario, 60.0, 30.0), altitude=10.0),))
     ways = [corners(leg)[-1] for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.RETURN]
-    assert ways == [[0, 0, 30], [0, 0, 60], [60, 30, 30], [60, 30, 60]]
+    assert ways == [[0, 0, 30], [60, 30, 30]]
 
 
 def test_a_clear_flight_is_found_without_fault() -> None:
@@ -188,8 +188,8 @@ def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> No
     scenario = world()
     px4, ardupilot = (flight(scenario, (100.0, 40.0, 20.0), autopilot=autopilot) for autopilot in (PX4, ARDUPILOT))
     (hint,) = [f.hint for f in check_mission(px4, scenario) if f.hint]
-    assert hint.startswith("RTL_RETURN_ALT and RTL_DESCEND_ALT = 40 make it clear, ")
-    higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 40.0, RTL_DESCEND_ALT = 40.0"})
+    assert hint.startswith("RTL_RETURN_ALT = 40 makes it clear, ")
+    higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 40.0"})
     assert not any("the way home" in words for words in said(px4, higher))
     other = world(**{"px4": "ardupilot", "RTL_RETURN_ALT = 25.0": "RTL_ALT = 1500"})
     (hint,) = [f.hint for f in check_mission(ardupilot, other) if f.hint]
@@ -199,7 +199,7 @@ def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> No
 def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
     scenario = world(
         **{
-            "RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5, RTL_DESCEND_ALT = 31.5",
+            "RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5",
             "up = [-5.0, 70.0]": "up = [-5.0, 31.0]",
         }
     )

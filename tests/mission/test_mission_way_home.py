@@ -76,7 +76,7 @@ def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_for_the_way_home(
         (Autopilot.ARDUPILOT, 12.0, None),  # it is at 20 m already, and RTL_ALT is 15 m
         (Autopilot.ARDUPILOT, 18.0, 25.0),
         (Autopilot.ARDUPILOT, 40.0, 45.0),
-        (Autopilot.PX4, 12.0, None),  # RTL_DESCEND_ALT is 30 m
+        (Autopilot.PX4, 12.0, None),  # RTL_RETURN_ALT is 30 m
         (Autopilot.PX4, 40.0, 50.0),
         (Autopilot.PX4, 58.0, 65.0),
         (Autopilot.PX4, 70.0, 80.0),

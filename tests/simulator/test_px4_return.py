@@ -29,7 +29,7 @@ def test_a_recorded_flight_came_home_as_high_as_the_law_says(flight: Recorded) -
 
 
 @pytest.mark.parametrize(
-    ("parameters", "top"), [({}, 30.0), ({"RTL_RETURN_ALT": 24.0}, 24.0), ({"RTL_DESCEND_ALT": 15.0}, 20.0)]
+    ("parameters", "top"), [({}, 30.0), ({"RTL_RETURN_ALT": 24.0}, 24.0), ({"RTL_RETURN_ALT": 60.0}, 60.0)]
 )
 def test_checks_estimate_and_built_in_autopilot_return_equally_high(parameters: dict[str, float], top: float) -> None:
     frame = LocalFrame(HOME)
@@ -38,7 +38,7 @@ def test_checks_estimate_and_built_in_autopilot_return_equally_high(parameters: 
     checked = [leg.points[:, 2].max() for leg in flown_legs(mission, frame)]
     usual = next(leg for leg in flown_legs(mission, frame) if leg.phase is Phase.RETURN)
     assert usual.points[:, 2].max() == pytest.approx(top, abs=0.01)
-    assert max(checked) == pytest.approx(parameters.get("RTL_RETURN_ALT", 60.0), abs=0.01)  # and the manual's height
+    assert max(checked) == pytest.approx(top, abs=0.01)
     assert estimate(mission).track.points[:, 2].max() == pytest.approx(top, abs=1.0)
     flight = Flight(Autopilot.PX4, HOME, parameters)
     flight.load(items)

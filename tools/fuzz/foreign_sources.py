@@ -2,10 +2,18 @@
 
 import io
 import json
+import tempfile
 import zipfile
 from pathlib import Path
 
+import numpy as np
+import pyogrio
+import shapely
+
+from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.learn.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.link.flight_log import read_flights
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_buildings
@@ -16,6 +24,9 @@ from ipoa_mission.world.terrain import Flat
 from tools import REPOSITORY
 
 FRAME = LocalFrame(Geodetic(47.0, 8.0, 500.0))
+VEHICLE = LearnedVehicle(
+    Autopilot.ARDUPILOT, Learned(1.5, 1.2, 1.8), landing_delay=Learned(-1.0, -2.0, 0.5), leashed=True
+)
 TIME = 1.8e9  # of a flight [s since 1970]
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.001], [8.0, 47.0]]
 POLYGON = {"type": "Polygon", "coordinates": [RING]}
@@ -102,6 +113,12 @@ STYLE = {
 SCANS = [
     {"complexItemType": "survey", "angle": 30, "entryLocation": 1, "polygon": [[y, x] for x, y in RING]},
     {"complexItemType": "CorridorScan", "CorridorWidth": 60, "EntryPoint": 2, "polyline": [[47, 8], [47.001, 8.002]]},
+    {
+        "complexItemType": "StructureScan",
+        "CameraCalc": STYLE["CameraCalc"],
+        "polygon": [[y, x] for x, y in RING[:4]],
+        **{"EntranceAltitude": 40, "GimbalPitch": 0, "ScanBottomAlt": 10, "StartFromTop": True, "StructureHeight": 50},
+    },
 ]
 SCAN_PLAN = {
     "fileType": "Plan",
@@ -123,7 +140,21 @@ def sources() -> list[tuple[str, bytes]]:
     documents = [(".geojson", GEOJSON), (".json", ED269), (".json", CITYJSON), (".plan", SCAN_PLAN)]
     texts = [(suffix, json.dumps(document).encode()) for suffix, document in documents]
     logs = [(path.suffix, path.read_bytes()) for path in sorted((REPOSITORY / "tests" / "logs").glob("sitl-*"))]
-    return [*texts, *texts, (".kml", KML), (".kmz", archive.getvalue()), *logs]
+    vehicle = (".toml", write_vehicle(VEHICLE).encode())
+    return [*texts, *texts, (".kml", KML), (".kmz", archive.getvalue()), vehicle, *_tables(), *logs]
+
+
+def _tables() -> list[tuple[str, bytes]]:
+    """What GDAL writes of a polygon: the main file of a shapefile, FlatGeobuf, GeoPackage."""
+    shape = np.array([shapely.to_wkb(shapely.Polygon(RING))], dtype=object)
+    height = [np.array([12.0])]
+    tables = []
+    with tempfile.TemporaryDirectory() as folder:
+        for suffix in (".shp", ".fgb", ".gpkg"):
+            path = Path(folder) / f"table{suffix}"
+            pyogrio.raw.write(path, shape, height, ["height"], geometry_type="Polygon", crs="EPSG:4326")
+            tables.append((suffix, path.read_bytes()))
+    return tables
 
 
 def probe_foreign(path: Path) -> str:
@@ -133,6 +164,9 @@ def probe_foreign(path: Path) -> str:
         AssertionError: a refusal does not begin with the file.
     """
     try:
+        if path.suffix == ".toml":
+            read_vehicle(path)
+            return "read"
         if path.suffix not in READERS:
             for flight in read_flights(path).flights:
                 flight.record(flight.mission)

@@ -8,6 +8,7 @@ greatest lean it decides.
 import math
 from dataclasses import dataclass, replace
 
+from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.geometry import GRAVITY
 
 TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
@@ -16,7 +17,7 @@ THINNING = 9.6e-5  # by this share the air is thinner a metre higher [1/m]
 
 @dataclass(frozen=True)
 class Airframe:
-    """Drag per mass, and `lag` [s] of rotors and rate loop.
+    """Drag per mass, `lag` [s] of rotors and rate loop, and how much later than modeled it lifts off and disarms [s].
 
     The rotors' is `rotor_drag` times the speed through the air at a thrust of one g, and grows with the square root of
     the thrust [1/s]; the body's is `body_drag` times the square of it, along each of the body's axes [1/m].
@@ -25,6 +26,8 @@ class Airframe:
     rotor_drag: float
     body_drag: float
     lag: float
+    lift_delay: float = 0.0
+    landing_delay: float = 0.0
 
     def at_altitude(self, altitude: float) -> "Airframe":
         """The same over a home at this altitude [m], where the air is thinner: the standard atmosphere's density.
@@ -52,3 +55,21 @@ class Airframe:
 #: ArduPilot's built-in quadrotor, of 3 kg: 45 degrees of lean hold 15.08 m/s at 593 m over the sea, of which the rotors
 #: take 0.2 v sqrt(T rho A) with A = 0.385 m^2. The values are those at the sea (rho = 1.225 kg/m^3).
 ARDUPILOT_SIMULATOR = Airframe(rotor_drag=0.2484, body_drag=0.0356, lag=0.02)
+
+
+def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
+    """The airframe of a vehicle that was learned; the simulator's where nothing is known of it.
+
+    >>> airframe_of(None) is ARDUPILOT_SIMULATOR
+    True
+    """
+    if vehicle is None:
+        return ARDUPILOT_SIMULATOR
+    drag, same = vehicle.value("drag", 1.0), ARDUPILOT_SIMULATOR
+    return Airframe(
+        rotor_drag=same.rotor_drag * drag,
+        body_drag=same.body_drag * drag,
+        lag=vehicle.value("lag", same.lag),
+        lift_delay=vehicle.value("lift_delay", 0.0),
+        landing_delay=vehicle.value("landing_delay", 0.0),
+    )

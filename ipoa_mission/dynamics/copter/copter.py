@@ -43,8 +43,8 @@ from ipoa_mission.dynamics.copter.motion import (
 from ipoa_mission.dynamics.copter.steps import SAMPLE_STEPS
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Item
-from ipoa_mission.itinerary.program import Place, Program
+from ipoa_mission.items import LEVEL, Ground, Item
+from ipoa_mission.itinerary.program import Place, Program, is_passed
 from ipoa_mission.wind import CALM, Wind
 
 JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
@@ -66,21 +66,25 @@ SETTLED = 10.0  # a hold that lasts longer changes nothing more [s]
 
 
 class Stop(NamedTuple):
-    """Where to fly: straight, or on a `spline` that leaves towards the place `after` it (True: by another spline)."""
+    """Where to fly: straight, or on a `spline` that leaves towards the place `after` it (True: by another spline).
+
+    `stays`: the copter is to stand there, and not only to have been there; before 4.0 that makes a difference.
+    """
 
     place: Place
     spline: bool = False
     after: tuple[Place, bool] | None = None
+    stays: bool = True
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
     """Item n of a program as a stop; what it leaves open is that of `here`."""
     place, spline = program.place(n, here), program.items[n].command == Command.NAV_SPLINE_WAYPOINT
-    onward = program.onward(n) if spline else None
+    onward, stays = program.onward(n) if spline else None, not is_passed(program.items[n])
     if onward is None:
-        return Stop(place, spline)
+        return Stop(place, spline, stays=stays)
     after = program.place(onward, place), program.items[onward].command == Command.NAV_SPLINE_WAYPOINT
-    return Stop(place, spline, after)
+    return Stop(place, spline, after, stays)
 
 
 class Copter:
@@ -93,9 +97,10 @@ class Copter:
         airframe: Airframe = ARDUPILOT_SIMULATOR,
         fast: bool | None = False,
         here: Place = (0.0, 0.0, 0.0),
+        ground: Ground = LEVEL,
     ) -> None:
-        """`fast` is as in `estimate`."""
-        self.limits, self._tuning, self._wind = limits, tuning(limits, airframe, wind), wind
+        """`fast` is as in `estimate`; it comes down to the `ground`."""
+        self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = Bounds(limits.speed, limits.climb, limits.descent)
         self._steps = stepping(plain_steps, fast, 0.0)
@@ -123,7 +128,8 @@ class Copter:
         way = speed if speed <= near else near / 2 + speed**2 / (2 * limits.accel)
         share = way / speed if speed > STANDING else 0.0
         up = state.vz * abs(state.vz) / (2 * limits.accel_z)
-        return state.x + state.vx * share, state.y + state.vy * share, max(state.z + up, 0.0)
+        east, north = state.x + state.vx * share, state.y + state.vy * share
+        return east, north, max(state.z + up, self._ground(east, north))
 
     # --- time passes ------------------------------------------------------------------------------------------------
 
@@ -178,7 +184,7 @@ class Copter:
     def stand(self, seconds: float) -> None:
         """Let time pass on the ground, without any motion."""
         x, y, z = self.place
-        yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, 0.0)), self.state.time + seconds)
+        yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, self._ground(x, y))), self.state.time + seconds)
         self.face(yaw)
 
     def face(self, yaw: float) -> None:
@@ -275,8 +281,14 @@ class Copter:
         self._begin_over(upright_leg(CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds))
 
     def descend(self) -> None:
-        """Come down to the ground: fast down to LAND_ALT_LOW, then at LAND_SPEED."""
-        self._begin_over(upright_leg(DESCENT, self.here, 0.0, self.speeds))
+        """Come down to the ground: fast down to LAND_ALT_LOW, then at LAND_SPEED.
+
+        LAND_ALT_LOW is over the ground where a range finder sees that, else over home, wherever the ground is.
+        """
+        ground = self._ground(*self.here[:2])
+        low = self.limits.land_low + (ground if self.limits.sees_ground else 0.0)
+        self._tuning = self._tuning._replace(land_low=low)
+        self._begin_over(upright_leg(DESCENT, self.here, ground, self.speeds))
 
     def _begin_over(self, leg: Leg) -> None:
         self._before, self.state.clock = NO_LEG, 0.0

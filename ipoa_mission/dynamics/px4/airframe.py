@@ -6,14 +6,20 @@ No mission and no parameter tells these, and every airframe has its own (docs/fl
 import math
 from typing import NamedTuple
 
+from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.geometry import GRAVITY
 
 
 class Airframe(NamedTuple):
-    """Drag for each m/s of airspeed, per mass [1/s]; the lag of rotors and rate loop [s]."""
+    """Drag for each m/s of airspeed, per mass [1/s]; the lag of rotors and rate loop [s].
+
+    It lifts off and disarms so much later than modeled [s].
+    """
 
     drag: float
     lag: float
+    lift_delay: float = 0.0
+    landing_delay: float = 0.0
 
     def top_speed(self, lean: float) -> float:
         """The level speed [m/s] at which drag meets what a lean [rad] gives in calm air."""
@@ -41,3 +47,19 @@ SIH = Airframe(drag=1.0, lag=0.06)
 SIH_SENSES = Senses(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True)
 #: A vehicle that knows exactly where it is, and sees no ground.
 KNOWS = Senses(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
+
+
+def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
+    """The airframe of a vehicle that was learned; SIH's where nothing is known of it.
+
+    >>> airframe_of(None) is SIH
+    True
+    """
+    if vehicle is None:
+        return SIH
+    return Airframe(
+        SIH.drag * vehicle.value("drag", 1.0),
+        vehicle.value("lag", SIH.lag),
+        vehicle.value("lift_delay", 0.0),
+        vehicle.value("landing_delay", 0.0),
+    )

@@ -118,7 +118,7 @@ def wanted_velocity(state: State, order: Order, law: Law, guidance: Guidance) ->
         held = fast
     if order.kind == LAND:
         share = fast / far if far > AT_GOAL else 0.0
-        velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, law))
+        velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, law))
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
         velocity = within(aim, fast, vertical_speed(at, to.goal, to.beyond, climb.rate, climb.accel, limits))

@@ -5,13 +5,13 @@ from ipoa_mission.dynamics.px4.state import LAND, Body, Contact, Law, Order, Sta
 from ipoa_mission.geometry import GRAVITY
 
 
-def sink_rate(state: State, law: Law) -> float:
+def sink_rate(state: State, order: Order, law: Law) -> float:
     """MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, from there ever slower to MPC_LAND_SPEED at MPC_LAND_ALT2; then it crawls.
 
-    It crawls where a range finder sees the ground, whose height lags.
+    These are over the ground where a range finder sees it, whose height lags, and there it crawls; else over home.
     """
     limits, sees = law.limits, law.senses.sees_ground
-    height = state.body.place.up - (RANGE_LAG_S * state.body.speed.up if sees else 0.0)
+    height = state.body.place.up - (order.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)
     if sees and height <= limits.crawl_below and not state.contact.lost:
         return limits.crawl_speed
     share = (height - limits.land_low) / max(limits.land_high - limits.land_low, 1e-6)
@@ -20,7 +20,7 @@ def sink_rate(state: State, law: Law) -> float:
 
 def stands(state: State, order: Order) -> bool:
     """Whether a landing has come down to the ground."""
-    return order.kind == LAND and (state.contact.stands or state.body.place.up <= 0.0)
+    return order.kind == LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
 
 
 def felt(state: State, body: Body, thrust: float, law: Law) -> Contact:

@@ -11,16 +11,19 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.wind import Wind
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANYWHERE = 1e9  # a radius that everything is within [m]
 
 
-def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: tuple[float, float], dt: float) -> Law:
-    """What holds for a noisy flight in steps of `dt` s; `wind` blows towards east and north [m/s]."""
+def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: Wind, dt: float) -> Law:
+    """What holds for a noisy flight in steps of `dt` s."""
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
+    senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
-    return Law(limits, airframe, senses, float(wind[0]), float(wind[1]), *steps, turns=True, noisy=True)
+    east, north, exponent, height = map(float, (wind.east, wind.north, wind.exponent, wind.gradient_height))
+    return Law(limits, airframe, senses, east, north, exponent, height, *steps, turns=True, noisy=True)
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
@@ -53,24 +56,27 @@ def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
     return [order._replace(radius=ANYWHERE, height_radius=ANYWHERE, holds=seconds)] if seconds > 0 else []
 
 
-def way_down(here: Enu, over: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
-    """The orders to land there: over the place first, if it is farther than the acceptance radius, then down.
+def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
+    """The orders to land on the ground there: over it first, if it is farther than the acceptance radius, then down.
 
     `holds`: how long it stands before it disarms [s].
     """
-    over = over._replace(up=here.up)
+    over = ground._replace(up=here.up)
     way = [leg(here, over, None, limits, cruise)] if math.dist(here, over) > limits.radius else []
-    ground = (over if way else here)._replace(up=0.0)
+    ground = ground if way else here._replace(up=ground.up)
     return [*way, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, holds=holds)]
 
 
-def way_home(here: Enu, limits: Px4Limits) -> list[Order]:
-    """The orders of RTL: climb as `Px4Return` says, fly home at MPC_XY_CRUISE, wait, come down, disarm."""
+def way_home(here: Enu, limits: Px4Limits, home: Enu) -> list[Order]:
+    """The orders of RTL: climb as `Px4Return` says, fly to the ground at home at MPC_XY_CRUISE, wait, disarm."""
     height, cruise = limits.returning.height(here.up, math.hypot(here.east, here.north)), limits.cruise
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(here, top, None, limits, cruise)] if top != here else []
-    *way, down = way_down(top, Enu(0.0, 0.0, 0.0), limits, cruise, limits.disarm_delay)
-    return [*climb, *way, *stay(down.goal._replace(up=top.up), limits, limits.land_delay), down]
+    *way, down = way_down(top, home, limits, cruise, limits.disarm_delay)
+    over = down.goal._replace(up=top.up)
+    low = over._replace(up=max(min(top.up, limits.land_delay_height), home.up))
+    waits = [leg(over, low, None, limits, cruise), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
+    return [*climb, *way, *waits, down]
 
 
 class Planned(NamedTuple):
@@ -81,8 +87,10 @@ class Planned(NamedTuple):
     remarks: tuple[str, ...]
 
 
-def plan(route: Itinerary, limits: Px4Limits) -> Planned:
+def plan(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
     """The orders for an itinerary, from the ground, or from over home if it has no take-off.
+
+    A landed vehicle disarms `landing_delay` s later than modeled.
 
     Raises:
         BadInput: an item never ends.
@@ -93,7 +101,8 @@ def plan(route: Itinerary, limits: Px4Limits) -> Planned:
     at = navigator.here
     for n in range(len(route.visits)):
         for order in navigator.visit(n):
-            orders.append(_patient(order, at, limits))
+            late = landing_delay if order.kind == LAND else 0.0
+            orders.append(_patient(order._replace(holds=order.holds + late), at, limits))
             at = order.goal
         done.append(len(orders))
     return Planned(tuple(orders), tuple(done), tuple(navigator.remarks))
@@ -136,9 +145,9 @@ class _Navigator:
             return stay(self.here, self.limits, params[0])
         if command == Command.NAV_RETURN_TO_LAUNCH:
             self.cruise = self.limits.cruise
-            return self.down(way_home(self.here, self.limits))
+            return self.down(way_home(self.here, self.limits, self.ground(Enu(0.0, 0.0, 0.0))))
         if command == Command.NAV_LAND:
-            return self.down(way_down(self.here, self.target(n), self.limits, self.cruise, 0.0))
+            return self.down(way_down(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
         if command == Command.DO_CHANGE_SPEED and params[0] < 2:
             self.cruise = params[1] if params[1] > 0 else self.limits.cruise
         elif command <= LAST_NAV or command in UNTIMED:
@@ -149,6 +158,10 @@ class _Navigator:
         """Orders that end on the ground."""
         self.here, self.airborne = orders[-1].goal, False
         return orders
+
+    def ground(self, place: Enu) -> Enu:
+        """The ground below a place."""
+        return place._replace(up=self.route.ground(place.east, place.north))
 
     def target(self, n: int) -> Enu:
         """Where visit n leads: what it leaves open is that of the place last bound for."""

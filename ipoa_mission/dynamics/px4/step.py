@@ -97,9 +97,8 @@ def is_over(state: State, order: Order) -> bool:
     return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
 
 
-def at_rest(place: Enu, time: float, yaw: float, errors: Errors) -> State:
-    """A vehicle without motion, all that it has learned forgotten; on the ground if it is no higher."""
-    on_ground = place.up <= 0.0
+def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
+    """A vehicle without motion, all that it has learned forgotten."""
     body = Body(place, ZERO, Level(0.0, 0.0), Level(0.0, 0.0), ZERO, on_ground, time)
     trajectory = Trajectory(Axis(place.east, 0.0, 0.0), Axis(place.north, 0.0, 0.0), Axis(place.up, 0.0, 0.0))
     return State(

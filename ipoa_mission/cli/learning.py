@@ -1,0 +1,117 @@
+"""`learn`: what sets a vehicle apart, from the logs of its flights."""
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ipoa_mission.cli.options import ForceOption, JsonOption
+from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.errors import BadInput, MissionError
+
+if TYPE_CHECKING:
+    from ipoa_mission.autopilots.learned import LearnedVehicle
+    from ipoa_mission.learn.evidence import Evidence
+    from ipoa_mission.learn.judge import LeftOut
+
+MISSIONS = (".plan", ".waypoints", ".mission")
+
+
+def learn(
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="[FILE] LOG...", help="Logs; before each its mission, where the log does not have it."),
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The vehicle that is written.")] = Path(
+        "vehicle.toml"
+    ),
+    force: ForceOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Learn a vehicle from its flights: drag, lag, delays on the ground, each with the interval of nine in ten.
+
+    What the flights do not tell is left as the simulated vehicle has it. Each flight is timed by what the others tell;
+    where that is no better nothing is written, exit code 1. Fly in little wind, and near the top speed.
+
+    Example: `ipoa-mission learn monday.bin tuesday.bin --out vehicle.toml`
+    """
+    from dataclasses import replace
+
+    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.files import write_atomically
+    from ipoa_mission.learn.fit import fit
+    from ipoa_mission.learn.judge import left_out, median_errors
+    from ipoa_mission.learn.vehicle_file import write_vehicle
+
+    expect_free([out], force, ask=not as_json)
+    flights, remarks, version = _gathered(files)
+    leashed = version.startswith("3.")
+    judged = left_out(flights, leashed)
+    before, after = median_errors(judged)
+    if not after < before:
+        raise MissionError(
+            f"the flights left out are timed no better by what the others tell: {after:.1%} off, not {before:.1%}",
+            hint="the estimate is as good without a vehicle file",
+        )
+    vehicle = replace(fit(flights, leashed), version=version)
+    write_atomically(out, write_vehicle(vehicle))
+    if as_json:
+        tell_json(_as_json(vehicle, judged, (before, after)) | {"remarks": remarks, "written": str(out)})
+        return
+    rows = [(one.name, *(f"{s:.1f}" for s in (one.flown_s, one.before_s, one.after_s))) for one in judged]
+    tell_table(
+        "each flight by what the others tell", ["flight", "flown\ns", "estimated\ns", "with the\nvehicle s"], rows
+    )
+    tell(*_words(vehicle), f"median error of a flight {after:.1%}, {before:.1%} without", *notes(remarks))
+    tell(f"written: {out}")
+
+
+def _gathered(files: list[Path]) -> tuple[list["Evidence"], list[str], str]:
+    """All flights that can be learned from, remarks, and the firmware's version."""
+    from ipoa_mission.learn.evidence import flights_in
+    from ipoa_mission.mission.files import read_mission
+
+    flights: list[Evidence] = []
+    remarks: list[str] = []
+    kinds: set[tuple[str, str]] = set()
+    mission = None
+    for n, file in enumerate(files):
+        if file.suffix.lower() in MISSIONS:
+            if n + 1 == len(files) or mission is not None:
+                raise BadInput(f"{file}: expected a log after it")
+            mission = file
+            continue
+        reader = None if mission is None else partial(read_mission, mission)
+        usable, left, version, autopilot = flights_in(file, reader)
+        flights, remarks, mission = flights + usable, remarks + left, None
+        if usable:
+            kinds.add((autopilot, version))
+    if not flights:
+        raise MissionError("; ".join(remarks) or "no flight to learn from")
+    if len({autopilot for autopilot, _ in kinds}) > 1 or len({v.startswith("3.") for _, v in kinds}) > 1:
+        flown = " and ".join(f"{autopilot} {version}".strip() for autopilot, version in sorted(kinds))
+        raise BadInput(f"expected logs of one vehicle, not of {flown}")
+    return flights, remarks, max(version for _, version in kinds)
+
+
+def _words(vehicle: "LearnedVehicle") -> Iterator[str]:
+    from ipoa_mission.learn.vehicle_file import NUMBERS, UNITS
+
+    for name in NUMBERS:
+        learned = getattr(vehicle, name)
+        if learned is None:
+            yield f"{name}: as the simulated vehicle, or not told by the flights"
+        else:
+            yield f"{name}: {learned.value:.3g} ({learned.low:.3g} to {learned.high:.3g}), {UNITS[name]}"
+
+
+def _as_json(vehicle: "LearnedVehicle", judged: "tuple[LeftOut, ...]", errors: tuple[float, float]) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    return {
+        "vehicle": asdict(vehicle),
+        "left_out": [asdict(one) for one in judged],
+        "median_error": {"before": round(errors[0], 5), "after": round(errors[1], 5)},
+    }

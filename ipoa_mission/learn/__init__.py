@@ -1,0 +1,1 @@
+"""What sets one vehicle apart from the simulated ones, learned from the logs of its flights."""

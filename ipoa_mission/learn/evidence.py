@@ -1,0 +1,129 @@
+"""Flights to learn from: how long each item took, flown and by the model of a vehicle."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ipoa_mission.autopilots.learned import LearnedVehicle
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.dynamics.px4.airframe import airframe_of
+from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import Vector
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.itinerary import itinerary
+from ipoa_mission.link.flight_log import LoggedFlight, read_flights
+from ipoa_mission.link.logbook import brings_down
+from ipoa_mission.timing.estimate import predict
+from ipoa_mission.timing.px4 import STEP, Flights
+
+RUNS = 8  # of PX4's noise, the same in every forecast
+#: Standard deviations of an item's time about its model's, by the recorded flights: seconds, share, and of an ending.
+SCATTER = {Autopilot.ARDUPILOT: (0.15, 0.01, 0.6), Autopilot.PX4: (0.7, 0.02, 2.0)}
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """A flight of a mission on a vehicle with its parameters: its items (`visits` of the itinerary) lasted so long.
+
+    `seconds` (n,) are from the visit before that the log knows, `scatter` (n,) their standard deviations [s].
+    """
+
+    name: str
+    mission: Mission
+    visits: tuple[int, ...]
+    seconds: Vector
+    scatter: Vector
+
+    def forecast(self, vehicle: LearnedVehicle | None) -> Vector:
+        """How long the items take on this vehicle (n,) [s]; PX4's are means over its noise.
+
+        Raises:
+            MissionError: the vehicle does not get on.
+        """
+        mission = replace(self.mission, vehicle=vehicle)
+        done = _px4(mission) if mission.autopilot is Autopilot.PX4 else predict(mission, fast=True)[1].done
+        return np.diff(done[list(self.visits)], prepend=0.0)
+
+
+def _px4(mission: Mission) -> Vector:
+    flights = Flights(itinerary(mission), mission.parameters, airframe=airframe_of(mission.vehicle))
+    steps = RUNS * sum(order.patience for order in flights.plan.orders) / STEP
+    once = flights.prepared(True, True, steps)
+    return np.asarray(np.median([once(seed)[0] for seed in range(1, RUNS + 1)], axis=0))
+
+
+def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None) -> Evidence:
+    """A flight of a log as evidence; `mission` where the log does not tell what was flown.
+
+    Raises:
+        MissionError: nothing says what was flown, or the log knows of too few items.
+    """
+    flown = mission or flight.mission
+    if flown is None:
+        raise MissionError(f"{name}: it does not say which mission was flown")
+    flown = flown.with_parameters(flight.parameters)
+    return evidence_between(name, flown, flight.record(flown).item_reached_s)
+
+
+def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -> Evidence:
+    """A flight as evidence, by when the items of `Mission.items` were done [s since arming], by their index.
+
+    Raises:
+        MissionError: too few of them are known.
+    """
+    visits, done, met = [], [], set[int]()
+    route = itinerary(mission)
+    for n, visit in enumerate(route.visits):
+        at = done_s.get(visit.seq - 1)
+        if at is not None and visit.seq not in met:
+            visits.append(n)
+            done.append(at)
+        met.add(visit.seq)
+    if len(visits) < 2 or min(done_s) > 0:
+        raise MissionError(f"{name}: it knows when {len(visits)} of {len(mission.items)} items were done")
+    seconds = np.diff(done, prepend=0.0)
+    least, share, ending = SCATTER[mission.autopilot]
+    ends = np.array([brings_down(route.visits[n].item.command) for n in visits])
+    return Evidence(name, mission, tuple(visits), seconds, np.where(ends, ending, least) + share * seconds)
+
+
+def errors(flights: Sequence[Evidence], vehicle: LearnedVehicle | None) -> Vector:
+    """By how much the forecasts are too long (m,) [s], item after item of all flights."""
+    return _joined(flight.forecast(vehicle) - flight.seconds for flight in flights)
+
+
+def scatter(flights: Sequence[Evidence]) -> Vector:
+    """The standard deviations of `errors` of a right model (m,) [s]."""
+    return _joined(flight.scatter for flight in flights)
+
+
+def _joined(parts: Iterable[Vector]) -> Vector:
+    return np.concatenate([*parts, np.empty(0)])
+
+
+def flights_in(
+    path: Path, read: Callable[[Autopilot], Mission] | None = None
+) -> tuple[list[Evidence], list[str], str, Autopilot]:
+    """All flights of a log that can be learned from, why others cannot, the firmware's version, and which it is.
+
+    `read` gives the mission for that firmware where the log does not have it.
+
+    Raises:
+        BadInput: not a log.
+        MissionError: nothing in it was flown.
+    """
+    log = read_flights(path)
+    mission = None if read is None else read(log.autopilot)
+    usable, left_out = [], list(log.remarks)
+    for number, flight in enumerate(log.flights, 1):
+        name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
+        if not flight.in_mission:
+            left_out.append(f"{name}: not in a mission")
+            continue
+        try:
+            usable.append(evidence_of(name, flight, mission))
+        except MissionError as error:
+            left_out.append(str(error))
+    return usable, left_out, log.version, log.autopilot

@@ -1,0 +1,101 @@
+"""`vehicle.toml`: a learned vehicle as a file."""
+
+import math
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import BadInput
+
+NUMBERS = ("drag", "lag", "lift_delay", "landing_delay")
+PLAIN = {"autopilot", "leashed", "version", "flights"}
+UNITS = {
+    "drag": "times that of the simulated vehicle",
+    "lag": "of rotors and rate loop [s]",
+    "lift_delay": "how much later it lifts off [s]",
+    "landing_delay": "how much later it disarms after landing [s]",
+}
+POSITIVE, MOST = ("drag", "lag"), {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0}
+LARGEST = 100_000  # bytes of a file
+
+
+def write_vehicle(vehicle: LearnedVehicle) -> str:
+    """The text of the file.
+
+    >>> print(write_vehicle(LearnedVehicle(Autopilot.PX4, drag=Learned(1.6, 1.5, 1.7), flights=4)))
+    autopilot = "px4"
+    flights = 4
+    <BLANKLINE>
+    [drag]  # times that of the simulated vehicle
+    value = 1.6
+    low = 1.5
+    high = 1.7
+    <BLANKLINE>
+    """
+    lines = [f'autopilot = "{vehicle.autopilot}"']
+    lines += [f'version = "{vehicle.version}"'] if vehicle.version else []
+    lines += [f"flights = {vehicle.flights}", *(["leashed = true  # as ArduCopter 3.x"] if vehicle.leashed else []), ""]
+    for name in NUMBERS:
+        learned: Learned | None = getattr(vehicle, name)
+        if learned is not None:
+            lines.append(f"[{name}]  # {UNITS[name]}")
+            lines += [f"{field.name} = {getattr(learned, field.name):.4g}" for field in fields(Learned)] + [""]
+    return "\n".join(lines)
+
+
+def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehicle:
+    """The vehicle in a file, of this autopilot if one is given.
+
+    Raises:
+        BadInput: the file cannot be read, or something in it is not as `write_vehicle` has it; with the place.
+    """
+    try:
+        with path.open("rb") as file:
+            text = file.read(LARGEST + 1)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    if len(text) > LARGEST:
+        raise BadInput(f"{path}: expected a vehicle.toml of at most {LARGEST} bytes")
+    try:
+        found = tomllib.loads(text.decode())
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"{path}: expected TOML: {error}") from error
+    for key in found.keys() - PLAIN - set(NUMBERS):
+        raise BadInput(f"{path}: {key}: expected one of {', '.join(sorted([*PLAIN, *NUMBERS]))}")
+    return _vehicle(path, found, autopilot)
+
+
+def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> LearnedVehicle:
+    name = found.get("autopilot")
+    if name not in tuple(Autopilot):
+        raise BadInput(f'{path}: autopilot: expected "ardupilot" or "px4", not {name!r:.40}')
+    if autopilot not in (None, name):
+        raise BadInput(f"{path}: expected a vehicle with {autopilot}, not with {name}")
+    kinds: dict[str, tuple[type, Any]] = {"leashed": (bool, False), "version": (str, ""), "flights": (int, 0)}
+    plain: dict[str, Any] = {}
+    for key, (kind, otherwise) in kinds.items():
+        plain[key] = found.get(key, otherwise)
+        if type(plain[key]) is not kind:
+            raise BadInput(f"{path}: {key}: expected {kind.__name__}, not {plain[key]!s:.40}")
+    if plain["leashed"] and name != Autopilot.ARDUPILOT:
+        raise BadInput(f"{path}: leashed: expected with ArduCopter only")
+    numbers = {key: _learned(path, key, found[key]) for key in NUMBERS if key in found}
+    return LearnedVehicle(Autopilot(name), **plain).with_numbers(numbers)
+
+
+def _learned(path: Path, name: str, given: Any) -> Learned:
+    keys = [field.name for field in fields(Learned)]
+    if not isinstance(given, dict) or given.keys() != set(keys):
+        raise BadInput(f"{path}: {name}: expected {', '.join(keys)}")
+    least, most = (0.0 if name in POSITIVE else -MOST[name]), MOST[name]
+    for key in keys:
+        value = given[key]
+        good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(float(value))
+        if not good or not least <= value <= most or (key == "value" and name in POSITIVE and value <= 0):
+            raise BadInput(f"{path}: {name}.{key}: expected a number up to {most:g}, not {value!s:.40}")
+    if not given["low"] <= given["value"] <= given["high"]:
+        raise BadInput(f"{path}: {name}: expected low, value and high in this order")
+    return Learned(*(float(given[key]) for key in keys))

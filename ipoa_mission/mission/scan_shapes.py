@@ -1,0 +1,24 @@
+"""What all kinds of scans have: corners on the Earth, and a camera that is triggered by distance."""
+
+import numpy as np
+
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.geometry import Points
+from ipoa_mission.items import Item
+from ipoa_mission.mission.document import Node
+
+
+def corners_of(node: Node, least: int) -> Points:
+    """Latitude and longitude, (n, 2)."""
+    places = [each.array(2, "numbers (latitude, longitude)") for each in node.array()]
+    corners = np.array([[value.number("degrees") for value in place] for place in places]).reshape(-1, 2)
+    if len(corners) < least or (np.abs(corners) > (90.0, 180.0)).any():
+        raise node.wrong(f"{least} corners or more, as latitude and longitude in degrees")
+    if np.ptp(corners, axis=0).max() > 1.0:
+        raise node.wrong("corners within a degree of each other")
+    return corners
+
+
+def trigger(distance: float) -> Item:
+    """The camera's trigger, every so many metres; 0: no more."""
+    return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, 1.0, 0.0))

@@ -1,0 +1,89 @@
+"""Structure scans, which QGroundControl never stores with waypoints: laid out from the geometry, as it does.
+
+A round a layer, at a distance beside the structure, the camera looking at it from half the height of a layer; a
+waypoint at the entrance before and after. Layers are counted from the structure's height, its bottom and the footprint.
+"""
+
+import math
+
+import numpy as np
+
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points
+from ipoa_mission.items import Item, waypoint
+from ipoa_mission.mission.document import Node
+from ipoa_mission.mission.scan_shapes import corners_of, trigger
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+LAYERS_MOST = 200
+LOOK_ASIDE = 90.0  # the camera's yaw from the way to the next waypoint [deg]
+LEAST_SIDE = 1e-3  # of the round [m]
+
+
+def lay_out_structure(node: Node) -> list[Item]:
+    """The items of a structure scan.
+
+    Raises:
+        BadInput: naming the place, where the geometry does not say enough.
+    """
+    camera = node["CameraCalc"]
+    layer = camera["AdjustedFootprintFrontal"]
+    height = layer.number("metres")
+    if height <= 0:
+        raise layer.wrong("more than 0 m, the height of a layer")
+    top, bottom = (node[name].number("metres") for name in ("StructureHeight", "ScanBottomAlt"))
+    if not (ratio := (top - bottom) / height) <= LAYERS_MOST:
+        raise node["StructureHeight"].wrong(f"a structure of at most {LAYERS_MOST} layers")
+    layers = max(math.ceil(ratio), 1)
+    descends = node["StartFromTop"].flag()
+    first = top - height / 2 if descends else bottom + height / 2
+    entrance, pitch = node["EntranceAltitude"].number("metres"), node["GimbalPitch"].number("degrees")
+    spacing = camera["AdjustedFootprintSide"].number("metres")
+    places = _round(node["polygon"], camera["DistanceToSurface"].number("metres"))
+    aim = Item(Command.DO_SET_ROI_WPNEXT_OFFSET, Frame.MISSION, (0.0, 0.0, 0.0, 0.0), pitch, 0.0, LOOK_ASIDE)
+    items = [waypoint(places[0], entrance), aim]
+    for n in range(layers):
+        up = first + n * (-height if descends else height)
+        begin, *others = (waypoint(place, up) for place in (*places, places[0]))
+        items += [begin, trigger(spacing), *others, trigger(0.0)]
+    node.note(f"it holds no waypoints: {layers} rounds are laid out as QGroundControl does")
+    return [*items, Item(Command.DO_SET_ROI_NONE, Frame.MISSION), waypoint(places[0], entrance)]
+
+
+def _round(polygon: Node, distance: float) -> list[Geodetic]:
+    """The corners of the round beside a polygon, clockwise from its first corner."""
+    from shapely import Polygon  # takes long to import, and few plans need it
+
+    corners = corners_of(polygon, 3)
+    frame = LocalFrame(Geodetic(*corners[0].tolist()))
+    plane = frame.to_local(corners[:, 0], corners[:, 1], 0.0)[:, :2]
+    if _area(plane) > 0:
+        plane = plane[::-1]
+    forth = np.roll(plane, -1, axis=0) - plane
+    sides = np.linalg.norm(forth, axis=1)
+    if not (sides > LEAST_SIDE).all() or _area(plane) == 0:
+        raise polygon.wrong("a polygon with an area, whose corners differ")
+    forth /= sides[:, None]
+    found = np.array([_corner(plane[n], forth[n - 1], forth[n], distance) for n in range(len(plane))])
+    ahead = ((np.roll(found, -1, axis=0) - found) * forth).sum(axis=1)
+    if not (np.isfinite(found).all() and (ahead > LEAST_SIDE).all() and Polygon(found).is_valid):
+        raise BadInput(
+            f"{polygon.where}: expected sides that have room at {distance:g} m beside the structure",
+            hint="give the structure fewer corners, or scan it from nearer by",
+        )
+    latitude, longitude, _ = frame.to_geodetic(np.column_stack([found, np.zeros(len(found))]))
+    return [Geodetic(float(lat), float(lon)) for lat, lon in zip(latitude, longitude, strict=True)]
+
+
+def _area(plane: Points) -> float:
+    """Twice the area of a polygon [m^2], above zero if it turns counter-clockwise."""
+    x, y = plane.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def _corner(corner: Points, into: Points, out: Points, distance: float) -> Points:
+    """Where the sides into and out of a clockwise corner meet, moved outwards by a distance."""
+    left, next_left = np.array([-into[1], into[0]]), np.array([-out[1], out[0]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(corner + distance * (left + next_left) / (1.0 + float(left @ next_left)))

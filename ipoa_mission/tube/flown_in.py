@@ -1,0 +1,33 @@
+"""A mission as it is flown in the world of a scenario: by its vehicle, over its ground."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ipoa_mission.items import LEVEL, Ground, Mission
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.places import FlatTerrain
+from ipoa_mission.timing.estimate import EARTH_RADIUS
+
+
+def flown_in(mission: Mission, scenario: Scenario) -> Mission:
+    """The mission over the scenario's ground, on a vehicle with those of its parameters that it does not name itself.
+
+    What was learned of the vehicle comes with the mission, else with the scenario.
+    """
+    flown = mission.assuming(scenario.vehicle.autopilot_parameters())
+    return replace(flown, ground=ground_of(scenario), vehicle=mission.vehicle or scenario.vehicle.learned)
+
+
+def ground_of(scenario: Scenario) -> Ground:
+    """How high the ground is above home, as an autopilot counts: from where it stands, on a round Earth."""
+    if isinstance(scenario.terrain, FlatTerrain):
+        return LEVEL
+    terrain = scenario.airspace.terrain
+    at_home = float(terrain.height(np.zeros((1, 2)))[0])
+
+    def height(east: float, north: float) -> float:
+        up = float(terrain.height(np.array([[east, north]]))[0])
+        return up - at_home + (east * east + north * north) / (2 * EARTH_RADIUS)
+
+    return height
