@@ -6,21 +6,30 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.options import SeedOption, expect_scenario
-from ipoa_mission.cli.telling import tell
+from ipoa_mission.cli.options import JsonOption, SeedOption, expect_scenario
+from ipoa_mission.cli.telling import tell, tell_json
+
+NORTHWARDS = 0.0009  # how far from home a new scenario's first goal is [deg], about 100 m
 
 
 def studio(
     scenario: Annotated[
-        Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML).")
-    ],
+        Path, typer.Argument(metavar="[SCENARIO]", callback=expect_scenario, help="Scenario file (TOML).")
+    ] = Path("mission.toml"),
+    home: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option("--home", metavar="LAT LON ALT", help="Begin a new scenario there: degrees, and metres AMSL."),
+    ] = None,
     port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any that is free.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", metavar="", help="Open the page.")] = True,
     seed: SeedOption = 0,
+    as_json: JsonOption = False,
 ) -> None:
     """Plan on a map in the browser: draw, drag, see it proved, fly it. The page is for this user on this machine alone.
 
-    Ctrl-C ends it. Example: `ipoa-mission studio missions/campus.toml`
+    Ctrl-C ends it. With `--json` one line says where it is open.
+
+    Example: `ipoa-mission studio missions/campus.toml`
     """
     from ipoa_mission.studio.extra import expect_extra
 
@@ -28,9 +37,38 @@ def studio(
     from ipoa_mission.studio.bundle import built_page
     from ipoa_mission.studio.server import serve
 
+    page = built_page((lambda words: None) if as_json else tell)
+    if home is not None or not scenario.exists():
+        _begin(scenario, home)
+
     def tell_address(address: str) -> None:
-        tell(f"{scenario.name} is open at {address}", "Ctrl-C ends it; whoever has this address can plan and fly")
+        if as_json:
+            tell_json({"scenario": str(scenario), "address": address}, indent=None)
+        else:
+            tell(f"{scenario.name} is open at {address}", "Ctrl-C ends it; whoever has this address can plan and fly")
         if browser:
             webbrowser.open(address)
 
-    serve(scenario, built_page(tell), port, seed, tell_address)
+    serve(scenario, page, port, seed, tell_address)
+
+
+def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
+    """Write a new scenario with a goal north of home, to be dragged.
+
+    Raises:
+        BadInput: nobody says where it is to begin, or there is such a file already.
+    """
+    from ipoa_mission.errors import BadInput
+    from ipoa_mission.files import write_atomically
+    from ipoa_mission.scenario.new import new_scenario
+
+    if home is None:
+        raise BadInput(
+            f"{target}: expected a scenario, but there is no such file",
+            hint="a new one begins at home: --home LAT LON ALT; or from a map: ipoa-mission new",
+        )
+    if target.exists():
+        raise BadInput(f"--home: {target} is there already", hint="leave --home out, or name another file")
+    latitude, longitude, altitude = home
+    places = {"home": f"{latitude:.7f}, {longitude:.7f}", "goal": f"{latitude + NORTHWARDS:.7f}, {longitude:.7f}"}
+    write_atomically(target, new_scenario({**places, "altitude": f"{altitude:.1f}"}, target))

@@ -89,8 +89,8 @@ async def _send(process: asyncio.subprocess.Process, order: dict[str, Any]) -> N
 async def _line(process: asyncio.subprocess.Process) -> Any:
     """What it says next; None if it has ended."""
     assert process.stdout is not None
-    text = await process.stdout.readline()
-    if not text:
-        await process.wait()
-        return None
-    return json.loads(text)
+    while text := await process.stdout.readline():
+        if text.startswith(b"{"):  # what a library printed before the process was ours is no answer
+            return json.loads(text)
+    await process.wait()
+    return None

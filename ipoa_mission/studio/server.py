@@ -98,7 +98,7 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
 
     routes: list[BaseRoute] = [WebSocketRoute("/talk", talk), Route("/drop/{name}", drop, methods=["POST"])]
     routes += [Route("/", page), Route("/{name}", page)]
-    guard = Middleware(Guard, token=token, hosts=(host,), policy=POLICY.format(tiles=""))
+    guard = Middleware(Guard, token=token, hosts=(host,), policy=POLICY)
     return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard], lifespan=alive)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.studio.answers import State, Trouble
+from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.flights import Flights
 from ipoa_mission.studio.processes import Died, Process
@@ -84,6 +84,7 @@ class Session:
                     self._do(request)
                 case Upload():
                     self._expect_proved()
+                    self._latest.pop("trouble of flight", None)
                     self._flights.upload(request, self._hand_over)
                 case Start():
                     await self._flights.start(request)
@@ -108,7 +109,7 @@ class Session:
                 self._start("plan", self._plan)
             case "cancel":
                 self._stop("plan")
-                self.tell_all(State(phase="idle", words="planning was cancelled"))
+                self.tell_all(Trouble(of="plan", message="planning was cancelled", revision=document.revision))
             case "export":
                 self._expect_proved()
                 self._start("write", self._write)

@@ -197,6 +197,7 @@ def main() -> None:
             page.get_by_text("flying for").wait_for()
             page.wait_for_timeout(4000)
             page.screenshot(path=out / "studio-fly.png")
+            page.close()
         browser.close()
 
 

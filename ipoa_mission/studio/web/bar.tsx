@@ -1,5 +1,5 @@
 // The bar on top: what is open, the tools, undo and redo, saving, the view.
-import { send, set, type Tool } from "./store";
+import { proved, send, set, type Tool } from "./store";
 import { useStudio } from "./use";
 
 const TOOLS: [Tool, string, string, string][] = [
@@ -12,7 +12,8 @@ const TOOLS: [Tool, string, string, string][] = [
 ];
 
 export function Bar() {
-  const { document: shown, tool, space, connected } = useStudio();
+  const now = useStudio();
+  const { document: shown, tool, space, connected } = now;
   if (!shown) return <header class="bar"><h1>studio</h1></header>;
   return (
     <header class="bar">
@@ -32,6 +33,8 @@ export function Bar() {
       <div class="group">
         <button type="button" aria-pressed={space} onClick={() => set({ space: !space })}>3-D</button>
         <button type="button" class="strong" disabled={!shown.unsaved} onClick={() => send({ kind: "do", what: "save" })}>Save</button>
+        <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}
+          onClick={() => send({ kind: "do", what: "export" })}>Mission files</button>
       </div>
       {!connected && <p class="lost" role="status">The studio does not answer. What was done is kept; it will be back when the program is.</p>}
     </header>

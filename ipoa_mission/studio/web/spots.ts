@@ -7,6 +7,8 @@ import { drag, edit, endDrag, listen, set, studio, type Change, type LngLat } fr
 const SIGNS: Record<string, string> = { home: "H", start: "S", goal: "G", via: "", rally: "R" };
 const KEYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
+const BESIDE: [number, number] = [-17, 15]; // home, which mostly lies below the start
+
 interface Shown {
   spot: Spot;
   marker: Marker;
@@ -52,7 +54,7 @@ function make(map: MapLibre, spot: Spot, self: () => Shown): Shown {
   button.className = `spot ${kind}`;
   button.dataset.spot = pathKey(spot.path);
   button.textContent = SIGNS[kind] || String(Number(spot.path[1] ?? 0) + 1);
-  const marker = new Marker({ element: button, draggable: true }).setLngLat(spot.place as LngLat).addTo(map);
+  const marker = new Marker({ element: button, draggable: true, offset: kind === "home" ? BESIDE : [0, 0] }).setLngLat(spot.place as LngLat).addTo(map);
   const shift = (put: LngLat): Change => ({ op: "shift", path: self().spot.path, taken: self().spot.place as LngLat, put_down: put });
   marker.on("drag", () => drag([shift(marker.getLngLat().toArray() as LngLat)]));
   marker.on("dragend", () => {

@@ -70,9 +70,11 @@ export function edit(label: string, ...changes: Change[]): void {
 let asked = 0;
 let waiting: Change[] | null = null;
 let awaited = false;
+let dragging = false;
 
 /** Ask how it would be. One question is under way at a time; of those that come meanwhile the last is asked next. */
 export function drag(changes: Change[]): void {
+  dragging = true;
   if (awaited) {
     waiting = changes;
     return;
@@ -83,7 +85,8 @@ export function drag(changes: Change[]): void {
 
 export function endDrag(): void {
   waiting = null;
-  set({ drag: null });
+  dragging = false;
+  set({ drag: null, troubles: studio.troubles.filter(one => one.of !== "sketch") });
 }
 
 function dragAnswered(): void {
@@ -108,8 +111,7 @@ function hear(answer: Answer): void {
     case "sketch":
       if (answer.number !== null) {
         dragAnswered();
-        if (answer.number === asked && awaited === false && waiting === null) set({ drag: answer });
-        else set({ drag: answer });
+        if (dragging) set({ drag: answer });
       } else {
         set({ sketch: answer });
       }
@@ -135,6 +137,7 @@ function hear(answer: Answer): void {
       set({ landed: answer });
       break;
     case "state":
+      if (answer.phase === "uploading") set({ troubles: studio.troubles.filter(one => one.of !== "flight") });
       set({ flight: answer });
       break;
     case "written":

@@ -1,13 +1,17 @@
 // The first thing that one wants to know: is it clear, is that proved, how long will it fly; and what is being done.
+import type { Trouble } from "./messages";
 import { proved, send, type Studio } from "./store";
 import { meters, seconds, share } from "./words";
 
+/** What there can be no proved path with. */
+const BLOCKING = new Set<Trouble["of"]>(["scenario", "sketch", "plan"]);
+
 export function Verdict({ now }: { now: Studio }) {
-  const trouble = now.troubles[0];
+  const blocking = now.troubles.filter(one => BLOCKING.has(one.of)), others = now.troubles.filter(one => !BLOCKING.has(one.of));
   const plan = proved(now), coarse = now.drag ?? now.sketch;
   return (
     <section class="verdict" aria-live="polite">
-      {trouble ? <Trouble now={now} />
+      {blocking.length && !now.drag ? <Troubles of={blocking} />
         : plan && !now.drag ? (
           <p class="good"><b aria-hidden="true">✓</b> Proved. {plan.confidence !== null && plan.kept !== null
             ? <>{share(plan.confidence)} of flights keep {meters(plan.kept, 2)} from {plan.nearest}; {meters(plan.required, 2)} required.</>
@@ -25,13 +29,14 @@ export function Verdict({ now }: { now: Studio }) {
         </div>
       )}
       <Figures now={now} />
+      <Troubles of={others} />
     </section>
   );
 }
 
-function Trouble({ now }: { now: Studio }) {
-  return <>{now.troubles.map(trouble => (
-    <div key={trouble.of}>
+function Troubles({ of }: { of: Trouble[] }) {
+  return <>{of.map(trouble => (
+    <div key={trouble.of} class="trouble">
       <p class="bad"><b aria-hidden="true">✕</b> {trouble.message}</p>
       {trouble.hint && <p class="note">Try: {trouble.hint}</p>}
       {trouble.of === "plan" && <button type="button" onClick={() => send({ kind: "do", what: "plan" })}>Plan again</button>}
@@ -46,7 +51,7 @@ function Figures({ now }: { now: Studio }) {
       <dl class="figures">
         <div><dt>flight</dt><dd>{seconds(plan.total_s)}<small>{seconds(plan.low_s)} to {seconds(plan.high_s)}</small></dd></div>
         <div><dt>clearance kept</dt><dd>{plan.kept === null ? "–" : meters(plan.kept, 2)}<small>{meters(plan.required, 2)} required</small></dd></div>
-        <div><dt>path</dt><dd>{meters(plan.length, 0)}<small>QGroundControl says {seconds(plan.qgroundcontrol_s)}</small></dd></div>
+        <div><dt>path</dt><dd>{meters(plan.length, 0)}<small>QGroundControl: {seconds(plan.qgroundcontrol_s)}</small></dd></div>
         {plan.energy_wh !== null && <div><dt>energy</dt><dd>{plan.energy_wh.toFixed(1)} Wh<small>{plan.battery_left === null ? "" : `${share(plan.battery_left)} left`}</small></dd></div>}
       </dl>
     );

@@ -1,0 +1,36 @@
+"""A worker that echoes, sleeps or dies, for the tests of what holds workers."""
+
+import os
+import time
+from collections.abc import Mapping
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.studio.answers import State
+from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
+
+
+def echo(order: Order, answer: Answer) -> None:
+    answer(State(phase="idle", words=order["words"]))
+
+
+def refuse(order: Order, answer: Answer) -> None:
+    raise MissionError("no", hint="try yes")
+
+
+def sleep(order: Order, answer: Answer) -> None:
+    answer(State(phase="idle", words="sleeping"))
+    while True:
+        time.sleep(0.01)
+
+
+def die(order: Order, answer: Answer) -> None:
+    os._exit(3)
+
+
+def jobs(_: object) -> Mapping[str, tuple[Job, Subject]]:
+    return {"echo": (echo, "plan"), "refuse": (refuse, "plan"), "sleep": (sleep, "plan"), "die": (die, "plan")}
+
+
+if __name__ == "__main__":
+    print("what a library prints is no answer")
+    work(jobs)

@@ -1,0 +1,53 @@
+"""`ipoa-mission studio`: what it refuses before it serves anything, and what a new scenario begins with."""
+
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission import BadInput, MissionError, read_scenario
+from ipoa_mission.cli.studying import _begin
+from ipoa_mission.studio import bundle, extra
+
+
+def test_a_new_scenario_begins_at_home(tmp_path: Path) -> None:
+    target = tmp_path / "new.toml"
+    _begin(target, (47.397742, 8.545594, 488.0))
+    scenario = read_scenario(target)
+    assert scenario.home.latitude_deg == 47.397742
+    assert scenario.goal_point[:2] == pytest.approx((0.0, 100.0), abs=1.0)
+    with pytest.raises(BadInput, match="is there already"):
+        _begin(target, (47.0, 8.0, 0.0))
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="no such file"):
+        _begin(tmp_path / "none.toml", None)
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extra, "LIBRARIES", ("numpy", "no_such_library"))
+    with pytest.raises(MissionError, match="the studio needs no_such_library"):
+        extra.expect_extra()
+
+
+def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    web = tmp_path / "package" / "studio" / "web"
+    web.mkdir(parents=True)
+    (tmp_path / "package" / "report" / "assets").mkdir(parents=True)
+    (tmp_path / "package" / "report" / "assets" / "palette.css").write_text("")
+    monkeypatch.setattr(bundle, "WEB", web)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
+    with pytest.raises(MissionError, match="not built in this installation") as caught:
+        bundle.built_page(lambda words: None)
+    assert "Node.js" in str(caught.value.hint)
+
+
+def test_an_installed_page_is_taken_as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = tmp_path / "dist" / "index.html"
+    page.parent.mkdir()
+    page.write_text("")
+    monkeypatch.setattr(bundle, "WEB", tmp_path)
+    assert bundle.built_page(lambda words: None) == page.parent

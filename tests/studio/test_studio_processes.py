@@ -1,0 +1,69 @@
+"""Workers are asked one thing at a time, can be told to stop, and cost nothing when they die."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import pytest
+
+from ipoa_mission.studio.processes import Died, Process
+
+WORDS = ("one", "two\n\u2028", "three")
+
+
+def run(test: Callable[[Process], Awaitable[None]]) -> None:
+    async def whole() -> None:
+        process = Process("tests.studio.echo_worker")
+        try:
+            await asyncio.wait_for(test(process), 60)
+        finally:
+            await process.close()
+
+    asyncio.run(whole())
+
+
+def test_what_is_asked_is_answered_in_order() -> None:
+    async def test(process: Process) -> None:
+        heard: list[dict[str, Any]] = []
+        asked = [
+            process.ask({"job": "echo", "words": words}, heard.append) for words in ("one", "two\n\u2028", "three")
+        ]
+        await asyncio.gather(*asked)
+        assert [answer["words"] for answer in heard] == list(WORDS)
+
+    run(test)
+
+
+def test_a_refusal_is_told_and_the_worker_lives() -> None:
+    async def test(process: Process) -> None:
+        heard: list[dict[str, Any]] = []
+        await process.ask({"job": "refuse"}, heard.append)
+        assert (heard[0]["kind"], heard[0]["message"], heard[0]["hint"]) == ("trouble", "no", "try yes")
+
+    run(test)
+
+
+def test_what_is_not_wanted_any_more_is_broken_off() -> None:
+    async def test(process: Process) -> None:
+        begun = asyncio.Event()
+        sleeping = asyncio.create_task(process.ask({"job": "sleep"}, lambda answer: begun.set()))
+        await begun.wait()
+        sleeping.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await sleeping
+        heard: list[dict[str, Any]] = []
+        await process.ask({"job": "echo", "words": "alive"}, heard.append)
+        assert heard[0]["words"] == "alive"
+
+    run(test)
+
+
+def test_one_that_dies_is_replaced() -> None:
+    async def test(process: Process) -> None:
+        with pytest.raises(Died):
+            await process.ask({"job": "die"}, lambda answer: None)
+        heard: list[dict[str, Any]] = []
+        await process.ask({"job": "echo", "words": "again"}, heard.append)
+        assert heard[0]["words"] == "again"
+
+    run(test)
