@@ -1,5 +1,20 @@
-"""`python -m ipoa_mission`: the command line."""
+"""`ipoa-mission` and `python -m ipoa_mission`: the command line, and Ctrl-C while it is still being imported."""
 
-from ipoa_mission.cli.app import main
+import sys
 
-main()
+
+def main() -> None:
+    """Run the command line."""
+    try:
+        from ipoa_mission.cli.app import main as run
+
+        run()
+    except KeyboardInterrupt:
+        if "--json" in sys.argv[1:]:
+            print('{"error": "stopped: nothing was done", "hint": null, "exit_code": 130}')
+        print("error: stopped: nothing was done", file=sys.stderr)
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,10 +1,15 @@
-"""Writing files so that nothing is ever half-written: a temporary file beside the target, then a rename."""
+"""Reading what a user named; writing so that nothing is ever half-written: temporary files first, then renames."""
 
+import errno
 import os
+import select
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
+
+PIPE_S = 5.0  # for so long something must be written into a named pipe
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
@@ -13,35 +18,68 @@ def write_atomically(path: Path, content: str | bytes) -> None:
     Raises:
         BadInput: the folder does not exist or may not be written.
     """
-    data = content.encode() if isinstance(content, str) else content
+    write_together({path: content})
+
+
+def write_together(contents: Mapping[Path, str | bytes]) -> None:
+    """Write several files, as `write_atomically` does: every one is whole before the first takes its place.
+
+    Raises:
+        BadInput: one of them cannot be written; none of them was.
+    """
+    staged: dict[Path, Path] = {}
     try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        Path(temporary).chmod(0o666 & ~_umask())
-        Path(temporary).replace(path)
-    except OSError as error:
-        Path(temporary).unlink(missing_ok=True)
-        raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+        for path, content in contents.items():
+            try:
+                handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+                staged[path] = Path(temporary)
+                with os.fdopen(handle, "wb") as file:
+                    file.write(content.encode() if isinstance(content, str) else content)
+                staged[path].chmod(0o666 & ~_umask())
+                _expect_file(path)
+            except OSError as error:
+                raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+        for path in contents:
+            try:
+                staged[path].replace(path)
+            except OSError as error:
+                raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+    finally:
+        for left in staged.values():
+            left.unlink(missing_ok=True)
 
 
 def read_text(path: Path) -> str:
     """The text of a file that a user named; a byte order mark is dropped, line ends are kept.
 
     Raises:
-        BadInput: the file is not there, is no file, or is not UTF-8.
+        BadInput: the file is not there, is no file, or is not UTF-8; nobody writes into the pipe that it is.
     """
     try:
-        return path.read_bytes().decode("utf-8-sig")
+        data = _read_pipe(path) if path.is_fifo() else path.read_bytes()
+        return data.decode("utf-8-sig")
     except OSError as error:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise BadInput(
             f"{path}: expected UTF-8 text, but byte {error.start} is {error.object[error.start]:#04x}"
         ) from error
+
+
+def _read_pipe(path: Path) -> bytes:
+    """What is written into a pipe, to its end, if a writer begins soon."""
+    pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    with os.fdopen(pipe, "rb") as file:
+        if not select.select([pipe], [], [], PIPE_S)[0]:
+            raise BadInput(f"{path}: expected something to be written into this pipe within {PIPE_S:g} s")
+        os.set_blocking(pipe, True)
+        return file.read()
+
+
+def _expect_file(path: Path) -> None:
+    """A folder cannot be replaced by a file: said before anything is."""
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
 
 
 def _umask() -> int:

@@ -3,7 +3,9 @@
 A flight is judged from the first item that its autopilot reports done (the take-off, or the waypoint over it) to its
 last waypoint; what follows (RTL, LAND) apart. PX4 was flown several times where it is noisy: its truth is the mean.
 `LANDINGS` are flights armed as `fly` arms, from 8 to 60 m high, slow and fast: take-off and landing are judged by them,
-and nothing of them was fitted. `IN_WIND` are ArduCopter's in wind, steady and gusty: nothing of them was fitted either.
+and nothing of them was fitted. `IN_WIND` are in wind, steady and gusty: nothing of them was fitted either. PX4's own
+simulator has no wind; its drag was made to act against air that moves, the same at all heights, with gusts whose
+standard deviation north and east is the turbulence.
 """
 
 import json
@@ -37,7 +39,7 @@ class Recorded:
     runs: tuple[dict[int, float], ...]
     end_s: float
     wind: Wind = CALM
-    turbulence: float = 0.0  # of ArduPilot's simulator: its standard deviation [m/s]
+    turbulence: float = 0.0  # of the simulated wind: its standard deviation [m/s]
 
     @property
     def name(self) -> str:
@@ -76,7 +78,8 @@ def read_flight(folder: Path) -> Recorded:
     ):
         runs.append(_run(items, complete, mission, last))
     air = flight.get("wind", {"speed_m_s": 0.0, "from_deg": 0.0, "turbulence": 0.0})
-    wind = Wind(air["speed_m_s"], air["from_deg"], *(SIMULATED_PROFILE if air["speed_m_s"] else ()))
+    grows = air["speed_m_s"] and mission.autopilot is Autopilot.ARDUPILOT
+    wind = Wind(air["speed_m_s"], air["from_deg"], *(SIMULATED_PROFILE if grows else ()))
     return Recorded(folder, mission, flight["params"], tuple(runs), flight["end_s"], wind, air["turbulence"])
 
 

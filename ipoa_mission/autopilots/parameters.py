@@ -115,10 +115,10 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
     """
     if autopilot is not None:
         expect_own(names, autopilot)
-    known = frozenset.union(*(_named(one) for one in (Autopilot if autopilot is None else (autopilot,))))
+    existing = frozenset.union(*(_named(one) for one in (Autopilot if autopilot is None else (autopilot,))))
     for name in names:
-        if name not in known:
-            near = get_close_matches(name, sorted(known), 1)
+        if name not in existing:
+            near = get_close_matches(name, sorted(existing), 1)
             raise BadInput(
                 f"{name}: expected a parameter that the models know" + (f" of {autopilot}" if autopilot else ""),
                 hint=f"did you mean {near[0]}?" if near else None,

@@ -18,8 +18,8 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.room import with_room
 from ipoa_mission.world.frame import Geodetic
 
-STEP, HIGHEST = 5, 500  # [m] above home
-TIGHT = 4.0  # at so many tight places the tube has room on the way home
+HEIGHT_STEP, HIGHEST = 5, 500  # [m] above home
+TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
 SAG = 0.3  # the predicted way home is up to so much lower than it is set [m]
 
 #: The parameter for the return altitude, and its unit in metres.
@@ -38,7 +38,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
-    roomy = with_room(scenario, TIGHT)
+    roomy = with_room(scenario, TIGHT_PLACES)
     if _is_clear(_ways_home(mission, scenario), roomy):
         return mission
     last = mission.items[-2]
@@ -67,7 +67,7 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     """
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     name, unit = PARAMETERS[mission.autopilot]
-    roomy = with_room(scenario, TIGHT)
+    roomy = with_room(scenario, TIGHT_PLACES)
     for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0)):
         value = altitude / unit
         if _is_clear(_ways_home(mission.with_parameters({name: value}), scenario), roomy):
@@ -86,7 +86,7 @@ def climb_for_way_home(mission: Mission) -> Iterator[str]:
 
 
 def _heights(above: float) -> Iterator[float]:
-    return (float(height) for height in range(STEP, HIGHEST + 1, STEP) if height > above)
+    return (float(height) for height in range(HEIGHT_STEP, HIGHEST + 1, HEIGHT_STEP) if height > above)
 
 
 def _ways_home(mission: Mission, scenario: Scenario) -> list[Leg]:

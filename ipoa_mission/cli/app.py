@@ -12,6 +12,7 @@ from ipoa_mission.cli import (
     checking,
     comparing,
     creating,
+    demonstrating,
     flying,
     learning,
     linking,
@@ -23,6 +24,7 @@ from ipoa_mission.cli import (
     telling,
     verbosity,
 )
+from ipoa_mission.cli.interrupting import Interrupted
 from ipoa_mission.errors import MissionError
 
 app = typer.Typer(
@@ -35,6 +37,7 @@ app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 
 #: The verbs as `--help` shows them.
 VERBS = {
+    "Begin here": (demonstrating.demo,),
     "Plan and look": (
         creating.new,
         planning.plan,
@@ -67,6 +70,10 @@ def main() -> None:
     except MissionError as error:
         telling.tell_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)
+    except SystemExit as ended:
+        if ended.code == Interrupted.exit_code:  # Typer ends so, without a word
+            telling.tell_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
+        raise
 
 
 if __name__ == "__main__":

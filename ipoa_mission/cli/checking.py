@@ -1,7 +1,6 @@
 """`check` and `estimate`: what a mission file is worth before it flies."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -12,6 +11,7 @@ from ipoa_mission.cli.options import (
     LearnedOption,
     ParameterFileOption,
     ParameterOption,
+    ScenarioOption,
     WindOption,
     WindProfileOption,
     read_parameter_options,
@@ -25,11 +25,12 @@ if TYPE_CHECKING:
 
 def check(
     file: FileArgument,
-    scenario: Annotated[
-        Path | None,
-        typer.Option("--scenario", metavar="SCENARIO", help="Check clearance, bounds and heights against it."),
-    ] = None,
+    scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
+    param: ParameterOption = None,
+    param_file: ParameterFileOption = None,
+    wind: WindOption = None,
+    wind_profile: WindProfileOption = None,
     vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -41,9 +42,13 @@ def check(
     """
     from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.cli.reading import read_with_parameters, read_world
+    from ipoa_mission.errors import BadInput
 
-    mission, remarks = read_with_parameters(file, autopilot, vehicle=vehicle)
-    world, promise = read_world(scenario), None
+    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
+    air = read_wind_option(wind, wind_profile)
+    if air is not None and scenario is None:
+        raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
+    world, promise = read_world(scenario, air), None
     if world is not None:
         from ipoa_mission.checks.clearance import promise_if_known
         from ipoa_mission.tube.flown_in import flown_in
@@ -76,6 +81,7 @@ def check(
 
 def estimate(
     file: FileArgument,
+    scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
@@ -86,21 +92,22 @@ def estimate(
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
 
-    Time zero is armed in the mission mode on the ground.
+    Time zero: armed, in the mission mode, on the ground.
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.commands import short_name
     from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
-    from ipoa_mission.wind import CALM
 
     mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
+    world = read_world(scenario, read_wind_option(wind, wind_profile))
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
-    found = predict(mission, wind=read_wind_option(wind, wind_profile) or CALM)
+    mission, air = in_world(mission, world, read_wind_option(wind, wind_profile))
+    found = predict(mission, wind=air)
     remarks += found.remarks
     if as_json:
         tell_json(estimate_as_json(found) | {"remarks": list(remarks)})
@@ -120,8 +127,8 @@ def estimate(
         for item in found.items
     ]
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "what keeps it slow"]
-    title = f"{file.name} on {mission.autopilot}; time zero: armed, in the mission mode, on the ground"
-    tell_table(title, columns, rows, width=100)
+    title = f"{file.name} on {mission.autopilot}, from arming"
+    tell_table(title, columns, rows)
     tell(*notes(remarks))
     tell(
         *route_in_words(found),
@@ -131,13 +138,14 @@ def estimate(
 
 
 def route_in_words(found: "Estimate") -> list[str]:
-    """How the route compares with the least time on it; nothing where there is no route."""
+    """How the route compares with the lower bound of its time; nothing where there is no route."""
     route = found.route
     if not route.seconds > 0:
         return []
     return [
-        f"first place to last waypoint {route.seconds:.1f} s, {route.ratio:.2f} times the least "
-        f"({route.least:.1f} s) on that path"
+        f"first place to last waypoint {route.seconds:.1f} s: "
+        f"{route.ratio:.2f} times the lower bound, {route.least:.1f} s",
+        "lower bound: the same path at the vehicle's limits of speed and acceleration",
     ]
 
 

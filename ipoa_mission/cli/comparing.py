@@ -11,12 +11,17 @@ from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.options import (
     AutopilotOption,
+    ForceOption,
     JsonOption,
     LearnedOption,
     ParameterFileOption,
     ParameterOption,
+    ScenarioOption,
+    WindOption,
+    WindProfileOption,
     expect_mission,
     read_parameter_options,
+    read_wind_option,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
@@ -52,32 +57,35 @@ def compare(
     number: Annotated[
         int | None, typer.Option("--flight", metavar="N", min=1, help="Only the N-th flight in the log.")
     ] = None,
-    scenario: Annotated[
-        Path | None,
-        typer.Option("--scenario", metavar="SCENARIO", help="Hold the flown path against its terrain and obstacles."),
-    ] = None,
+    scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
+    wind: WindOption = None,
+    wind_profile: WindProfileOption = None,
     vehicle: LearnedOption = None,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Also draw it: .png or .svg.")
     ] = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Hold the log of a flown mission against the estimate, leg by leg; each flight in the log by itself.
 
-    Mission, parameters and firmware are the log's own; those given here go before. Exit code 1 when nothing in the
+    Mission, parameters and firmware are the log's own; those given here go before. With a scenario, the flown path is
+    held against its terrain and obstacles. Exit code 1 when nothing in the
     log could be held against an estimate or a scenario.
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
     from ipoa_mission.autopilots.modeled import beyond_the_model
+    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.flown_clearance import flown_clearance
     from ipoa_mission.learn.vehicle_file import read_vehicle
     from ipoa_mission.link.flight_log import read_flights
     from ipoa_mission.report.compare import compare_logged
-    from ipoa_mission.scenario import read_scenario
+    from ipoa_mission.wind import CALM
 
     if len(files) > 2:
         raise BadInput(f"{files[2]}: expected a mission and a log at most")
@@ -93,13 +101,16 @@ def compare(
     numbers = range(1, len(flown.flights) + 1) if number is None else [number]
     if picture is not None and len(numbers) > 1:
         raise BadInput(f"--picture: expected --flight N too: {log} has {len(numbers)} flights")
+    if picture is not None:
+        expect_free([picture], force, ask=not as_json)
     given = read_parameter_options(param, param_file)
-    world = None if scenario is None else read_scenario(scenario)
+    air = read_wind_option(wind, wind_profile)
+    world = read_world(scenario, air)
     learned = None if vehicle is None else read_vehicle(vehicle, flown.autopilot)
     rows = []
     for n in numbers:
         flight = flown.flights[n - 1]
-        held = compare_logged(flight, mission, given, learned) if flight.in_mission else None
+        held = compare_logged(flight, mission, given, learned, air or CALM) if flight.in_mission else None
         record = flight.record() if held is None else held.record
         clearance = None if world is None else flown_clearance(record, world, None if held is None else held.mission)
         rows.append(_Row(n, flight, record, held, clearance))
@@ -111,11 +122,19 @@ def compare(
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
     useless = all(row.held is None and row.clearance is None for row in rows)
     error = MissionError(f"{log}: {_useless(rows, log)}", hint="compare FILE LOG, with what was flown")
+    drawn = [] if picture is None or rows[0].held is None else [str(picture)]
     if not as_json:
         _tell(rows, title, remarks if beyond is None else [*remarks, beyond])
+        tell(*(f"written: {path}" for path in drawn))
     elif not useless:
         flights = [_as_json(row) for row in rows]
-        about = {"autopilot": flown.autopilot.value, "version": flown.version, "model": beyond, "remarks": remarks}
+        about = {
+            "autopilot": flown.autopilot.value,
+            "version": flown.version,
+            "model": beyond,
+            "remarks": remarks,
+            "written": drawn,
+        }
         tell_json({**next(one for one in flights if one.get("legs") or world), **about, "flights": flights})
     if useless:
         raise error
@@ -125,7 +144,7 @@ def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool)
     """The mission in a file, for the autopilot of the log; what a plan says of itself may differ if nobody insists."""
     from ipoa_mission.cli.reading import read_with_parameters
 
-    mission, remarks = read_with_parameters(file, None if may_differ and file.suffix == ".plan" else autopilot)
+    mission, remarks = read_with_parameters(file, None if may_differ and file.suffix.lower() == ".plan" else autopilot)
     if mission.autopilot is not autopilot:
         raise BadInput(
             f"{file}: expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}",
@@ -166,9 +185,13 @@ def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]
 
 def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
     from ipoa_mission.report.compare import flown_track
-    from ipoa_mission.report.comparison_plot import draw_comparison
-    from ipoa_mission.report.plots import write_picture
 
+    try:
+        from ipoa_mission.report.comparison_plot import draw_comparison
+        from ipoa_mission.report.plots import write_picture
+    except ImportError:
+        hint = "pip install 'ipoa-mission[pictures]'"
+        raise MissionError("--picture needs matplotlib, which is not installed", hint=hint) from None
     flown_path = flown_track(one.mission, one.record)
     points = None if flown_path is None else flown_path.points
     write_picture(draw_comparison(one.comparison, one.estimate.track.points, points, title), picture)

@@ -2,16 +2,19 @@
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.options import JsonOption
+from ipoa_mission.cli.options import ForceOption, JsonOption
 from ipoa_mission.cli.telling import notes, tell, tell_json
 
 GivenOption = Annotated[
     list[str] | None, typer.Option("--answer", metavar="KEY=VALUE", help="Answer a question beforehand. Repeatable.")
 ]
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario.new import Question
 
 UNKNOWN_ALTITUDE = "home's altitude is taken as 0 m: --answer altitude=METRES, or --elevation FILE"
 
@@ -29,23 +32,23 @@ def new(
     yes: Annotated[
         bool, typer.Option("--yes", "-y", metavar="", help="Ask nothing: take what the map and the defaults say.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", metavar="", help="Write over a file that is there.")] = False,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Write a commented scenario file, from a few questions or from a map.
 
     Example: `ipoa-mission new town.toml --buildings town.geojson --yes`
     """
+    from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.errors import BadInput
     from ipoa_mission.files import write_atomically
     from ipoa_mission.scenario.new import QUESTIONS, new_scenario, suggest_answers
 
-    if target.suffix != ".toml":
+    if target.suffix.lower() != ".toml":
         raise BadInput(f'{target}: expected a name that ends in .toml, not in "{target.suffix}"')
     if not target.parent.is_dir():
         raise BadInput(f"{target}: expected a folder to write it to, but there is no {target.parent}")
-    if target.exists() and not force:
-        raise BadInput(f"{target}: there is such a file already", hint="--force writes over it")
+    expect_free([target], force, ask=not (as_json or yes))
     answers = suggest_answers(buildings, elevation)
     for text in answer or ():
         key, equals, value = text.partition("=")
@@ -53,12 +56,10 @@ def new(
             raise BadInput(f"--answer {text}: expected KEY=VALUE")
         answers[key] = value
     if not yes:
+        given = {key for key, _, _ in (text.partition("=") for text in answer or ())}
         for question in QUESTIONS:
-            if question.key not in answers:
-                answers[question.key] = typer.prompt(
-                    f"{question.words} ({question.form})", default=question.default, err=True
-                )
-                question.check(question.key, answers[question.key])
+            if question.key not in given:
+                answers[question.key] = _ask(question, answers)
     needed = [question.key for question in QUESTIONS if question.default is None and question.key not in answers]
     if needed:
         raise BadInput(
@@ -71,3 +72,20 @@ def new(
         tell_json({"written": str(target), "answers": answers, "remarks": remarks})
     else:
         tell(f"written: {target}", *notes(remarks), f"plan it: ipoa-mission plan {shlex.quote(str(target))}")
+
+
+def _ask(question: "Question", answers: dict[str, str]) -> str:
+    """An answer that will do, after as many tries as it takes; what a map suggests is taken by Enter."""
+    from ipoa_mission.errors import BadInput
+    from ipoa_mission.scenario.new import check_goal
+
+    while True:
+        suggested = answers.get(question.key, question.default)
+        said = str(typer.prompt(f"{question.words} ({question.form})", default=suggested, err=True))
+        try:
+            question.check(question.key, said)
+            check_goal({**answers, question.key: said})
+        except BadInput as error:
+            typer.echo(error, err=True)
+        else:
+            return said

@@ -1,4 +1,4 @@
-"""What the command line was given to fly: a scenario, which is planned first, or a mission file."""
+"""What the command line was given to fly: a scenario that was planned here, or a mission file."""
 
 import logging
 from collections.abc import Mapping
@@ -36,34 +36,30 @@ class Job:
     wind: Wind = CALM
 
 
-def prepare(
+def read_job(
     source: Path,
-    seed: int = 0,
     autopilot: Autopilot | None = None,
-    optimizer: str | None = None,
     parameters: Mapping[str, float] | None = None,
     wind: Wind | None = None,
     vehicle: Path | None = None,
 ) -> Job:
-    """A job from a scenario (`.toml`) or a mission file.
+    """A job from a mission file.
 
     Raises:
         BadInput: the file is wrong.
-        NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
-        NotEnoughBattery: it would not come home with its reserve.
     """
-    if source.suffix == ".toml":
-        scenario = adapt_scenario(source, optimizer, autopilot=autopilot, parameters=parameters, vehicle=vehicle)
-        flight = plan(scenario, seed, wind)
-        air = flight.scenario.wind.air()
-        return Job(flight.name, flight.mission, flight.estimate, flight.remarks, flight, air)
     mission, remarks = read_with_parameters(source, autopilot, parameters, vehicle)
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
     remarks += tuple(finding.message for finding in warnings)
     air = wind or CALM
     return Job(source.stem, mission, estimate(mission, wind=air), remarks, wind=air)
+
+
+def planned(flight: Flight) -> Job:
+    """The job of a flight that was planned here."""
+    return Job(flight.name, flight.mission, flight.estimate, flight.remarks, flight, flight.scenario.wind.air())
 
 
 def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.options import JsonOption
+from ipoa_mission.cli.options import ForceOption, JsonOption
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
 
@@ -27,6 +27,7 @@ def learn(
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The vehicle that is written.")] = Path(
         "vehicle.toml"
     ),
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Learn a vehicle from its flights: drag, lag, delays on the ground, each with the interval of nine in ten.
@@ -38,11 +39,13 @@ def learn(
     """
     from dataclasses import replace
 
+    from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.files import write_atomically
     from ipoa_mission.learn.fit import fit
     from ipoa_mission.learn.judge import left_out, median_errors
     from ipoa_mission.learn.vehicle_file import write_vehicle
 
+    expect_free([out], force, ask=not as_json)
     flights, remarks, version = _gathered(files)
     leashed = version.startswith("3.")
     judged = left_out(flights, leashed)

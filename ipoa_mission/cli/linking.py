@@ -11,6 +11,7 @@ from ipoa_mission.cli.options import (
     AutopilotOption,
     BackendOption,
     FileArgument,
+    ForceOption,
     JsonOption,
     KeyOption,
     LinkOption,
@@ -45,9 +46,8 @@ def upload(
     from ipoa_mission.link.set_up import other_values
 
     mission, beside = read_with_parameters(file, autopilot)
-    with connect_to(
-        link, system, key, backend, log, file.with_name(f"{file.stem}-upload.tlog"), timeout, anyway
-    ) as vehicle:
+    usual = file.with_name(f"{file.stem}-upload.tlog")
+    with connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle:
         if not states_firmware(file, autopilot):
             mission, beside = read_with_parameters(file, vehicle.autopilot)
         remarks = (*beside, *put(mission, vehicle, anyway))
@@ -56,9 +56,15 @@ def upload(
         name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:
-        tell_json(told | {"items": len(mission.items), "remarks": list(remarks)})
+        tell_json(
+            told | {"items": len(mission.items), "remarks": list(remarks), "written": _frames(log or usual, backend)}
+        )
     else:
-        tell(f"{len(mission.items)} items are on {name}, read back and equal", *notes(remarks))
+        tell(
+            f"{len(mission.items)} items are on {name}, read back and equal",
+            *notes(remarks),
+            *_written(log or usual, backend),
+        )
 
 
 def download(
@@ -70,17 +76,20 @@ def download(
     timeout: TimeoutOption = None,
     backend: BackendOption = Backend.BUILTIN,
     anyway: AnywayOption = False,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Read the mission on a vehicle, with its fence and rally points, into a file.
 
     Example: `ipoa-mission download vehicle.plan --link tcp:127.0.0.1:5760`
     """
+    from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.errors import BadInput
     from ipoa_mission.mission.files import write_mission
 
-    if file.suffix not in (".plan", ".waypoints"):
+    if file.suffix.lower() not in (".plan", ".waypoints"):
         raise BadInput(f'{file}: expected a name that ends in .plan or .waypoints, not in "{file.suffix}"')
+    expect_free([file], force, ask=not as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")
     with (
         left_behind("nothing was written"),
@@ -91,9 +100,9 @@ def download(
     remarks = write_mission(mission, file)
     if as_json:
         counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
-        tell_json(told | counts | {"written": str(file), "remarks": list(remarks)})
+        tell_json(told | counts | {"written": [str(file), *_frames(log or usual, backend)], "remarks": list(remarks)})
     else:
-        tell(f"{len(mission.items)} items written to {file}", *notes(remarks))
+        tell(f"{len(mission.items)} items written to {file}", *notes(remarks), *_written(log or usual, backend))
 
 
 def clear(
@@ -102,6 +111,7 @@ def clear(
     log: LogOption = None,
     key: KeyOption = None,
     timeout: TimeoutOption = None,
+    backend: BackendOption = Backend.BUILTIN,
     anyway: AnywayOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -111,16 +121,20 @@ def clear(
     """
     from ipoa_mission.link.messages import MissionType
 
+    usual = Path("clear.tlog")
     with (
         left_behind("the vehicle may have forgotten some of its lists", hint="the same command goes on"),
-        connect_to(link, system, key, Backend.BUILTIN, log, Path("clear.tlog"), timeout, anyway) as vehicle,
+        connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle,
     ):
         vehicle.clear(MissionType.ALL)
     if as_json:
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-        tell_json(told | {"cleared": ["mission", "fence", "rally"]})
+        tell_json(told | {"cleared": ["mission", "fence", "rally"], "written": _frames(log or usual, backend)})
     else:
-        tell(f"vehicle {vehicle.system} ({vehicle.autopilot}) has no mission, fence or rally points now")
+        tell(
+            f"vehicle {vehicle.system} ({vehicle.autopilot}) has no mission, fence or rally points now",
+            *_written(log or usual, backend),
+        )
 
 
 def set_current(
@@ -140,14 +154,17 @@ def set_current(
 
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
-    with connect_to(link, system, key, backend, log, Path("set-current.tlog"), timeout, anyway) as vehicle:
+    usual = Path("set-current.tlog")
+    with connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle:
         with left_behind("the vehicle may go on with either item"):
             vehicle.set_current(item - 1)
         told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:
-        tell_json(told | {"current": item})
+        tell_json(told | {"current": item, "written": _frames(log or usual, backend)})
     else:
-        tell(f"vehicle {vehicle.system} ({vehicle.autopilot}) goes on with item {item}")
+        tell(
+            f"vehicle {vehicle.system} ({vehicle.autopilot}) goes on with item {item}", *_written(log or usual, backend)
+        )
 
 
 def scan(
@@ -180,6 +197,15 @@ def scan(
         tell(f"nobody is heard on {link} within {seconds:g} s")
     if not rows:
         raise typer.Exit(1)
+
+
+def _frames(log: Path, backend: Backend) -> list[str]:
+    """The file with every frame; MAVSDK keeps none."""
+    return [] if backend is Backend.MAVSDK else [str(log)]
+
+
+def _written(log: Path, backend: Backend) -> list[str]:
+    return [f"written: {path}" for path in _frames(log, backend)]
 
 
 def _in_words(row: dict[str, object]) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
+from ipoa_mission.cli.packed import or_packed
 from ipoa_mission.cli.vehicles import Backend
 from ipoa_mission.errors import BadInput
 
@@ -27,53 +28,68 @@ class Planner(StrEnum):
     PAPER = "paper"
 
 
+class Optimizer(StrEnum):
+    """Who seeks: the names of `optimize.registry`."""
+
+    IPOA = "ipoa"
+    DBO = "dbo"
+    POA = "poa"
+    SSA = "ssa"
+    MPOA = "mpoa"
+    HHO = "hho"
+    ADAPTIVE_PELICAN = "adaptive-pelican"
+
+
 def expect_scenario(path: Path) -> Path:
-    """Raise BadInput for a mission file where a scenario is expected."""
-    if path.suffix in (".plan", ".waypoints"):
+    """The scenario's file, or one that is packed; BadInput for a mission file."""
+    if path.suffix.lower() in (".plan", ".waypoints"):
         raise BadInput(
             f"{path}: expected a scenario (.toml), not a mission", hint=f"fly takes missions: ipoa-mission fly {path}"
         )
-    return path
+    return or_packed(path)
 
 
 def expect_mission(path: Path) -> Path:
     """Raise BadInput for a scenario where a mission file is expected."""
-    if path.suffix == ".toml":
+    if path.suffix.lower() == ".toml":
         raise BadInput(
             f"{path}: expected a mission (.plan, .waypoints), not a scenario", hint=f"first: ipoa-mission plan {path}"
         )
     return path
 
 
-def optimizer_names() -> list[str]:
-    """What `--optimizer` is completed to."""
-    from ipoa_mission.optimize.registry import OPTIMIZERS
-
-    return list(OPTIMIZERS)
-
-
 ScenarioArgument: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML).")
+    Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML), or `campus`.")
 ]
 FileArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="FILE", callback=expect_mission, help="Mission file: .plan or .waypoints.")
 ]
 FileOrScenario: TypeAlias = Annotated[
     Path,
-    typer.Argument(metavar="SCENARIO|FILE", help="Scenario (.toml) to plan first, or mission (.plan, .waypoints)."),
+    typer.Argument(
+        metavar="SCENARIO|FILE",
+        callback=or_packed,
+        help="Scenario (.toml, or `campus`) to plan first, or mission (.plan, .waypoints).",
+    ),
+]
+ScenarioOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--scenario",
+        metavar="SCENARIO",
+        help="The world it flies in: terrain, obstacles, wind, and the vehicle's parameters.",
+    ),
+]
+ForceOption: TypeAlias = Annotated[
+    bool,
+    typer.Option("--force", metavar="", help="Write over files that are there, also those not written by a plan."),
 ]
 OutOption: TypeAlias = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the files; made if absent.")
 ]
 SeedOption: TypeAlias = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Same seed, same bytes.")]
 OptimizerOption: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--optimizer",
-        metavar="NAME",
-        autocompletion=optimizer_names,
-        help="Search by this optimizer: ipoa, poa, dbo, ...",
-    ),
+    Optimizer | None, typer.Option("--optimizer", help="Search by this optimizer instead of the scenario's.")
 ]
 PlannerOption: TypeAlias = Annotated[
     Planner | None, typer.Option("--planner", help="How to seek: paper is the algorithm as printed.")
@@ -86,10 +102,14 @@ AutopilotOption: TypeAlias = Annotated[
     typer.Option("--autopilot", help="Firmware that flies it; left out, what the file says (.waypoints: px4)."),
 ]
 ParameterOption: TypeAlias = Annotated[
-    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="A parameter of the autopilot. Repeatable.")
+    list[str] | None,
+    typer.Option(
+        "--param", metavar="NAME=VALUE", help="A parameter that the autopilot has, not its default. Repeatable."
+    ),
 ]
 ParameterFileOption: TypeAlias = Annotated[
-    Path | None, typer.Option("--param-file", metavar="FILE", help="Parameters of the autopilot: .parm or .params.")
+    Path | None,
+    typer.Option("--param-file", metavar="FILE", help="A file of such parameters: .parm or .params."),
 ]
 WindOption: TypeAlias = Annotated[
     str | None,
@@ -146,7 +166,7 @@ LogOption: TypeAlias = Annotated[
         "--log",
         metavar="FILE",
         rich_help_panel=ON_THE_LINK,
-        help="Where every frame goes (.tlog); left out, beside the mission file, named after the verb.",
+        help="Where every frame goes (.tlog); left out, beside the mission's files.",
     ),
 ]
 TimeoutOption: TypeAlias = Annotated[
@@ -156,7 +176,7 @@ TimeoutOption: TypeAlias = Annotated[
         metavar="S",
         min=1.0,
         rich_help_panel=ON_THE_LINK,
-        help="Give up after so many seconds; left out, an hour.",
+        help="Give up if it is not done, or the flight not begun, within so many seconds; left out, an hour.",
     ),
 ]
 KeyOption: TypeAlias = Annotated[
@@ -228,7 +248,7 @@ NakOption: TypeAlias = Annotated[
     ),
 ]
 ReportOption: TypeAlias = Annotated[
-    bool, typer.Option("--report", metavar="", help="Also write NAME.html, a page that shows it.")
+    bool, typer.Option("--report", metavar="", help="Also write NAME.html: map, heights, speeds, times.")
 ]
 JsonOption: TypeAlias = Annotated[
     bool, typer.Option("--json", metavar="", help="Print the result as JSON, for machines.")
@@ -254,8 +274,10 @@ def read_wind_option(given: str | None, profile: str | None = None) -> "Wind | N
         wind = Wind(float(speed), float(direction))
     except ValueError:
         wind = Wind(math.nan)
-    if not (at and 0 <= wind.speed < math.inf and math.isfinite(wind.from_deg)):
-        raise BadInput(f"--wind {given}: expected a speed in m/s and where it blows from in degrees, like 6@270")
+    if not (at and 0 <= wind.speed < math.inf and abs(wind.from_deg) <= 360):
+        raise BadInput(
+            f"--wind {given}: expected a speed in m/s and where it blows from, in degrees up to 360, like 6@270"
+        )
     if profile is None:
         return wind
     exponent, at, height = profile.partition("@")

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from ipoa_mission.cli.options import (
     AutopilotOption,
+    ForceOption,
     JsonOption,
     LearnedOption,
     OptimizerOption,
@@ -20,7 +21,7 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
     read_wind_option,
 )
-from ipoa_mission.cli.telling import tell, tell_json, tell_table
+from ipoa_mission.cli.telling import tell, tell_json
 
 
 def plan(
@@ -37,20 +38,27 @@ def plan(
     wind_profile: WindProfileOption = None,
     vehicle: LearnedOption = None,
     report: ReportOption = False,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Plan a scenario and write its mission: NAME.plan (QGroundControl), NAME.waypoints, and NAME.json about it.
+
+    NAME is the scenario's. Files of an earlier plan are written over, unless somebody has changed them.
 
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
     from ipoa_mission.cli.folders import expect_folder
     from ipoa_mission.cli.job import adapt_scenario
     from ipoa_mission.cli.job import plan as plan_it
-    from ipoa_mission.cli.summary import ROUTE_COLUMNS, describe, route_rows
+    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.summary import describe, tell_routes
+    from ipoa_mission.flight.written import not_as_written
 
     expect_folder(out)
     parameters, air = read_parameter_options(param, param_file), read_wind_option(wind, wind_profile)
-    flight = plan_it(adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters, vehicle), seed, air)
+    adapted = adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters, vehicle)
+    expect_free(not_as_written(out, adapted.name, report), force, ask=not as_json)
+    flight = plan_it(adapted, seed, air)
     files = [*flight.write(out)]
     if report:
         files.append(out / f"{flight.name}.html")
@@ -59,7 +67,7 @@ def plan(
         tell_json(flight.summary() | {"written": [str(file) for file in files]})
     else:
         tell(*describe(flight))
-        tell_table("start to goal, by how the waypoints are chosen", ROUTE_COLUMNS, route_rows(flight))
+        tell_routes(flight)
         tell(f"written: {', '.join(map(str, files))}")
 
 

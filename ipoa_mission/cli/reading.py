@@ -13,6 +13,7 @@ from ipoa_mission.mission.parameter_file import beside
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
+    from ipoa_mission.wind import Wind
 
 SHOWN = 6  # parameters in a note
 
@@ -41,8 +42,8 @@ def read_with_parameters(
     return mission.with_parameters(parameters or {}), remarks
 
 
-def read_world(file: Path | None) -> "Scenario | None":
-    """The scenario that a user named, if there is one: who has none need not wait for what reads it.
+def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | None":
+    """The scenario that a user named, if there is one, in the wind that was given, if there is one.
 
     Raises:
         BadInput: the file cannot be read.
@@ -51,4 +52,15 @@ def read_world(file: Path | None) -> "Scenario | None":
         return None
     from ipoa_mission.scenario import read_scenario
 
-    return read_scenario(file)
+    world = read_scenario(file)
+    return world if wind is None else world.in_wind(wind)
+
+
+def in_world(mission: Mission, world: "Scenario | None", wind: "Wind | None" = None) -> tuple[Mission, "Wind"]:
+    """The mission over the ground of the scenario on its vehicle, and the wind: the given one goes before its own."""
+    from ipoa_mission.tube.flown_in import flown_in
+    from ipoa_mission.wind import CALM
+
+    if world is None:
+        return mission, wind or CALM
+    return flown_in(mission, world), wind or world.wind.air()

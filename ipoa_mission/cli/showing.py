@@ -1,22 +1,50 @@
 """`show` and `export`: a mission file for the eye, and for other programs."""
 
+import sys
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.options import AutopilotOption, FileArgument, JsonOption, LearnedOption
+from ipoa_mission.cli.options import (
+    AutopilotOption,
+    FileArgument,
+    ForceOption,
+    JsonOption,
+    LearnedOption,
+    ParameterFileOption,
+    ParameterOption,
+    ScenarioOption,
+    WindOption,
+    WindProfileOption,
+    read_parameter_options,
+    read_wind_option,
+)
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
 
-ScenarioOption = Annotated[
-    Path | None, typer.Option("--scenario", metavar="SCENARIO", help="The world it flies in, for heights above ground.")
-]
+
+class Form(StrEnum):
+    """What a mission can be exported as: suffixes without their dots."""
+
+    KML = "kml"
+    GEOJSON = "geojson"
+    CSV = "csv"
+    GPX = "gpx"
+    PLAN = "plan"
+    WAYPOINTS = "waypoints"
 
 
 def show(
     file: FileArgument,
     scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
+    param: ParameterOption = None,
+    param_file: ParameterFileOption = None,
+    wind: WindOption = None,
+    wind_profile: WindProfileOption = None,
     vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -27,21 +55,20 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.cli.reading import read_with_parameters, read_world
+    from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.errors import MissionError
     from ipoa_mission.exports.table import mission_table
     from ipoa_mission.timing.estimate import estimate
-    from ipoa_mission.tube.flown_in import flown_in
-    from ipoa_mission.wind import CALM
 
-    mission, remarks = read_with_parameters(file, autopilot, vehicle=vehicle)
-    world = read_world(scenario)
+    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
+    air = read_wind_option(wind, wind_profile)
+    world = read_world(scenario, air)
     rows, errors = mission_table(mission, world), refusals(mission)
     done: dict[int, float] = {}
     try:
         if not errors:
-            wind = CALM if world is None else world.wind.air()
-            timed = estimate(mission if world is None else flown_in(mission, world), wind=wind)
+            flown, air = in_world(mission, world, air)
+            timed = estimate(flown, wind=air)
             done = {item.seq: item.done_s for item in timed.items}
         total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:
@@ -66,8 +93,9 @@ def show(
     ]
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
-    columns = ["item", "command", "leg\nm", "heading\n°", "climb\nm", "height\nm", "above\nground m", "done at\ns", ""]
-    tell_table(f"{file.name}: {len(mission.items)} items for {mission.autopilot}; {place}", columns, cells)
+    columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
+    tell(f"{file.name}: {len(mission.items)} items for {mission.autopilot}")
+    tell_table(place, columns, cells)
     climbs = [row.climb for row in rows if row.climb is not None]
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
     length = sum(row.length for row in rows if row.length is not None)
@@ -76,23 +104,52 @@ def show(
 
 def export(
     file: FileArgument,
-    target: Annotated[Path, typer.Argument(metavar="TARGET", help="File to write: .kml, .geojson, .csv or .gpx.")],
+    target: Annotated[
+        Path,
+        typer.Argument(
+            metavar="TARGET",
+            help="File to write: .kml, .geojson, .csv, .gpx, .plan or .waypoints; - is standard output.",
+        ),
+    ],
+    form: Annotated[
+        Form | None, typer.Option("--format", help="What to write; left out, what TARGET's suffix says.")
+    ] = None,
+    scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Write a mission for other programs: KML, GeoJSON, CSV or GPX, by the suffix; or as the other mission format.
+    """Write a mission for other programs: KML, GeoJSON, CSV or GPX, or as the other mission format.
 
-    Example: `ipoa-mission export campus.plan campus.kml`
+    Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """
-    from ipoa_mission.exports import write_export
-    from ipoa_mission.mission.files import read_mission, write_mission
+    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.reading import in_world, read_world
+    from ipoa_mission.exports import export_text
+    from ipoa_mission.mission.files import mission_text, read_mission, write_mission
+    from ipoa_mission.mission.waypoints_file import left_out
 
-    mission = read_mission(file, autopilot)
-    if target.suffix in (".plan", ".waypoints"):
-        remarks = write_mission(mission, target)
+    if target == Path("-") and form is None:
+        raise BadInput("-: expected --format with it", hint="like --format kml")
+    suffix = target.suffix.lower() if form is None else f".{form}"
+    if suffix not in (suffixes := [f".{one}" for one in Form]):
+        raise BadInput(f'{target}: expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"')
+    is_mission = suffix in (".plan", ".waypoints")
+    mission, world = read_mission(file, autopilot), read_world(scenario)
+    if target == Path("-"):
+        if as_json:
+            raise BadInput("--json: expected a file to write, not standard output")
+        text = mission_text(mission, suffix) if is_mission else export_text(mission, suffix, file.stem, world)
+        sys.stdout.write(text)
+        return
+    expect_free([target], force, ask=not as_json)
+    remarks: tuple[str, ...] = ()
+    if is_mission:
+        flown, _ = in_world(mission, world)
+        write_mission(flown, target, suffix)
+        remarks = left_out(mission) if suffix == ".waypoints" else ()
     else:
-        remarks = ()
-        write_export(mission, target)
+        write_atomically(target, export_text(mission, suffix, target.stem, world))
     if as_json:
         tell_json({"written": str(target), "remarks": list(remarks)})
     else:

@@ -1,6 +1,6 @@
 """What a planned flight is like, in a few lines for a human."""
 
-from ipoa_mission.cli.checking import route_in_words
+from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight import Flight
 from ipoa_mission.tube.promise import Promise
 
@@ -12,7 +12,6 @@ def describe(flight: Flight) -> list[str]:
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {mission.autopilot}",
         *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s; QGroundControl would say {estimate.qgroundcontrol_s:.0f} s",
-        *route_in_words(estimate),
     ]
     if flight.energy is not None:
         lines.append(f"energy {flight.energy.energy_wh:.1f} Wh, {flight.energy.mean_w:.0f} W on average")
@@ -32,10 +31,22 @@ ROUTE_COLUMNS = [
     "mode",
     "waypoints",
     "takes\ns",
-    "times the\ncurve's least",
-    "leaves the\ncurve by, m",
-    "keeps its limits",
+    "x curve\nat limits",
+    "off the\ncurve, m",
+    "clear",
 ]
+#: What the columns mean, said below the first table that has them.
+ROUTE_WORDS = (
+    "curve: the smooth path that was planned; the waypoints stand for it, and flights cut its corners",
+    "at limits: flown along the curve itself at the vehicle's limits of speed and acceleration",
+    "clear: the clearance is kept by the path that this autopilot is predicted to fly",
+)
+
+
+def tell_routes(flight: Flight) -> None:
+    """Print the table of routes, and what its words mean."""
+    tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
+    tell(*ROUTE_WORDS, "")
 
 
 def route_rows(flight: Flight) -> list[tuple[str, ...]]:
@@ -48,7 +59,7 @@ def route_rows(flight: Flight) -> list[tuple[str, ...]]:
             f"{option.seconds:.1f}",
             f"{option.ratio:.2f}",
             f"{option.deviation:.1f}",
-            "yes" if option.flies_clear else "no: flown, it comes too close",
+            "yes" if option.flies_clear else "no",
         )
         for option in flight.options
     ]

@@ -12,7 +12,7 @@ from ipoa_mission.errors import MissionError
 
 #: What a terminal obeys instead of showing it: control characters, and those that turn the direction of writing.
 _OBEYED = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
-OFF_A_TERMINAL = 200  # characters: wide enough that no table is folded in a file
+OFF_A_TERMINAL = 80  # characters
 
 
 def shown(text: str) -> str:
@@ -38,13 +38,11 @@ def tell_json(result: Any, indent: int | None = 2) -> None:
     print("\n".join(lines), flush=True)
 
 
-def tell_table(
-    title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], width: int = OFF_A_TERMINAL
-) -> None:
+def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
     """Print a table: words to the left, numbers to the right; a column in which nothing stands is left out.
 
-    A line break in the name of a column puts its unit below it. Off a terminal a table is as wide as it needs to be,
-    up to `width` characters; beyond that its last column is folded.
+    A line break in the name of a column puts its unit below it. A table is as wide as its terminal at most, elsewhere
+    80 characters; what does not fit is folded, never cut.
     """
     from rich.align import Align
     from rich.box import SIMPLE_HEAD
@@ -53,15 +51,14 @@ def tell_table(
     from rich.text import Text
 
     kept = [i for i in range(len(columns)) if any(row[i] for row in rows)]
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1))
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
     for i in kept:
         numbers = all(row[i][-1:].isdigit() or not row[i] for row in rows)
-        is_last = i == kept[-1]
         side: Literal["left", "right"] = "right" if numbers else "left"
-        table.add_column(Align(columns[i], side, vertical="bottom"), justify=side, no_wrap=not is_last)
+        table.add_column(Align(columns[i], side, vertical="bottom"), justify=side, no_wrap=numbers, overflow="fold")
     for row in rows:
         table.add_row(*(Text(shown(row[i])) for i in kept))
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else width)
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else OFF_A_TERMINAL)
     with console.capture() as drawn:
         console.print(table)
     tell(title, "")

@@ -1,6 +1,7 @@
 """A vehicle at the other end of a link, for the verbs that need one: found, checked against, written to."""
 
 import logging
+import time
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -39,7 +40,7 @@ def connect_to(
 ) -> "AnyVehicle":
     """The vehicle on a link. Every frame goes to `record` (left out: to `usual_record`), unless MAVSDK speaks for us.
 
-    What is done with it may take `timeout` seconds in all.
+    After `timeout` seconds from now it is given up, unless it is in flight by then.
 
     Raises:
         BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record or time).
@@ -48,7 +49,7 @@ def connect_to(
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.errors import BadInput
 
-    signer = signer_of(key)
+    signer, began = signer_of(key), time.monotonic()
     if backend is Backend.MAVSDK:
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
 
@@ -61,6 +62,8 @@ def connect_to(
         from ipoa_mission.link.vehicle import connect
 
         vehicle = connect(link, system, record or usual_record, signer, patience_of(timeout), anyway=anyway)
+        if timeout is not None:
+            vehicle.give_up_after(timeout - (time.monotonic() - began))
     log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, backend)
     return vehicle
 
@@ -78,37 +81,22 @@ def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, .
     Raises:
         Unsafe, FarFromHome: it would crash or be refused, and `anyway` does not say to send it all the same.
     """
-    from ipoa_mission.checks.check import check_mission
-    from ipoa_mission.checks.unsafe import refuse_errors
+    from ipoa_mission.flight.boarding import expect_fit
     from ipoa_mission.link.set_up import idle_fence
 
-    _expect_firmware(mission, vehicle, anyway)
-    findings = check_mission(replace(mission, autopilot=vehicle.autopilot))
-    warnings = findings if anyway else refuse_errors(findings)
     with left_behind("nothing was sent"):
-        homes = _compare_home(mission, vehicle, anyway)
+        remarks = expect_fit(mission, vehicle, anyway)
     with left_behind("the mission on the vehicle may be the old or the new one"), progress_bar("upload") as show:
         vehicle.upload(mission, show, checked=False)
     log.info("%d items on system %d, read back and equal", len(mission.items), vehicle.system)
     with left_behind("the new mission is on the vehicle"):
         idle = idle_fence(vehicle, mission)
-    return (*homes, *(finding.message for finding in warnings), *([idle] if idle else []))
+    return (*remarks, *([idle] if idle else []))
 
 
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
     """Whether it is known what a mission file is for: `.waypoints` does not say, and serves whoever is there."""
-    return autopilot is not None or file.suffix != ".waypoints"
-
-
-def _expect_firmware(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> None:
-    from ipoa_mission.errors import MissionError
-
-    if mission.autopilot is not vehicle.autopilot and not anyway:
-        raise MissionError(
-            f"the mission was made for {mission.autopilot}, and the vehicle is {vehicle.autopilot}: "
-            "its path and its time would be others",
-            hint=f"make it for {vehicle.autopilot} (--autopilot {vehicle.autopilot}), or send it with --anyway",
-        )
+    return autopilot is not None or file.suffix.lower() != ".waypoints"
 
 
 def get(vehicle: "AnyVehicle") -> "Mission":
@@ -119,17 +107,3 @@ def get(vehicle: "AnyVehicle") -> "Mission":
         return vehicle.download()
     with progress_bar("download") as show:
         return vehicle.download(show)
-
-
-def _compare_home(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, ...]:
-    from ipoa_mission.cli.homes import compare_homes
-    from ipoa_mission.link.dialogue import NoAnswer
-
-    try:
-        there = vehicle.home()
-    except NoAnswer:
-        there = None
-    if there is None:
-        return ("the vehicle does not say where its home is: nobody compared it with the mission's",)
-    log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
-    return compare_homes(mission, there, anyway)

@@ -24,10 +24,10 @@ SOURCES = (
     "world/obstacles/obstacle.py",
 )
 INDEX = "kernels.json"
-#: Of CPUs, the best first, with what numpy calls the instructions that they must have.
+#: Of CPUs, the best first, with what versions of numpy call the instructions that they must have.
 CPUS: dict[str, dict[str, tuple[str, ...]]] = {
-    "x86_64": {"x86-64-v3": ("AVX2", "FMA3", "F16C"), "x86-64": ()},
-    "aarch64": {"generic": ()},
+    "x86_64": {"x86-64-v4": ("X86_V4", "AVX512_SKX"), "x86-64-v3": ("X86_V3", "AVX2"), "x86-64": ("SSE2",)},
+    "aarch64": {"generic": ("NEON",)},
 }
 NUMBA = "IPOA_MISSION_NUMBA"  # set to anything: compile with numba in any case
 
@@ -39,19 +39,19 @@ def shipped() -> dict[str, Callable[..., Any]] | None:
     if os.environ.get(NUMBA) or not (folder / INDEX).is_file():
         return None
     index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
-    file = folder / file_name(this_cpu())
-    if index["sources"] != sources_digest() or not file.is_file():
+    files = [file for cpu in these_cpus() if (file := folder / file_name(cpu)).is_file()]
+    if index["sources"] != sources_digest() or not files:
         return None
     try:
-        library = ctypes.CDLL(str(file))
+        library = ctypes.CDLL(str(files[0]))
     except OSError:  # another system's
         return None
     return {name: Native(library, name, *types) for name, types in index["kernels"].items()}
 
 
 def file_name(cpu: str) -> str:
-    """The library for a CPU."""
-    return f"kernels-{platform.system()}-{cpu}.so"
+    """The library for a CPU; by its ending it is no module of Python."""
+    return f"kernels-{platform.system()}-{cpu}.bin"
 
 
 def sources_digest() -> str:
@@ -62,10 +62,10 @@ def sources_digest() -> str:
     return digest.hexdigest()
 
 
-def this_cpu() -> str:
-    """The best of `CPUS` that this machine's can stand for; none: an empty name."""
+def these_cpus() -> list[str]:
+    """Those of `CPUS` for which this machine's can stand, the best first."""
     from numpy._core._multiarray_umath import __cpu_features__ as has
 
     machine = platform.machine()
     cpus = CPUS.get({"AMD64": "x86_64", "arm64": "aarch64"}.get(machine, machine), {})
-    return next((cpu for cpu, needed in cpus.items() if all(has.get(name) for name in needed)), "")
+    return [cpu for cpu, names in cpus.items() if any(has.get(name) for name in names)]

@@ -45,14 +45,19 @@ class Consumption:
 
 
 def consumption(
-    airframe: Airframe, times: Vector, points: Points, speeds: Vector, altitude_amsl: float = 0.0, wind: float = 0.0
+    airframe: Airframe,
+    times: Vector,
+    points: Points,
+    speeds: Vector,
+    altitude_amsl: float = 0.0,
+    head_wind: float = 0.0,
 ) -> Consumption:
     """What flying along a track takes: at `times` (n,) [s] it passes `points` (n, 3) [m] with `speeds` (n,) [m/s].
 
     Points are east, north, up; speeds are over ground, climb included. `altitude_amsl` is that of up = 0 (the air is
-    thinner higher up); `wind` [m/s] blows against the flight all the way, hovering too. Speeding up takes its kinetic
-    energy; slowing down gives nothing back. Speeds are not taken from the points: predictions and logs have small
-    jumps in position, and power grows with the cube of speed.
+    thinner higher up); `head_wind` [m/s] blows against the flight all the way, hovering too. Speeding up takes its
+    kinetic energy; slowing down gives nothing back. Speeds are not taken from the points: predictions and logs have
+    small jumps in position, and power grows with the cube of speed.
 
     Raises:
         BadInput: the times do not grow, or are not as many as the points and speeds.
@@ -65,7 +70,7 @@ def consumption(
     speed, climb = (speeds[:-1] + speeds[1:]) / 2, np.diff(points[:, 2]) / spans
     level = np.sqrt(np.maximum(speed**2 - climb**2, 0.0))
     density = air_density(altitude_amsl + (points[:-1, 2] + points[1:, 2]) / 2)
-    steady = power(airframe, level + wind, climb, density)
+    steady = power(airframe, level + head_wind, climb, density)
     gained = np.maximum(np.diff(0.5 * airframe.mass_kg * speeds**2), 0.0)
     drawn = steady + gained / airframe.drive_efficiency / spans
     joules = float(drawn @ spans)

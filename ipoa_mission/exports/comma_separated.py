@@ -2,9 +2,13 @@
 
 import csv
 import io
+from typing import TYPE_CHECKING
 
 from ipoa_mission.exports.table import Row, mission_table
 from ipoa_mission.items import Mission
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 #: Column -> the attribute of a row, and how many decimals.
 COLUMNS = {
@@ -24,12 +28,12 @@ COLUMNS = {
 }
 
 
-def to_csv(mission: Mission, name: str) -> str:
+def to_csv(mission: Mission, name: str, scenario: "Scenario | None" = None) -> str:
     """The mission as the text of a CSV file; the name stands nowhere in it."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)
-    writer.writerows([_cell(row, *column) for column in COLUMNS.values()] for row in mission_table(mission))
+    writer.writerows([_cell(row, *column) for column in COLUMNS.values()] for row in mission_table(mission, scenario))
     return out.getvalue()
 
 

@@ -6,28 +6,31 @@ The third coordinate is above mean sea level, as everywhere in the package (the 
 
 import json
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.commands import command_name
 from ipoa_mission.exports.areas import ring
 from ipoa_mission.exports.track import track
 from ipoa_mission.items import Item, Mission
 
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
-def to_geojson(mission: Mission, name: str) -> str:
+
+def to_geojson(mission: Mission, name: str, scenario: "Scenario | None" = None) -> str:
     """The mission as the text of a GeoJSON file: one feature a line."""
     home = _point(
         (mission.home.longitude_deg, mission.home.latitude_deg, mission.home.altitude), {"kind": "home", "seq": 0}
     )
-    features = [home, *_way(mission), *_items(mission), *_fence(mission), *_rally(mission)]
+    features = [home, *_way(mission, scenario), *_items(mission), *_fence(mission), *_rally(mission)]
     lines = ",\n".join(json.dumps(feature, allow_nan=False) for feature in features)
     head = json.dumps({"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"})
     return f'{head[:-1]}, "features": [\n{lines}\n]}}\n'
 
 
-def _way(mission: Mission) -> list[dict[str, Any]]:
+def _way(mission: Mission, scenario: "Scenario | None") -> list[dict[str, Any]]:
     features = []
-    for stretch in track(mission):
+    for stretch in track(mission, scenario):
         points = [point[:2] if stretch.over_terrain else point for point in stretch.points]
         line = {"type": "LineString", "coordinates": points}
         features.append(_feature(line, {"kind": "way", "over_terrain": stretch.over_terrain}))

@@ -4,15 +4,19 @@ A height above terrain has no `ele`: GPX knows no other altitude.
 """
 
 import math
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Tree
 
 from ipoa_mission.commands import command_name
 from ipoa_mission.items import Mission
 
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
+
 NAMESPACE = "http://www.topografix.com/GPX/1/1"
 
 
-def to_gpx(mission: Mission, name: str) -> str:
+def to_gpx(mission: Mission, name: str, scenario: "Scenario | None" = None) -> str:
     """The mission as the text of a GPX file."""
     root = Tree.Element("gpx", xmlns=NAMESPACE, version="1.1", creator="ipoa-mission")
     Tree.SubElement(Tree.SubElement(root, "metadata"), "name").text = name

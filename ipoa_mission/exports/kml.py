@@ -5,6 +5,7 @@
 """
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Tree
 
 from ipoa_mission.commands import Frame, command_name, plain_frame
@@ -12,11 +13,14 @@ from ipoa_mission.exports.areas import ring
 from ipoa_mission.exports.track import track
 from ipoa_mission.items import Item, Mission
 
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
+
 NAMESPACE = "http://www.opengis.net/kml/2.2"
 STYLES = {"way": "ff00a5ff", "inclusion": "ff50af4c", "exclusion": "ff3643f4"}  # aabbggrr
 
 
-def to_kml(mission: Mission, name: str) -> str:
+def to_kml(mission: Mission, name: str, scenario: "Scenario | None" = None) -> str:
     """The mission as the text of a KML file."""
     root = Tree.Element("kml", xmlns=NAMESPACE)
     document = Tree.SubElement(root, "Document")
@@ -25,7 +29,7 @@ def to_kml(mission: Mission, name: str) -> str:
         line = Tree.SubElement(Tree.SubElement(document, "Style", id=style), "LineStyle")
         _text(line, "color", color)
         _text(line, "width", "3")
-    _way(document, mission)
+    _way(document, mission, scenario)
     items = _folder(document, "items")
     _point(items, "0 home", (mission.home.longitude_deg, mission.home.latitude_deg, mission.home.altitude), "absolute")
     for seq, item in enumerate(mission.items, start=1):
@@ -42,9 +46,9 @@ def to_kml(mission: Mission, name: str) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + Tree.tostring(root, encoding="unicode") + "\n"
 
 
-def _way(document: Tree.Element, mission: Mission) -> None:
+def _way(document: Tree.Element, mission: Mission, scenario: "Scenario | None") -> None:
     folder = _folder(document, "way")
-    for n, stretch in enumerate(track(mission), start=1):
+    for n, stretch in enumerate(track(mission, scenario), start=1):
         placemark = _placemark(folder, f"way {n}", "way")
         line = Tree.SubElement(placemark, "LineString")
         _text(line, "altitudeMode", "relativeToGround" if stretch.over_terrain else "absolute")

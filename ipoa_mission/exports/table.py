@@ -18,7 +18,8 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
-LEVEL = 0.5  # [m] below which a leg has no heading
+LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
+LEAST_LEVEL = 0.5  # [m] below which a leg has no heading
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,8 @@ def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Sce
     on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     height = mission.altitude_above_home(item) if placed else math.nan
     points = np.vstack([leg.points for leg in legs]) if legs else None
-    if item.command == Command.NAV_LAND and scenario is not None and points is not None:  # down to the ground there
-        height = scenario.frame.geodetic(points[-1]).altitude - mission.home.altitude
+    if scenario is not None and points is not None and item.command in LANDINGS:  # whatever its altitude says
+        height = float(points[-1, 2] - scenario.frame.local(mission.home)[2])
     return Row(
         seq=seq,
         command=command_name(item.command),
@@ -103,7 +104,7 @@ def _above_ground(item: Item, mission: Mission, height: float, scenario: "Scenar
 def _heading(legs: list[Leg]) -> float | None:
     for leg in reversed(legs):
         for step in np.diff(leg.points, axis=0)[::-1]:
-            if np.hypot(step[0], step[1]) > LEVEL:
+            if np.hypot(step[0], step[1]) > LEAST_LEVEL:
                 return float(np.degrees(np.arctan2(step[0], step[1])) % 360.0)
     return None
 

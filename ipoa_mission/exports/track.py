@@ -2,12 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, flown_legs
 from ipoa_mission.world.frame import LocalFrame
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 
 @dataclass(frozen=True)
@@ -21,12 +25,15 @@ class Stretch:
     over_terrain: bool
 
 
-def track(mission: Mission) -> tuple[Stretch, ...]:
-    """The way from home over all items and back, in as few lines as possible."""
-    frame = LocalFrame(mission.home)
+def track(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Stretch, ...]:
+    """The way from home over all items and back, in as few lines as possible; down to the ground of the scenario."""
+    frame, ground = LocalFrame(mission.home), None
+    if scenario is not None:
+        frame, ground = scenario.frame, scenario.airspace.ground
+        mission = mission.assuming(scenario.vehicle.autopilot_parameters())
     lines: list[Stretch] = []
-    for leg in flown_legs(mission, frame):
-        for stretch in _stretches(leg, frame, mission.home.altitude):
+    for leg in flown_legs(mission, frame, ground):
+        for stretch in _stretches(leg, frame, mission.home.altitude if ground is None else None):
             before = lines[-1] if lines else None
             joins = before and before.over_terrain == stretch.over_terrain and before.points[-1] == stretch.points[0]
             if before and joins and not leg.alternative:
@@ -36,15 +43,16 @@ def track(mission: Mission) -> tuple[Stretch, ...]:
     return tuple(lines)
 
 
-def _stretches(leg: Leg, frame: LocalFrame, home_amsl: float) -> Iterator[Stretch]:
+def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Iterator[Stretch]:
     latitude, longitude, altitude = frame.to_geodetic(leg.points)
-    if leg.over_terrain:
-        altitude = altitude - home_amsl
+    over_terrain = False
+    if leg.over_terrain and unknown_ground is not None:
+        over_terrain, altitude = True, altitude - unknown_ground
     places = [
         (round(float(lon), 9), round(float(lat), 9), round(float(alt), 3))
         for lat, lon, alt in zip(latitude, longitude, altitude, strict=True)
     ]
-    yield from (Stretch(tuple(line), leg.over_terrain) for line in _cut_at_antimeridian(places))
+    yield from (Stretch(tuple(line), over_terrain) for line in _cut_at_antimeridian(places))
 
 
 def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:

@@ -14,9 +14,11 @@ from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.flight.summary import summarize
+from ipoa_mission.flight.written import digest
 from ipoa_mission.items import Mission
-from ipoa_mission.mission.plan_file import write_plan
-from ipoa_mission.mission.waypoints_file import left_out, write_waypoints
+from ipoa_mission.mission.parameter_file import beside, write_with_parameters
+from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
@@ -78,13 +80,12 @@ class Flight:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise BadInput(f"{folder}: cannot be made a folder: {error.strerror}") from error
-        plan, waypoints, about, parameters = (
-            folder / f"{self.name}{suffix}" for suffix in (".plan", ".waypoints", ".json", ".params")
-        )
-        write_plan(self.mission, plan)
-        write_waypoints(self.mission, waypoints)
-        write_atomically(about, json.dumps(self.summary(), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
-        return (plan, waypoints, about, *([parameters] if self.mission.parameters else []))
+        plan, waypoints, about = (folder / f"{self.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
+        contents = {plan: plan_text(self.mission), waypoints: waypoints_text(self.mission)}
+        told = self.summary() | {"sha256": {path.name: digest(text) for path, text in contents.items()}}
+        contents[about] = json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        write_with_parameters(self.mission, contents)
+        return (*contents, *([beside(plan)] if self.mission.parameters else []))
 
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""

@@ -109,7 +109,7 @@ def meet(
     """
     autopilots: dict[int, Found] = {}
     trips: dict[int, float] = {}
-    until = line.now() + PRESENCE_S
+    until = line.now() + min(PRESENCE_S, patience.total_s)
     is_met = False
     while line.now() < until:
         heard = line.receive(until)
@@ -157,6 +157,8 @@ class Vehicle:
         self._tempo = Tempo(patience)
         if round_trip_s is not None:
             self._tempo.sample(round_trip_s)
+        self.overhearing: Callable[[Message], None] = lambda message: None
+        """Told everything that the vehicle says while something is done with it."""
         self._mission: Mission | None = None
         self._logbook = Logbook((), heard.autopilot)
         self._until = math.inf
@@ -170,7 +172,7 @@ class Vehicle:
 
         Raises:
             Unsafe: the check found errors, and nothing was sent.
-            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, TimeUp, Cancelled.
+            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, TimeUp, Cancelled: it is not on the vehicle.
         """
         suited = replace(mission, autopilot=self.autopilot)
         if checked:
@@ -200,7 +202,7 @@ class Vehicle:
         """The mission on the vehicle, with its fence and rally points.
 
         Raises:
-            MissionRefused, NoAnswer, TimeUp.
+            MissionRefused, NoAnswer, TimeUp: it did not come whole.
         """
         with self._in_time():
             items = self.download_items(MissionType.MISSION, progress)
@@ -248,7 +250,7 @@ class Vehicle:
         Raises:
             NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
             Contested: another vehicle has come that uses its system id.
-            CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled.
+            CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled: it is not to be armed.
         """
         mission = self._mission
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
@@ -271,6 +273,7 @@ class Vehicle:
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
                 disarmed again if it was still on the ground.
         """
+        self._until = math.inf
         with self._known_state():
             self._hold(depart(self._departure))
 
@@ -314,6 +317,10 @@ class Vehicle:
 
     # --- the rest ---------------------------------------------------------------------------------------------------
 
+    def give_up_after(self, seconds: float) -> None:
+        """Raise TimeUp in what is under way so many seconds from now; a flight that has begun is watched to its end."""
+        self._until = self.line.now() + seconds
+
     def close(self) -> None:
         """Close the line."""
         self.line.close()
@@ -346,6 +353,7 @@ class Vehicle:
     def _overhear(self, message: Message) -> None:
         self._logbook.note(message)
         self.state.note(message)
+        self.overhearing(message)
 
     @contextmanager
     def _known_state(self) -> Iterator[None]:
@@ -380,9 +388,9 @@ class Vehicle:
 
     def _await_ready(self) -> None:
         """An ArduPilot that is still starting up answers every COUNT with NO_SPACE."""
-        until = self.line.now() + STARTUP_S
+        until = min(self.line.now() + STARTUP_S, self._until)
         while not self.state.booted and self.autopilot is Autopilot.ARDUPILOT:
             if self.line.now() >= until:
-                raise NoAnswer(f"the vehicle has not finished its start-up within {STARTUP_S:g} s")
+                raise NoAnswer("the vehicle has not finished its start-up")
             for heard in autopilots_in(self.line.receive(until)).values():
                 self.state.booted |= heard.system == self.system and heard.is_ready

@@ -26,7 +26,7 @@ from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
 
-LEAST = 0.1  # what stands is at least so high [m]
+LEAST_HEIGHT = 0.1  # what stands is at least so high [m]
 Ground: TypeAlias = Callable[[NDArray[np.float64]], Vector]  # height under points (n, 2), (n,) [m]
 
 
@@ -105,7 +105,9 @@ def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obsta
     first = np.cumsum([0, *(len(outline) for outline in outlines)])[:-1]
     lowest, highest = np.minimum.reduceat(heights, first), np.maximum.reduceat(heights, first)
     return tuple(
-        _obstacle(s, float(low) + s.foot, max(s.height if s.over_home else float(high) + s.height, float(low) + LEAST))
+        _obstacle(
+            s, float(low) + s.foot, max(s.height if s.over_home else float(high) + s.height, float(low) + LEAST_HEIGHT)
+        )
         for s, low, high in zip(standing, lowest, highest, strict=True)
     )
 

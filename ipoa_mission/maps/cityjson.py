@@ -39,7 +39,7 @@ FLAT = {
     "Railway": ("railway", "rail"),
     **dict.fromkeys(("Tunnel", "TunnelPart"), ("location", "underground")),
 }
-LEAST = 1e-13  # a wall seen from above has no area [deg^2]
+LEAST_WALL_AREA = 1e-13  # a wall seen from above has no area [deg^2]
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ def _shadow(rings: list[Points]) -> Any:
     """What lies below some surfaces; below points and lines alone, these."""
     shadows = [shapely.make_valid(shapely.Polygon(ring)) for ring in rings if len(ring) > 2]
     pieces = [part for shadow in shadows for part in shapely.get_parts(shadow)]
-    polygons = [part for part in pieces if "Polygon" in part.geom_type and part.area > LEAST]
+    polygons = [part for part in pieces if "Polygon" in part.geom_type and part.area > LEAST_WALL_AREA]
     if polygons:
         return shapely.union_all(polygons)
     return shapely.MultiPoint(np.unique(np.vstack(rings), axis=0))

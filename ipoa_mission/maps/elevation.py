@@ -21,7 +21,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 
 KNOTS = 33  # coordinates are converted on so many lines each way, and are smooth in between
-LEVEL = 1000.0  # the second of the two heights at which they are converted; local coordinates are linear in height [m]
+UPPER_LEVEL = 1000.0  # the second height at which they are converted; local coordinates are linear in height [m]
 MOST_NODES = 8_000_000
 HOME_AGREES = 10.0  # home's given altitude may differ from the model's by so much [m]
 
@@ -56,7 +56,7 @@ def local_grid(
         apart = _post_distance(raster, frame, area)
         nodes = _nodes(lower, upper, rules.spacing or apart)
         knots = _knots(nodes[0][0], nodes[0][-1]), _knots(nodes[1][0], nodes[1][-1])
-        pixels = [_pixels(raster, frame, *knots, up) for up in (0.0, LEVEL)]
+        pixels = [_pixels(raster, frame, *knots, up) for up in (0.0, UPPER_LEVEL)]
         first, heights, remarks = raster.read(pixels, fill=rules.voids == "fill")
         heights, conversion = _above_sea(heights, raster, first, rules)
         posts = _posts(raster, frame, first, heights)
@@ -115,9 +115,9 @@ def _posts(raster: Raster, frame: LocalFrame, first: "_First", heights: NDArray[
             RectBivariateSpline(*knots, axis.reshape(row.shape))(rows, columns)
             for axis in frame.to_local(latitude, longitude, np.full(row.size, altitude)).T
         ]
-        for altitude in (frame.home.altitude, frame.home.altitude + LEVEL)
+        for altitude in (frame.home.altitude, frame.home.altitude + UPPER_LEVEL)
     ]
-    share = (heights - frame.home.altitude) / LEVEL
+    share = (heights - frame.home.altitude) / UPPER_LEVEL
     return np.stack([low + share * (high - low) for low, high in zip(*at, strict=True)])
 
 
@@ -132,9 +132,9 @@ def _read_off(
     low, high = ([RectBivariateSpline(*knots, values)(*nodes).T for values in level] for level in pixels)
     up = np.zeros_like(low[0])
     for _ in range(2):
-        column, row = (low[i] + up / LEVEL * (high[i] - low[i]) for i in (0, 1))
+        column, row = (low[i] + up / UPPER_LEVEL * (high[i] - low[i]) for i in (0, 1))
         altitude = map_coordinates(heights, [row - first[0], column - first[1]], order=1, mode="nearest")
-        up = (altitude - low[2]) / (high[2] - low[2]) * LEVEL
+        up = (altitude - low[2]) / (high[2] - low[2]) * UPPER_LEVEL
     return np.asarray(up)
 
 

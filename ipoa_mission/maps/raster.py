@@ -19,7 +19,7 @@ from ipoa_mission.geometry import Vector
 UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
 UNITS |= {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
 LOWEST, HIGHEST = -12_000.0, 10_000.0  # no ground on Earth is lower or higher [m]
-BEYOND = 2  # posts read beyond the area, so that its edge lies between posts
+EXTRA_POSTS = 2  # posts read beyond the area, so that its edge lies between posts
 FILL_REACH = 100  # pixels over which a missing height is filled from its neighbors
 
 
@@ -91,8 +91,8 @@ class Raster:
         """
         left, top = (int(np.floor(min(level[i].min() for level in pixels))) for i in (0, 1))
         right, bottom = (int(np.ceil(max(level[i].max() for level in pixels))) for i in (0, 1))
-        rows = max(top - BEYOND, 0), min(bottom + BEYOND + 1, self.dataset.height)
-        columns = max(left - BEYOND, 0), min(right + BEYOND + 1, self.dataset.width)
+        rows = max(top - EXTRA_POSTS, 0), min(bottom + EXTRA_POSTS + 1, self.dataset.height)
+        columns = max(left - EXTRA_POSTS, 0), min(right + EXTRA_POSTS + 1, self.dataset.width)
         if self.dataset.height < 4 or self.dataset.width < 4:
             raise BadInput(f"{self.path}: expected at least 4 x 4 heights")
         rows, columns = _at_least_four(rows, self.dataset.height), _at_least_four(columns, self.dataset.width)

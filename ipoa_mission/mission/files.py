@@ -10,8 +10,8 @@ from ipoa_mission.items import Mission
 from ipoa_mission.mission.document import parse_document
 from ipoa_mission.mission.old_mission_file import is_old_mission, parse_old_mission
 from ipoa_mission.mission.parameter_file import beside, read_parameters
-from ipoa_mission.mission.plan_file import parse_plan, write_plan
-from ipoa_mission.mission.waypoints_file import FIRST_LINE, parse_waypoints, write_waypoints
+from ipoa_mission.mission.plan_file import parse_plan, plan_text, write_plan
+from ipoa_mission.mission.waypoints_file import FIRST_LINE, parse_waypoints, waypoints_text, write_waypoints
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
@@ -35,18 +35,20 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
 def _read(path: Path, autopilot: Autopilot | None, unsaid: Autopilot) -> Mission:
     text = read_text(path)
     beginning = text.lstrip()[: len(FIRST_LINE)]
-    if beginning.startswith("{") or (path.suffix == ".plan" and not beginning.startswith("QGC WPL")):
+    if beginning.startswith("{") or (path.suffix.lower() == ".plan" and not beginning.startswith("QGC WPL")):
         document = parse_document(path, text)
         if is_old_mission(document):
             return parse_old_mission(document, autopilot)
         return parse_plan(path, text, autopilot)
-    if beginning.startswith("QGC WPL") or path.suffix == ".waypoints":
+    if beginning.startswith("QGC WPL") or path.suffix.lower() == ".waypoints":
         return parse_waypoints(path, text, autopilot or unsaid)
     raise BadInput(f"{path}: expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}")
 
 
-def write_mission(mission: Mission, path: str | Path) -> tuple[str, ...]:
+def write_mission(mission: Mission, path: str | Path, suffix: str | None = None) -> tuple[str, ...]:
     """Write a `.plan` or a `.waypoints` file, by the suffix; returned in words: what the file could not hold.
+
+    `suffix`, if given, goes before the path's own.
 
     The mission's parameters go beside it (NAME.params), where `read_mission` finds them.
 
@@ -54,11 +56,20 @@ def write_mission(mission: Mission, path: str | Path) -> tuple[str, ...]:
         BadInput: another suffix, or the mission cannot be put into this format.
     """
     path = Path(path)
-    match path.suffix:
+    match suffix or path.suffix.lower():
         case ".plan":
             write_plan(mission, path)
             return ()
         case ".waypoints":
             return write_waypoints(mission, path)
-        case suffix:
-            raise BadInput(f'{path}: expected a name that ends in .plan or .waypoints, not in "{suffix}"')
+        case other:
+            raise BadInput(f'{path}: expected a name that ends in .plan or .waypoints, not in "{other}"')
+
+
+def mission_text(mission: Mission, suffix: str) -> str:
+    """The text of a `.plan` or a `.waypoints` file.
+
+    Raises:
+        BadInput: the mission cannot be put into this format.
+    """
+    return plan_text(mission) if suffix == ".plan" else waypoints_text(mission)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.files import read_text, write_together
 from ipoa_mission.items import Mission
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
@@ -50,19 +50,16 @@ def beside(path: Path) -> Path:
     return path.with_suffix(".params")
 
 
-def write_beside(mission: Mission, path: Path) -> None:
-    """Write the mission's parameters beside its file; where it has none, what was written there before is removed.
+def parameters_beside(mission: Mission, path: Path) -> dict[Path, str]:
+    """The file with the mission's parameters that belongs beside `path`, and its text; none where it has none.
 
     Raises:
         BadInput: the mission has parameters, and in their place stands a file that was not written here.
     """
     target = beside(path)
-    is_ours = target.exists() and read_text(target).startswith(FIRST_LINE.partition("{}")[0])
     if not mission.parameters:
-        if is_ours:
-            target.unlink()
-        return
-    if target.exists() and not is_ours:
+        return {}
+    if target.exists() and not _is_ours(target):
         raise BadInput(
             f"{target}: expected no file of somebody else's, where the mission's parameters belong",
             hint="move it, or write the mission under another name",
@@ -70,7 +67,25 @@ def write_beside(mission: Mission, path: Path) -> None:
     lines = (
         f"1\t1\t{name}\t{_number(value)}\t{INTEGERS.get(name, REAL32)}" for name, value in mission.parameters.items()
     )
-    write_atomically(target, "\n".join([FIRST_LINE.format(path.stem), COLUMNS, *lines]) + "\n")
+    return {target: "\n".join([FIRST_LINE.format(path.stem), COLUMNS, *lines]) + "\n"}
+
+
+def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
+    """Write files of a mission and its parameters beside them, all or none.
+
+    Where it has no parameters, what was written there before is removed.
+
+    Raises:
+        BadInput: a file cannot be written, or in the parameters' place stands one that was not written here.
+    """
+    path = next(iter(contents))
+    write_together({**contents, **parameters_beside(mission, path)})
+    if not mission.parameters and _is_ours(beside(path)):
+        beside(path).unlink()
+
+
+def _is_ours(target: Path) -> bool:
+    return target.exists() and read_text(target).startswith(FIRST_LINE.partition("{}")[0])
 
 
 def _name_and_value(text: str, place: str) -> tuple[str, float]:

@@ -14,12 +14,12 @@ from typing import Any
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, command_name
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.files import read_text
 from ipoa_mission.finding import Severity
 from ipoa_mission.items import QUADROTOR, FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
-from ipoa_mission.mission.parameter_file import write_beside
+from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.scan_items import lay_out
 from ipoa_mission.world.frame import Geodetic
 
@@ -38,9 +38,16 @@ def write_plan(mission: Mission, path: str | Path) -> None:
         BadInput: the file cannot be written, or the mission holds what no `.plan` can: a place that is no number, a
             jump to nowhere.
     """
-    text = _unchanged(mission) or json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
-    write_beside(mission, Path(path))
-    write_atomically(Path(path), text)
+    write_with_parameters(mission, {Path(path): plan_text(mission)})
+
+
+def plan_text(mission: Mission) -> str:
+    """The text of such a file.
+
+    Raises:
+        BadInput: the mission holds what no `.plan` can.
+    """
+    return _unchanged(mission) or json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
 
 
 def read_plan(path: Path, autopilot: Autopilot | None = None) -> Mission:

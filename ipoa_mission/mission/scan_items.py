@@ -20,7 +20,7 @@ from ipoa_mission.mission.structure_scan import lay_out_structure
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 LEAST_SPACING = 0.5  # transects nearer to each other are one in the middle [m]
-BEYOND = 2000.0  # the first transect would lie half of this, and of the polygon's width, from its middle [m]
+TRANSECT_REACH = 2000.0  # the first transect would lie half of this, and of the polygon's width, from its middle [m]
 MOST_TRANSECTS = 2000
 SAME = 1e-6  # places nearer to each other are one [m]
 STRAIGHT = 1e-9  # sine of a turn that is none
@@ -97,7 +97,7 @@ def _survey(node: Node, plane: Points, style: _Style) -> list[Points]:
     along = np.array([math.sin(math.radians(angle)), math.cos(math.radians(angle))])
     across = np.array([along[1], -along[0]])
     low, high = plane.min(axis=0), plane.max(axis=0)
-    middle, half = (low + high) / 2, (float((high - low).max()) + BEYOND) / 2
+    middle, half = (low + high) / 2, (float((high - low).max()) + TRANSECT_REACH) / 2
     sides = (plane - middle) @ across
     spacing = style.spacing if style.spacing >= LEAST_SPACING else math.inf
     first, last = (math.ceil((sides.min() + half) / spacing), math.floor((sides.max() + half) / spacing))

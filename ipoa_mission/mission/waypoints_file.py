@@ -15,12 +15,12 @@ import numpy as np
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Frame, command_name
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.files import read_text
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
 from ipoa_mission.mission.firmware import home_item, settle_frames
-from ipoa_mission.mission.parameter_file import write_beside
+from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.world.frame import Geodetic
 
 FIRST_LINE = "QGC WPL 110"
@@ -39,10 +39,17 @@ def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
     Raises:
         BadInput: the file cannot be written, or an altitude is above terrain or no number.
     """
-    text = _unchanged(mission) or _waypoints(mission)
-    write_beside(mission, Path(path))
-    write_atomically(Path(path), text)
+    write_with_parameters(mission, {Path(path): waypoints_text(mission)})
     return left_out(mission)
+
+
+def waypoints_text(mission: Mission) -> str:
+    """The text of such a file.
+
+    Raises:
+        BadInput: an altitude is above terrain or no number.
+    """
+    return _unchanged(mission) or _waypoints(mission)
 
 
 def left_out(mission: Mission) -> tuple[str, ...]:

@@ -11,8 +11,8 @@ from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Plane
 
-BEYOND = 1.5  # how far the places go on before and behind a gap, in cells
-LONGEST = 20.0  # a gap goes no farther than this from where it is narrowest, in cells
+REACH_BEYOND = 1.5  # how far the places go on before and behind a gap, in cells
+LONGEST_GAP = 20.0  # a gap goes no farther than this from where it is narrowest, in cells
 TOUCHING = 1e-6  # what stands nearer together than this leaves no gap [m]
 
 
@@ -37,12 +37,12 @@ def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Ve
     middle = ends[gaps, 0] + across * (radii[one] + (width + required[one] - required[other]) / 2)[:, None]
     ahead = np.column_stack([-across[:, 1], across[:, 0]])
     length = np.minimum(_extent(shapes[one], ahead, radii[one]), _extent(shapes[other], ahead, radii[other]))
-    half = np.ceil(2 * (np.minimum(length / cell, LONGEST) + BEYOND)).astype(int)  # how many places either way
+    places_either_way = np.ceil(2 * (np.minimum(length / cell, LONGEST_GAP) + REACH_BEYOND)).astype(int)
     low, high = np.maximum(levels[one, 0], levels[other, 0]), np.minimum(levels[one, 1], levels[other, 1])
     gap, level = np.nonzero((low[:, None] <= heights) & (heights <= high[:, None]))
-    count = 2 * half[gap] + 1
+    count = 2 * places_either_way[gap] + 1
     place = np.repeat(np.arange(len(gap)), count)
-    along = np.arange(len(place)) - np.repeat(np.cumsum(count) - count + half[gap], count)
+    along = np.arange(len(place)) - np.repeat(np.cumsum(count) - count + places_either_way[gap], count)
     flat = middle[gap[place]] + 0.5 * cell * along[:, None] * ahead[gap[place]]
     return np.column_stack([flat, heights[level[place]]])
 

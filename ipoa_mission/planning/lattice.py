@@ -22,15 +22,16 @@ from ipoa_mission.planning.problem import PreparedProblem, Trail, follow
 from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
 from ipoa_mission.planning.winding import wind
 
-MOST_CONTROL = 500  # control points of a guess
-ROUND, LEAST = 20.0, 0.1  # radius of a usual loop [m], and the least price of a metre by which that of turns is divided
-RATHER = 0.98  # what loops cost of going to and fro
-PER_LEG = 10  # points at which a leg between two nodes is looked at
+MAX_CONTROL_POINTS = 500  # control points of a guess
+LOOP_RADIUS = 20.0  # of a usual loop [m]
+LEAST_PRICE = 0.1  # of a metre, by which that of turns is divided
+LOOP_DISCOUNT = 0.98  # what loops cost of going to and fro
+LOOKS_PER_LEG = 10  # points at which a leg between two nodes is looked at
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbors
-BETWEEN = 0.05  # how much less slack than a node its neighbors on both sides have, in steps, if it is in a gap
-WIDE_GAP = 1.5  # how much wider than required a gap may be, in steps, to have nodes of its own
-ROUNDS = 6  # each looks three times as closely for the best place in a cell
-NEAREST, GLANCES = 64, 8  # nodes that may be an end's, and points at which the leg to each is looked at
+GAP_SLACK = 0.05  # how much less slack than a node its neighbors on both sides have, in steps, if it is in a gap
+WIDEST_GAP = 1.5  # how much wider than required a gap may be, in steps, to have nodes of its own
+CENTERING_ROUNDS = 6  # each looks three times as closely for the best place in a cell
+END_NODES, LOOKS_TO_END = 64, 8  # nodes that may be an end's, and points at which the leg to each is looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +65,7 @@ class Lattice:
         needed = np.maximum(rise / climb, -rise / descent)
         too_steep = needed > (1 + 1e-6) * level
         lengths = np.hypot(np.where(too_steep, needed, level), rise) + self.winding * needed
-        return STRIDES, np.where(too_steep, RATHER * lengths, lengths)
+        return STRIDES, np.where(too_steep, LOOP_DISCOUNT * lengths, lengths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +82,7 @@ class Guess:
     def trail(self, problem: PreparedProblem, closer: int = 1) -> Trail:
         """A curve that follows it with so many times the control points."""
         inner = self.inner if self.shares is None else round(float(self.shares.sum()))
-        return follow(self.guide, min(closer * inner, MOST_CONTROL), problem.task, self.shares)
+        return follow(self.guide, min(closer * inner, MAX_CONTROL_POINTS), problem.task, self.shares)
 
 
 def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy = USUAL.lattice) -> list[Guess]:
@@ -133,7 +134,8 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
     nodes[between] = _centered(nodes[between], spacing, problem)
     slack[between], threat[between] = _survey(nodes[between], problem)
-    winding = problem.rules.turning / max(problem.rules.length, LEAST) / min(ROUND, float(size[:2].min()) / 4)
+    radius = min(LOOP_RADIUS, float(size[:2].min()) / 4)
+    winding = problem.rules.turning / max(problem.rules.length, LEAST_PRICE) / radius
     _occupy_gaps(nodes, slack, threat, lower, spacing, problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
     slack, price = slack.reshape(count), price.reshape(count)
@@ -168,7 +170,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
     for axis, step in enumerate(spacing):
         padded = np.pad(slack, [(int(k == axis),) * 2 for k in range(3)], mode="edge")
         before, after = (padded.take(range(k, k + slack.shape[axis]), axis) for k in (0, 2))
-        between |= slack - (before + after) / 2 > BETWEEN * step
+        between |= slack - (before + after) / 2 > GAP_SLACK * step
     doubtful = (slack < 0) & (slack > -np.linalg.norm(spacing) / 2)
     return np.asarray(doubtful & binary_dilation(between & doubtful, np.ones((3, 3, 3))))
 
@@ -176,7 +178,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
     """The places with the most slack in the cells round nodes (n, 3)."""
     lower, upper = _region(problem)
-    for closer in range(1, ROUNDS + 1):
+    for closer in range(1, CENTERING_ROUNDS + 1):
         offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / 3**closer
         trials = np.clip(nodes[:, None] + offsets, lower, upper)
         slack = _survey(trials.reshape(-1, 3), problem)[0].reshape(trials.shape[:2])
@@ -194,10 +196,10 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
     for way in routes:
         points, cut = _cuts(way, problem)
         points[cut] = _centered(points[cut], lattice.spacing, problem)
-        kept = cut | (np.arange(len(points)) % PER_LEG == 0)
+        kept = cut | (np.arange(len(points)) % LOOKS_PER_LEG == 0)
         mended.append(points[kept])
-        still = np.nonzero(_cuts(mended[-1], problem)[1])[0] // PER_LEG
-        narrow = np.nonzero(kept)[0][still] // PER_LEG
+        still = np.nonzero(_cuts(mended[-1], problem)[1])[0] // LOOKS_PER_LEG
+        narrow = np.nonzero(kept)[0][still] // LOOKS_PER_LEG
         closed.append(way[np.union1d(narrow, narrow + 1)])
     if not len(closed[0]):
         return mended
@@ -208,9 +210,9 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
 
 def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
     """Points (k, 3) along a way, `PER_LEG` on each leg, and which of them, its corners left out, break a limit."""
-    shares = np.linspace(0.0, 1.0, PER_LEG, endpoint=False)[:, None]
+    shares = np.linspace(0.0, 1.0, LOOKS_PER_LEG, endpoint=False)[:, None]
     points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
-    return points, (_survey(points, problem)[0] < 0) & (np.arange(len(points)) % PER_LEG > 0)
+    return points, (_survey(points, problem)[0] < 0) & (np.arange(len(points)) % LOOKS_PER_LEG > 0)
 
 
 def _whole(points: Points) -> NDArray[np.void]:
@@ -224,7 +226,7 @@ def _occupy_gaps(
     """Moves nodes (n, 3), with their slack and threat, to the places in narrow gaps that lie in their cells."""
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
-    widest = 2 * problem.limits.obstacle_distance + WIDE_GAP * float(spacing[:2].max())
+    widest = 2 * problem.limits.obstacle_distance + WIDEST_GAP * float(spacing[:2].max())
     places = gap_places(problem, widest, float(spacing[:2].max()), heights)
     number = np.round((places - lower) / spacing).astype(int)
     inside = ((number >= 0) & (number < count)).all(axis=1)
@@ -240,11 +242,11 @@ def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | Non
     """The free node nearest to a place, by its flat number; if possible one to which the straight leg is free."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
-    few = np.argpartition(away, NEAREST)[:NEAREST] if len(free) > NEAREST else np.arange(len(free))
+    few = np.argpartition(away, END_NODES)[:END_NODES] if len(free) > END_NODES else np.arange(len(free))
     few = free[few[np.argsort(away[few])]]
-    shares = np.linspace(0.0, 1.0, GLANCES)[:, None, None]
+    shares = np.linspace(0.0, 1.0, LOOKS_TO_END)[:, None, None]
     legs = place + shares * (lattice.places[few] - place)
-    slack = _survey(legs.reshape(-1, 3), problem)[0].reshape(GLANCES, -1).min(axis=0)
+    slack = _survey(legs.reshape(-1, 3), problem)[0].reshape(LOOKS_TO_END, -1).min(axis=0)
     return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
 
 

@@ -15,8 +15,8 @@ from ipoa_mission.planning.proof import Check, Proof
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDING, NUDGE, SAME = 1e-6, 1e-4, 0.1  # [m]
-FINENESS = 3.0  # of the lattice on which gaps are sought
-SURE = 1.5  # lattices with steps longer than this many clearances may miss a gap between thin walls
+LATTICE_FINENESS = 3.0  # of the lattice on which gaps are sought
+COARSEST_STEP = 1.5  # lattices with steps longer than this many clearances may miss a gap between thin walls
 HINT = "try another --seed, more planning.control_points, or more iterations of the optimizer"
 
 
@@ -79,10 +79,10 @@ def not_found(proof: Proof) -> NoPath:
 
 def blockage(problem: PreparedProblem) -> NoPath | None:
     """What is in the way where the widest way through is too narrow; nothing if there is a way, or that is not sure."""
-    lattice = lay(problem, FINENESS)
+    lattice = lay(problem, LATTICE_FINENESS)
     for a, b in pairwise(problem.task.places):
         slack, gate = _widest(lattice, _entrance(lattice, a), _entrance(lattice, b))
-        coarse = lattice.spacing[:2].max() > SURE * problem.limits.obstacle_distance
+        coarse = lattice.spacing[:2].max() > COARSEST_STEP * problem.limits.obstacle_distance
         if slack >= (-np.linalg.norm(lattice.spacing) / 2 if coarse else 0.0):
             continue
         if (why := _closed(problem, lattice.places[gate])) is not None:

@@ -29,8 +29,12 @@ __all__ = ["NoPath", "plan_path"]
 Proved: TypeAlias = tuple[Spline, Proof]
 
 
-def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy = USUAL) -> Plan:
+def plan_path(
+    task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy | None = None
+) -> Plan:
     """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
+
+    `strategy` says how hard it looks (None: as usual).
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
@@ -42,7 +46,7 @@ def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strate
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
     optimizer = optimizer_of(task, short=not as_printed)
-    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy)
+    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy or USUAL)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [(curve_cost(curve, task), curve, proof) for curve, proof in curves if proof.holds]

@@ -20,12 +20,12 @@ from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
-ROUGHLY = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
+EARLY_GAIN = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
 ATTEMPTS = 6
 BAND = 14  # coordinates farther apart than this share no term: a term depends on five control points
 HOPELESS = {"m": -1.0, "deg": -10.0}  # what a little more clearance, or a flatter climb, does not mend
-FELT = 8  # how many control points away a change is felt, via points included
-SURE = 0.9  # how sure of an angle's sign a polish may be
+FELT_AWAY = 8  # how many control points away a change is felt, via points included
+SURE_SIGN = 0.9  # how sure of an angle's sign a polish may be
 SOFTER = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
 SOFT = SOFTER._replace(bend=5e-3, reach=0.3, wall=0.1, stiffness=30.0, aside=0.01, above=0.01)
 HARD = SOFT._replace(bend=1e-3, reach=0.2, wall=0.03, stiffness=100.0, above=0.02, flatter=1e-3)
@@ -56,7 +56,7 @@ def polish(
     control, bench = trail.curve.control, _prepare(trail, problem, part, nodes)
     signs = np.zeros((len(bench.first), 2))
     for soft in stages:
-        good = enough if soft is stages[-1] else max(enough, ROUGHLY)
+        good = enough if soft is stages[-1] else max(enough, EARLY_GAIN)
         control, signs = _descend(control, signs, problem, bench, soft, steps, good)
     return Trail(Spline(control), trail.via_at)
 
@@ -135,7 +135,7 @@ class _Bench:
 def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
     n = len(trail.curve.control)
     varied = np.arange(1, n - 1)[part]
-    low, high = max(int(varied[0]) - FELT, 0), min(int(varied[-1]) + FELT + 1, n)
+    low, high = max(int(varied[0]) - FELT_AWAY, 0), min(int(varied[-1]) + FELT_AWAY + 1, n)
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
@@ -180,7 +180,7 @@ def _descend(
         gain = value - trial_value
         smooth = np.sqrt(angles**2 + soft.bend**2)
         signs = (angles + (1 - signs * angles / smooth) * (trial_angles - angles)) / smooth
-        signs = np.clip(signs, -SURE, SURE)
+        signs = np.clip(signs, -SURE_SIGN, SURE_SIGN)
         control, value, gradient, band, angles = trial, trial_value, trial_gradient, trial_band, trial_angles
         damping = max(damping / 5, 1e-7)
         if gain < enough * abs(value):

@@ -22,10 +22,10 @@ from ipoa_mission.scenario.limits import Limits
 
 Matrix: TypeAlias = NDArray[np.float64]
 ALL = slice(None)
-SHORTEST = 2.0  # spans of the spline between two via points, at least
-CLOSELY = 4  # times as many nodes when curves are compared
+MIN_SPANS_BETWEEN_VIA = 2.0  # spans of the spline between two via points, at least
+COMPARING_FACTOR = 4  # times as many nodes when curves are compared
 UNSAFE = 1e6  # a curve that costs more than this breaks a limit
-STEEPER = 1.1  # how much steeper than allowed a rough curve may be
+ROUGH_STEEPNESS = 1.1  # how much steeper than allowed a rough curve may be
 NARROW, MOST = 0.3, 4000  # curves are compared by legs as short as this [m], if so many are enough
 LENIENCE = 0.1  # what a rough curve may break a limit by; the fine polish mends it [m]
 
@@ -83,7 +83,7 @@ class PreparedProblem:
         """The cost of one curve, looked at closely, forgiven a limit broken a little: to compare rough curves by."""
         from ipoa_mission.planning._kernels import path_costs
 
-        nodes = trail.curve.points(np.linspace(0.0, 1.0, CLOSELY * self.nodes))
+        nodes = trail.curve.points(np.linspace(0.0, 1.0, COMPARING_FACTOR * self.nodes))
         legs = leg_lengths(nodes)
         longest = max(1.5 * self.limits.obstacle_distance, NARROW)
         if legs.max() > longest:  # lest it skip a thin wall
@@ -94,8 +94,8 @@ class PreparedProblem:
         rules = self.rules._replace(
             clearance=self.rules.clearance - LENIENCE,
             height=self.rules.height - LENIENCE,
-            climb=self.rules.climb * STEEPER,
-            descent=self.rules.descent * STEEPER,
+            climb=self.rules.climb * ROUGH_STEEPNESS,
+            descent=self.rules.descent * ROUGH_STEEPNESS,
             collision=UNSAFE,
         )
         return float(path_costs(np.ascontiguousarray(nodes.T)[None], chart, rules)[0])
@@ -117,7 +117,8 @@ def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = No
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
     stops = [0, *_corners(guide, task.places[1:-1]), len(guide) - 1]
     legs = np.diff(traveled[stops]) / traveled[-1]
-    legs = np.maximum(legs, min(SHORTEST / (inner - 1), 0.5 / len(legs)))  # or via points would share control points
+    least = min(MIN_SPANS_BETWEEN_VIA / (inner - 1), 0.5 / len(legs))  # or via points would share control points
+    legs = np.maximum(legs, least)
     reached = np.concatenate([[0.0], np.cumsum(legs) / legs.sum()])
     progress = np.interp(traveled, traveled[stops], reached)
     control = np.column_stack([np.interp(_greville(inner + 2), progress, guide[:, k]) for k in range(3)])

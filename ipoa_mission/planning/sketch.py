@@ -10,13 +10,14 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.planning.lattice import Guess, lay, ways
 from ipoa_mission.planning.obstruction import refuse_places
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.polish import polish
+from ipoa_mission.planning.polish import polish, settle
 from ipoa_mission.planning.problem import PreparedProblem, pose
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 
 THINNEST, THIN = 0.4, 0.7  # how fine the lattices are, as shares of the planner's first one
 WAYS = 4  # ways that are looked at, the straight one aside
+TRIED = 2  # curves that are proved before one is polished until its proof holds
 CONTROL = 24  # control points of a sketch
 
 
@@ -42,16 +43,21 @@ def sketch_path(task: PathTask) -> Sketch:
     refuse_places(problem)
     with threadpool_limits(1, "blas"):
         trails = [polish(guess.trail(problem), problem) for guess in _guesses(problem)]
-    best = sorted(trails, key=problem.cost)
-    proofs = [(trail, prove_curve(trail.curve, task)) for trail in best[:2]]
-    first = next((pair for pair in proofs if pair[1].holds), proofs[0])
-    return Sketch(first[0].curve, first[1], tuple(trail.curve for trail in best if trail is not first[0]))
+        best = sorted(trails, key=problem.cost)
+        first = best[0]
+        for trail in best[:TRIED]:
+            if (proof := prove_curve(trail.curve, task)).holds:
+                first = trail
+                break
+        else:
+            trail, proof = settle(first, problem)
+    return Sketch(trail.curve, proof, tuple(other.curve for other in best if other is not first))
 
 
 def _guesses(problem: PreparedProblem) -> list[Guess]:
     straight = problem.task.places
     inner = max(CONTROL, 5 * (len(straight) - 1))
     for fineness in (THINNEST, THIN):
-        if found := ways(lay(problem, fineness), problem, WAYS):
-            return [Guess(straight, None, inner), *(Guess(way, None, inner) for way in found)]
+        if routes := ways(lay(problem, fineness), problem, WAYS):
+            return [Guess(straight, None, inner), *(Guess(way, None, inner) for way in routes)]
     return [Guess(straight, None, inner)]

@@ -13,13 +13,13 @@ from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.problem import PreparedProblem
 
 TURNS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
-LONGER = (1.0, 2.0, 4.0, 8.0, 16.0)  # the ellipse's axes over each other
-SIDES = 16  # of the polygon that stands for the ellipse
-LEVELS = 9  # at which the ellipse is looked at
-GENTLER = 0.85  # how much flatter than allowed the loops are
-CONTROL = 12  # control points a turn
+AXIS_RATIOS = (1.0, 2.0, 4.0, 8.0, 16.0)  # the ellipse's axes over each other
+ELLIPSE_SIDES = 16  # of the polygon that stands for the ellipse
+LOOP_LEVELS = 9  # at which the ellipse is looked at
+LOOP_SLOPE_SHARE = 0.85  # how much flatter than allowed the loops are
+CONTROL_PER_TURN = 12  # control points a turn
 TOO_STEEP = 1.3  # times the limit: what is steeper needs loops, what is not the polish mends
-LEAST = 0.5  # a detour shorter than so many metres needs no loop
+SHORTEST_DETOUR = 0.5  # a detour shorter than so many metres needs no loop
 
 
 def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tuple[Points, Vector]:
@@ -56,7 +56,8 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
     guide, turning = np.vstack(pieces), np.concatenate(loops)
     guide[-1] = way[-1]
     legs = leg_lengths(guide)
-    return guide, np.where(turning, CONTROL / SIDES, inner * legs / max(float(legs[~turning].sum()), LEAST))
+    straight = max(float(legs[~turning].sum()), SHORTEST_DETOUR)
+    return guide, np.where(turning, CONTROL_PER_TURN / ELLIPSE_SIDES, inner * legs / straight)
 
 
 def _without_detours(way: Points, problem: PreparedProblem) -> Points:
@@ -100,8 +101,8 @@ def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Poi
     Of several they are those that begin and end best in the direction `ahead` (2,).
     """
     rise = float(b[2] - a[2])
-    needed = max(rise / problem.rules.climb, -rise / problem.rules.descent) / GENTLER
-    if needed < LEAST:
+    needed = max(rise / problem.rules.climb, -rise / problem.rules.descent) / LOOP_SLOPE_SHARE
+    if needed < SHORTEST_DETOUR:
         return None
     for turns in TURNS:
         shapes = _ellipses(needed / turns)
@@ -110,7 +111,7 @@ def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Poi
         aligned = begins @ ahead / np.linalg.norm(begins, axis=1)
         for k in np.argsort(-aligned):
             if slack[k] >= max(0.5 * slack.max(), 0.0) and _room(_closely(shapes[k], problem), a, b, problem)[0] >= 0:
-                share = np.arange(1, SIDES * turns + 1) / (SIDES * turns)
+                share = np.arange(1, ELLIPSE_SIDES * turns + 1) / (ELLIPSE_SIDES * turns)
                 points = a + share[:, None] * (b - a)
                 points[:, :2] += np.tile(np.roll(shapes[k], -1, axis=0), (turns, 1))
                 return points
@@ -121,8 +122,8 @@ def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedPr
     """The least slack of shapes (s, k, 2) round places from a to b, (s,) [m]."""
     from ipoa_mission.planning._kernels import survey
 
-    spots = a + np.linspace(0.0, 1.0, LEVELS)[:, None] * (b - a)
-    around = np.empty((len(shapes), LEVELS, shapes.shape[1], 3))
+    spots = a + np.linspace(0.0, 1.0, LOOP_LEVELS)[:, None] * (b - a)
+    around = np.empty((len(shapes), LOOP_LEVELS, shapes.shape[1], 3))
     around[..., :2] = spots[:, None, :2] + shapes[:, None]
     around[..., 2] = spots[:, None, 2]
     slack = survey(around.reshape(-1, 3), problem.chart, problem.rules)[0]
@@ -142,15 +143,15 @@ def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np
 
 def _ellipses(length: float) -> NDArray[np.float64]:
     """Ellipses of that length that go through the origin or round it, (s, SIDES, 2), either way round."""
-    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    angle = 2 * np.pi * np.arange(ELLIPSE_SIDES) / ELLIPSE_SIDES
     ellipses = []
-    for longer in LONGER:
+    for longer in AXIS_RATIOS:
         for turned in np.pi * np.arange(8 if longer > 1 else 1) / 8:
             axes = np.array([(np.cos(turned), np.sin(turned)), (-np.sin(turned), np.cos(turned))])
             corners = np.column_stack([longer * np.cos(angle), np.sin(angle)]) @ axes
             corners *= length / np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).sum()
-            for start in range(0, SIDES, 2):
+            for start in range(0, ELLIPSE_SIDES, 2):
                 shape = np.roll(corners, -start, axis=0)
                 for through in (1.0, 0.0):
-                    ellipses += [shape - through * shape[0], (shape - through * shape[0])[-np.arange(SIDES)]]
+                    ellipses += [shape - through * shape[0], (shape - through * shape[0])[-np.arange(ELLIPSE_SIDES)]]
     return np.array(ellipses)

@@ -20,6 +20,7 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.prediction import Track
+from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
 #: Items that fly somewhere; the route is what lies between the first and the last of them.
@@ -113,7 +114,11 @@ class ComparedFlight:
 
 
 def compare_logged(
-    flight: LoggedFlight, mission: Mission | None, parameters: Parameters, vehicle: LearnedVehicle | None = None
+    flight: LoggedFlight,
+    mission: Mission | None,
+    parameters: Parameters,
+    vehicle: LearnedVehicle | None = None,
+    wind: Wind = CALM,
 ) -> ComparedFlight | None:
     """A flight of a log against the estimate of `mission`; without one, of what the log says that was flown.
 
@@ -124,7 +129,7 @@ def compare_logged(
     if flown is None:
         return None
     flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
-    predicted = estimate(replace(flown, vehicle=vehicle))
+    predicted = estimate(replace(flown, vehicle=vehicle), wind=wind)
     record = flight.record(flown)
     comparison = compare_flight(predicted, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))

@@ -11,7 +11,7 @@ from ipoa_mission.timing.prediction import Track
 from ipoa_mission.world.airspace import Airspace
 
 SAMPLES = 800
-STILL = 1.0  # nearer than this to where the flight ends it is coming down [m]
+LANDING_RADIUS = 1.0  # nearer than this to where the flight ends it is coming down [m]
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Course:
     times = np.interp(wanted, share, track.times)
     points = np.column_stack([np.interp(times, track.times, axis) for axis in track.points.T])
     ground = airspace.ground(points)
-    landing = np.hypot(*(points[:, :2] - points[-1, :2]).T) < STILL
+    landing = np.hypot(*(points[:, :2] - points[-1, :2]).T) < LANDING_RADIUS
     points[landing, 2] = np.maximum(points[landing, 2], ground[landing])
     return Course(
         times=times,
@@ -77,7 +77,7 @@ def dangers(course: Course, scenario: Scenario) -> list[Danger]:
         words = f"the path as predicted {how} {nearest.what} {where}; {required:.2f} m are required"
         met.append(Danger(words, nearest.distance < scenario.vehicle.radius))
     height = course.points[:, 2] - course.ground
-    away = np.hypot(*(course.points[:, :2] - course.points[0, :2]).T) > STILL
+    away = np.hypot(*(course.points[:, :2] - course.points[0, :2]).T) > LANDING_RADIUS
     lowest = int(np.argmin(np.where(away, height, np.inf)))
     if away[lowest] and height[lowest] < 0:
         where = _where(course.times[lowest], course.points[lowest])

@@ -15,7 +15,7 @@ import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.clearance import promise_if_known
-from ipoa_mission.commands import Command
+from ipoa_mission.commands import WAYPOINTS
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
 from ipoa_mission.items import Mission
@@ -96,11 +96,11 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     """The same, of what was proved already."""
     scenario, mission, estimate, proof = subject.scenario, subject.mission, subject.estimate, subject.proof
     airspace, required = scenario.airspace, scenario.limits.obstacle_distance
-    found = stops(mission, estimate, scenario)
+    stop_list = stops(mission, estimate, scenario)
     course = follow(estimate.track, airspace)
     track = None if flight is None else flown_track(mission, flight)
     flown = None if track is None else follow(track, airspace)
-    places = np.array([stop.place for stop in found if stop.place is not None])
+    places = np.array([stop.place for stop in stop_list if stop.place is not None])
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
@@ -112,19 +112,19 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
         "subtitle": escape(_subtitle(scenario, mission)),
         "verdict": verdict(proof, subject.promise, danger),
         "figures": figures(
-            estimate, proof, float(course.along[-1]), _waypoints(found), comparison, subject.energy, battery
+            estimate, proof, float(course.along[-1]), _waypoints(stop_list), comparison, subject.energy, battery
         ),
         "warnings": warnings(danger, [*subject.remarks, *estimate.remarks]),
-        "map": ground_plan(scenario, extent, found, course, flown, tube),
+        "map": ground_plan(scenario, extent, stop_list, course, flown, tube),
         "legend": legend(scenario, extent, flown is not None),
-        "profile": height_profile(course, airspace, required, found, flown, tube),
+        "profile": height_profile(course, airspace, required, stop_list, flown, tube),
         "apart": distance_profile(course, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
         "profile_legend": profile_legend(flown is not None, extent.obstacles(airspace) != extent.buildings(airspace)),
-        "speed": speed_profile(course, found, flown),
+        "speed": speed_profile(course, stop_list, flown),
         "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),
-        "legs": legs(found, None if flight is None else done_in_flight(found, flight.item_reached_s)),
+        "legs": legs(stop_list, None if flight is None else done_in_flight(stop_list, flight.item_reached_s)),
         "legs_note": LEGS_NOTE,
         "limits": "" if proof is None else limits_table(proof),
         "search": "" if subject.plan is None else search_panel(subject.plan, scenario),
@@ -133,7 +133,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),
-        "data": page_data(scenario, extent, course, found, flown, tube),
+        "data": page_data(scenario, extent, course, stop_list, flown, tube),
     }
     return Template(_asset("page.html")).substitute(parts)
 
@@ -164,8 +164,8 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
     return f"<dl>{body}</dl>"
 
 
-def _waypoints(found: Sequence[Stop]) -> int:
-    return sum(stop.item.command in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT) for stop in found)
+def _waypoints(stop_list: Sequence[Stop]) -> int:
+    return sum(stop.item.command in WAYPOINTS for stop in stop_list)
 
 
 def _asset(name: str) -> str:

@@ -25,7 +25,7 @@ FLATTEST = 0.10  # and one lower than this is drawn higher
 
 
 def page_data(
-    scenario: Scenario, extent: Extent, course: Course, found: Sequence[Stop], flown: Course | None, tube: Rim
+    scenario: Scenario, extent: Extent, course: Course, stops: Sequence[Stop], flown: Course | None, tube: Rim
 ) -> str:
     """JSON that is safe inside an HTML script element."""
     data = {
@@ -37,7 +37,7 @@ def page_data(
             "ground": _rounded(course.ground, 2),
             "apart": _rounded(course.apart, 2),
         },
-        "stops": [_stop(stop, course, scenario) for stop in found],
+        "stops": [_stop(stop, course, scenario) for stop in stops],
         "tube": _hoops(course.points, tube),
         "flown": None if flown is None else _rounded(flown.points, 2),
         "world": _world(scenario, extent, course),

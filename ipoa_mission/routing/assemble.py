@@ -38,7 +38,9 @@ class Option:
     flies_clear: bool
     """Whether the predicted path keeps every limit, corners cut and overshot."""
     ratio: float
-    """How many times the least time that the planned curve takes under the same limits."""
+    """How many times the least time that the planned curve takes under the same limits, or the quickest route if one
+    is quicker than that, beside the curve.
+    """
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
@@ -58,14 +60,16 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Route:
 
 def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
     """What every mode that this autopilot can fly would come to, quickest first."""
-    options = []
-    least = _least_time(plan, scenario)
+    flights = []
     for mode in MODES:
         try:
             route = choose_route(plan, scenario, mode)
         except (BadInput, NoRoute):
             continue
-        flown = fly(route, plan.curve, scenario)
+        flights.append((mode, route, fly(route, plan.curve, scenario)))
+    least = min([_least_time(plan, scenario), *(round(flown.seconds, 3) for _, _, flown in flights)])
+    options = []
+    for mode, route, flown in flights:
         seconds, away = round(flown.seconds, 3), round(flown.deviation, 3)
         options.append(Option(mode, route, seconds, away, flown.keeps_limits(scenario), round(seconds / least, 4)))
     return tuple(sorted(options, key=lambda option: (option.seconds, option.mode != "fastest")))
@@ -92,9 +96,14 @@ def _corridor(plan: Plan, scenario: Scenario) -> Route:
     return _narrowed(choose, scenario.route.tolerance, plan.curve, scenario)
 
 
-def _spline(plan: Plan, scenario: Scenario) -> Route:
-    if scenario.vehicle.autopilot is not Autopilot.ARDUPILOT:
+def expect_mode(mode: str, autopilot: Autopilot) -> None:
+    """Complain of a mode that chooses waypoints which an autopilot does not fly."""
+    if mode == "spline" and autopilot is not Autopilot.ARDUPILOT:
         raise BadInput("route.mode: expected even, corridor or fastest: only ArduPilot flies spline waypoints")
+
+
+def _spline(plan: Plan, scenario: Scenario) -> Route:
+    expect_mode("spline", scenario.vehicle.autopilot)
 
     def choose(spacing: float) -> Route:
         return Route(every(plan.curve, spacing, scenario.via_points), spline=True)

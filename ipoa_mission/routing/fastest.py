@@ -40,15 +40,15 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
         kind = (len(route.points), route.spline)
         if len(begun) < STARTS and kind not in begun and _is_fit(route, flown, scenario):
             begun[kind] = route
-    found = [ready for route in begun.values() for ready in (route, _improve(route, curve, scenario))]
-    if not found:
+    improved = [ready for route in begun.values() for ready in (route, _improve(route, curve, scenario))]
+    if not improved:
         return fallback()
-    ends = [fly(route, curve, scenario) for route in found]
+    ends = [fly(route, curve, scenario) for route in improved]
     equal = (1 + EQUAL) * min(end.seconds + end.late for end in ends)
     ranks = [
         (end.seconds + end.late > equal, round(end.missed, 2), -end.slack(scenario), n) for n, end in enumerate(ends)
     ]
-    return found[min(ranks)[-1]]
+    return improved[min(ranks)[-1]]
 
 
 def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:

@@ -14,13 +14,14 @@ from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.resample import lefts, through
 
-STEP = 3.0  # between the places that move aside [m]
-MOST = 200  # of them
+PLACE_SPACING = 3.0  # between the places that move aside [m]
+MAX_PLACES = 200  # of them
 
 
 def relaxed(curve: Spline, room: float, via: Points) -> Points:
     """Places of the line that bends least within `room` [m] beside the curve, (n, 3); it keeps to via points (m, 3)."""
-    samples, stops = through(curve.sample(int(np.clip(math.ceil(curve.length / STEP), 8, MOST)) + 1), via)
+    count = int(np.clip(math.ceil(curve.length / PLACE_SPACING), 8, MAX_PLACES))
+    samples, stops = through(curve.sample(count + 1), via)
     free = np.setdiff1d(np.arange(1, len(samples) - 1), stops)
     if room <= 0 or len(free) == 0:
         return samples

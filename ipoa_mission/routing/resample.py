@@ -15,8 +15,8 @@ from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.spline import Spline
 
 SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
-STEP = 0.5  # at which a path is held against a curve [m]
-NEAR = 16  # a leg may be looked for over so many samples at first
+COMPARING_STEP = 0.5  # at which a path is held against a curve [m]
+FIRST_LOOK = 16  # a leg may be looked for over so many samples at first
 ON_THE_CURVE = (0.0,)
 NOWHERE = np.zeros((0, 3))
 
@@ -89,14 +89,14 @@ def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
 def _steps(path: Points) -> Points:
     """The corners of a path and points between them, half a metre apart at most."""
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
-    stops = np.union1d(traveled, np.linspace(0.0, traveled[-1], math.ceil(traveled[-1] / STEP) + 1))
+    stops = np.union1d(traveled, np.linspace(0.0, traveled[-1], math.ceil(traveled[-1] / COMPARING_STEP) + 1))
     return np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
 
 
 @lru_cache(maxsize=8)
 def _fine(curve: Spline) -> Points:
     """Samples of a curve half a metre apart."""
-    return curve.sample(int(np.clip(curve.length / STEP, 200, 2000)))
+    return curve.sample(int(np.clip(curve.length / COMPARING_STEP, 200, 2000)))
 
 
 def lefts(samples: Points) -> Points:
@@ -114,7 +114,7 @@ def _reachable(starts: Points, samples: Points, spots: NDArray[np.float64], tole
     back later is not looked for.
     """
     reachable: list[NDArray[np.float64]] = []
-    first, end = 1, 1 + NEAR
+    first, end = 1, 1 + FIRST_LOOK
     while True:
         reachable.append(_deviations(starts, samples[1:end], spots[first:end]))
         if end >= len(samples) or (len(reachable) > 1 and all((away > tolerance).all() for away in reachable[-2:])):

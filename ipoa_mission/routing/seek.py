@@ -9,7 +9,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.progress import Progress
-from ipoa_mission.routing.assemble import Option, weigh_routes
+from ipoa_mission.routing.assemble import Option, expect_mode, weigh_routes
 from ipoa_mission.routing.build import draft_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.promise import Kept, Promise, promise_of
@@ -26,9 +26,11 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> tuple[P
     """A plan and what each mode of choosing waypoints would come to on it, quickest first.
 
     Raises:
-        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
+        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place; the autopilot
+            does not fly the kind of waypoints that the scenario asks for.
         NoPath: a given place breaks a limit, no path was found that keeps them all, or too few flights would keep them.
     """
+    expect_mode(scenario.route.mode, scenario.vehicle.autopilot)
     if scenario.safety.chance is None:
         plan = plan_path(scenario, seed, progress)
         return plan, weigh_routes(plan, scenario)

@@ -32,6 +32,7 @@ from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, LocalFrame
 
+EARTH = 40_000_000.0  # its circumference [m]
 #: The tables that the world is made from.
 WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence"}
 
@@ -205,9 +206,8 @@ class Scenario(Section):
         for name, place in (places | {f"rally[{i}]": place for i, place in enumerate(self.rally)}).items():
             away = float(np.hypot(*place.east_north(self.frame)))
             if not away < REACH:
-                raise ValueError(
-                    f"{name}: expected a place within {REACH / 1000:g} km of home, not {away / 1000:.0f} km"
-                )
+                far = f"{away / 1000:.0f}" if away < 100 * EARTH else f"{away / 1000:.0e}"
+                raise ValueError(f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km")
         return self
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":

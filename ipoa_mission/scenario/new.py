@@ -1,6 +1,7 @@
 """A first scenario from a few answers, or from a map: the text of a commented TOML file that is ready to plan."""
 
 import json
+import math
 import os
 import re
 from collections.abc import Callable, Mapping
@@ -16,11 +17,11 @@ from ipoa_mission.maps.buildings import BuildingRules, find_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.read import parse_scenario
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
 ROOM = 12.0  # a suggested take-off or goal has so much room around it [m]
 APART = 200.0  # and lies no farther than this from the middle of the map, along either axis [m]
-STEP = 4.0  # distance between the places that are tried [m]
+TRIED_SPACING = 4.0  # distance between the places that are tried [m]
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,22 @@ def new_scenario(
     return text
 
 
+def check_goal(answers: Mapping[str, str]) -> None:
+    """See that home and goal, once both are answered, lie near enough to each other for one scenario.
+
+    Raises:
+        BadInput: they are farther apart than a flight goes; most often latitude and longitude are swapped in one.
+    """
+    if "home" in answers and "goal" in answers:
+        home, goal = _place("home", answers["home"]), _place("goal", answers["goal"])
+        east, north, _ = LocalFrame(Geodetic(*home)).local(Geodetic(*goal))
+        if not math.hypot(east, north) <= REACH:
+            raise BadInput(
+                f"goal: expected a place within {REACH / 1000:g} km of home, {answers['home']}: "
+                "is it latitude first, then longitude?"
+            )
+
+
 def suggest_answers(buildings: Path | None = None, elevation: Path | None = None) -> dict[str, str]:
     """Answers that a map gives: home and goal in free places among the buildings, the altitude of the ground there.
 
@@ -162,7 +179,7 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
         standing = find_buildings(features, BuildingRules(take="all"), frame, path).standing
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in standing]
     reach = np.minimum(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0) / 2 + 2 * ROOM, APART)
-    sides = [np.arange(-each, each + STEP, STEP) for each in reach]
+    sides = [np.arange(-each, each + TRIED_SPACING, TRIED_SPACING) for each in reach]
     places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     near = shapely.STRtree(shapes).query(shapely.points(places), "dwithin", ROOM)[0]
     free = np.delete(places, np.unique(near), axis=0)

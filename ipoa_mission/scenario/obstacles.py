@@ -6,7 +6,8 @@ What stands on the ground leaves its height out (`up`, `base`).
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, model_validator
+import shapely
+from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario.places import Ground, Horizontal, Ring
@@ -94,6 +95,15 @@ class PrismSection(Section):
     """Height above its base, or above the highest ground under it [m]."""
     base: float | None = None
     """Height of the lower side [m above home]; left out, it stands on the ground."""
+
+    @field_validator("footprint", "footprint_geodetic")
+    @classmethod
+    def _crosses_nothing(cls, ring: tuple[tuple[float, float], ...] | None) -> tuple[tuple[float, float], ...] | None:
+        if ring is not None and not (shape := shapely.Polygon(ring)).is_valid:
+            raise ValueError(
+                f"expected a ring that does not cross itself, not one with {shapely.is_valid_reason(shape)}"
+            )
+        return ring
 
     @model_validator(mode="after")
     def _one_footprint(self) -> Self:

@@ -53,8 +53,11 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
         scenario = Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
     except ValidationError as error:
         lines = [f"{path}: {_explain(problem, table)}" for problem in error.errors()]
+        of_keys = {"missing", "extra_forbidden", "union_tag_invalid", "union_tag_not_found"}
+        asks_keys = any(problem["type"] in of_keys for problem in error.errors())
         raise BadInput(
-            "\n".join(lines), hint="`ipoa-mission schema` prints every key that a scenario may have"
+            "\n".join(lines),
+            hint="`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None,
         ) from error
     scenario.survey()
     return scenario
@@ -89,8 +92,9 @@ def _explain(problem: Any, table: dict[str, Any]) -> str:
             return f"{place}: expected, but not there"
         case "extra_forbidden":
             key = str(problem["loc"][-1])
-            near = difflib.get_close_matches(key, _known_keys(problem["loc"]), n=1)
-            return f"{place}: unknown key" + (f"; did you mean {near[0]}?" if near else "")
+            keys = _known_keys(problem["loc"])
+            near = [one for one in keys if key in one.split("_")] or difflib.get_close_matches(key, keys, n=1)
+            return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
         case "greater_than":
             wanted = f"a number greater than {limits['gt']:g}"
         case "greater_than_equal":
@@ -158,6 +162,12 @@ def _resolved(node: Any, schema: Any, tag: str) -> Any:
     while "$ref" in node:
         node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
     return node
+
+
+def _or(words: Sequence[str]) -> str:
+    """`a, b or c`."""
+    *others, last = words
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def _lowered(message: str) -> str:

@@ -32,9 +32,9 @@ from ipoa_mission.world.obstacles import Zone as NoFly
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
-BEYOND = 100.0  # what lies farther outside the bounds is left out [m]
+MARGIN = 100.0  # what lies farther outside the bounds is left out [m]
 SAME = 1e-6  # [m]
-GLANCES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
+GROUND_LINES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
 
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner
 
@@ -133,7 +133,7 @@ def survey(scenario: Layout) -> Surroundings:
     drawn = _drawn(scenario, terrain)
     raised = raise_buildings(near, terrain.height)
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
-    below, above = min(up[0], 0.0) - BEYOND, up[1] + BEYOND
+    below, above = min(up[0], 0.0) - MARGIN, up[1] + MARGIN
     prisms = _no_fly_prisms(maps, (lower, upper), up, terrain, scenario.frame)
     zones = (*prisms, *forbidden(scenario.fence, scenario.frame, below, above))
     areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
@@ -233,8 +233,8 @@ def _boxes(maps: _Maps) -> NDArray[np.float64]:
 def _near(maps: _Maps, corners: Box) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
     """What stands near enough to the bounds to matter, and the rest, zones among it, as passed over."""
     near, beyond = list[Standing](), list[PassedOver]()
-    why = f"more than {BEYOND:g} m outside the bounds"
-    for (section, thing), counts in zip(maps.standing, _meets(_boxes(maps), corners, BEYOND), strict=True):
+    why = f"more than {MARGIN:g} m outside the bounds"
+    for (section, thing), counts in zip(maps.standing, _meets(_boxes(maps), corners, MARGIN), strict=True):
         if counts:
             near.append(thing)
         else:
@@ -294,7 +294,7 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
     """From below all ground, ends and obstacles inside the bounds to above them."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, terrain.height)[2] for place in places)]
-    east, north = (np.linspace(corners[0][axis], corners[1][axis], GLANCES) for axis in (0, 1))
+    east, north = (np.linspace(corners[0][axis], corners[1][axis], GROUND_LINES) for axis in (0, 1))
     ground = terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
     boxes = [obstacle.bounds for obstacle in obstacles]
     heights = [box[:, 2] for box in boxes if _meets(box[:, :2].reshape(1, 4), corners, 0.0)[0]]
@@ -310,8 +310,8 @@ def _no_fly_prisms(
     for section, zone in maps.no_fly:
         if _zone_near(zone, corners):
             base, top = _ends(section, zone, corners, terrain, frame)
-            low = base if base is not None else min(up[0], top or 0.0) - BEYOND
-            high = top if top is not None else max(up[1], base or 0.0) + BEYOND
+            low = base if base is not None else min(up[0], top or 0.0) - MARGIN
+            high = top if top is not None else max(up[1], base or 0.0) + MARGIN
             if low < high:
                 prisms.append(NoFly(zone.name, *rings_of(zone.shape), low, high))
     return tuple(prisms)
@@ -325,7 +325,7 @@ def _ends(
     if zone.lower is None and zone.upper is None:
         return base, top
     west, south, east, north = shapely.bounds(zone.shape)
-    box = np.maximum(corners[0] - BEYOND, (west, south)), np.minimum(corners[1] + BEYOND, (east, north))
+    box = np.maximum(corners[0] - MARGIN, (west, south)), np.minimum(corners[1] + MARGIN, (east, north))
     ground = _ground_under(terrain, box)
     reach = float(np.hypot(*np.maximum(np.abs(box[0]), np.abs(box[1]))))
     if base is None and zone.lower is not None:
@@ -347,7 +347,7 @@ def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
         last = np.clip(np.ceil((box[1] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
         heights = terrain.heights[first[1] : last[1] + 1, first[0] : last[0] + 1]
     else:
-        east, north = (np.linspace(box[0][axis], box[1][axis], GLANCES) for axis in (0, 1))
+        east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
         heights = terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
     return float(heights.min()), float(heights.max())
 
@@ -366,7 +366,7 @@ def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:
 
 
 def _zone_near(zone: Zone, corners: Box) -> bool:
-    return bool(_meets(np.array([shapely.bounds(zone.shape)]), corners, BEYOND)[0])
+    return bool(_meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])
 
 
 def _level(points: NDArray[np.float64]) -> NDArray[np.float64]:

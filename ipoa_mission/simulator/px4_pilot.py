@@ -27,10 +27,10 @@ class PX4Pilot:
 
     def __init__(self, vehicle: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
         given, limits = vehicle.conditions, px4_limits(parameters)
-        airframe, wind = airframe_of(given.vehicle), (given.wind.east, given.wind.north)
+        airframe = airframe_of(given.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self._vehicle, self._now, self._ground = vehicle, situation, given.ground
-        self._law = law(self._limits, airframe, SIH_SENSES, wind, STEP_S)
+        self._law = law(self._limits, airframe, SIH_SENSES, given.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []

@@ -1,5 +1,6 @@
 """The built-in autopilot behind a channel, in real time or faster: what `ipoa-mission mock` runs."""
 
+import logging
 import math
 from collections.abc import Callable
 
@@ -12,6 +13,9 @@ from ipoa_mission.simulator.station import Station
 
 PERFECT = Faults()
 LONGEST_WAIT_S = 0.1
+MOST_LATE_S = 1.0  # by which the autopilot's clock may be beyond what it should have done
+WORTH_A_WORD_S = 10.0
+log = logging.getLogger(__name__)
 MOST_PIPES = 32
 
 
@@ -52,6 +56,7 @@ class Server:
         self._faults = faults
         self._seed = seed
         self._epoch = channel.now()
+        self._lost_s = 0.0
         self._inward: dict[Peer, BadPipe] = {}
         self._outward: dict[Peer | None, BadPipe] = {}
 
@@ -66,6 +71,7 @@ class Server:
         for data, peer in self._channel.receive(wake):
             self._pipe(self._inward, peer, 1).push(data, self._channel.now())
         now = self._channel.now()
+        self._slow_down(now)
         for peer, pipe in self._inward.items():
             for data in pipe.pop(now):
                 self._station.receive(data, peer, self._virtual(now))
@@ -75,6 +81,15 @@ class Server:
         for to, pipe in self._outward.items():
             for data in pipe.pop(now):
                 self._channel.send(data, to)
+
+    def _slow_down(self, now: float) -> None:
+        """Let the clock fall behind rather than jump, where the machine is too busy for so many times as fast."""
+        late_s = self._virtual(now) - self._station.deadline - MOST_LATE_S
+        if late_s > 0:
+            self._epoch += late_s / self._speedup
+            if self._lost_s <= WORTH_A_WORD_S < self._lost_s + late_s:
+                log.warning("the machine cannot keep up with %g times as fast: the clock is slowed", self._speedup)
+            self._lost_s += late_s
 
     def _virtual(self, real: float) -> float:
         return (real - self._epoch) * self._speedup

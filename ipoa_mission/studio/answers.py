@@ -71,12 +71,16 @@ class Terrace(Message):
 
 
 class World(Message):
-    """What a map shows of a scenario; `box` is west, south, east, north of the flight's bounds."""
+    """What a map shows of a scenario; `box` is west, south, east, north of the flight's bounds.
+
+    `degree_m` is how many metres a degree of longitude and one of latitude are at home.
+    """
 
     kind: Literal["world"] = "world"
     revision: int
     box: tuple[float, float, float, float]
     around: tuple[LngLat, ...]
+    degree_m: tuple[float, float]
     floor: float
     ceiling: float
     bodies: tuple[Body, ...]

@@ -10,7 +10,7 @@ from ipoa_mission.files import read_text, write_atomically
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.edits import changed, parse_table
 from ipoa_mission.studio.journal import SUFFIX, Journal
-from ipoa_mission.studio.requests import Change
+from ipoa_mission.studio.requests import Add, Change, Take
 
 BOM = b"\xef\xbb\xbf"
 
@@ -26,6 +26,7 @@ class Document:
         self.path = path
         self.revision = 1
         self.changed_outside = False
+        self._numbered_anew = 1
         self._journal = Journal.open(path.with_name(path.name + SUFFIX), read_text(path))
 
     @property
@@ -33,13 +34,20 @@ class Document:
         """The scenario's text as it is now."""
         return self._journal.text
 
-    def edit(self, changes: Iterable[Change], label: str) -> bool:
-        """Change the scenario; whether that made a difference.
+    def edit(self, changes: Iterable[Change], label: str, seen: int) -> bool:
+        """Change the scenario; whether that made a difference. `seen` is the revision that the changes are of.
 
         Raises:
+            Stale: since then the numbers of things in their lists have changed: who knows which is meant?
             BadInput: there is nothing at a path, or the text is no TOML.
         """
-        return self._write(changed(self.text, changes), label)
+        changes = tuple(changes)
+        if seen < self._numbered_anew:
+            raise Stale("the scenario was changed elsewhere meanwhile", hint="look at it, and do it again")
+        different = self._write(changed(self.text, changes), label)
+        if any(isinstance(change, Take | Add) for change in changes):
+            self._numbered_anew = self.revision
+        return different
 
     def rewrite(self, text: str, seen: int) -> bool:
         """Replace the text.
@@ -49,15 +57,15 @@ class Document:
         """
         if seen != self.revision:
             raise Stale("the scenario was changed elsewhere while its text was edited here", hint="copy it, and reload")
-        return self._write(text, "text edited")
+        return self._renumbered(self._journal.write(text, "text edited"))
 
     def undo(self) -> bool:
         """Take the last change back; whether there was one."""
-        return self._stepped(self._journal.undo())
+        return self._renumbered(self._journal.undo())
 
     def redo(self) -> bool:
         """Do again what was taken back; whether there was something."""
-        return self._stepped(self._journal.redo())
+        return self._renumbered(self._journal.redo())
 
     def save(self, over: bool = False) -> None:
         """Write the file, unless it has the text already.
@@ -95,7 +103,7 @@ class Document:
         """Take the text of the file, as an edit that can be undone."""
         self._journal.take_from_disk(self._on_disk())
         self.changed_outside = False
-        return self._stepped(True)
+        return self._renumbered(True)
 
     def as_answer(self) -> answers.Document:
         """Itself for a page."""
@@ -118,6 +126,11 @@ class Document:
 
     def _write(self, text: str, label: str) -> bool:
         return self._stepped(self._journal.write(text, label))
+
+    def _renumbered(self, different: bool) -> bool:
+        self._stepped(different)
+        self._numbered_anew = self.revision
+        return different
 
     def _stepped(self, different: bool) -> bool:
         self.revision += different

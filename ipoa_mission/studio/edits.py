@@ -11,9 +11,10 @@ from tomlkit.items import AoT, Array
 from ipoa_mission.errors import BadInput
 from ipoa_mission.studio.requests import Add, Change, Put, Shift, Take
 from ipoa_mission.studio.vocabulary import LngLat, Path
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
 DIGITS, DEGREES = 2, 7  # decimals of metres and of degrees that a place is written with
+FAR = 20_000.0  # farther than this nothing is left behind [m]
 RINGS = ("footprint", "polygon")  # keys of corners; with `_geodetic` behind they are [latitude, longitude]
 #: What is written with a place of the map, as [east, north] or [latitude, longitude].
 Move = Callable[[float, float], tuple[float, float]]
@@ -96,7 +97,8 @@ def _put(document: Any, path: Path, value: Any) -> None:
         if isinstance(step, str) and step not in here:
             here[step] = tomlkit.table()
         here = here[step]
-    here[last] = value
+    before = here.get(last) if isinstance(last, str) else here[last]
+    here[last] = float(value) if isinstance(before, float) and isinstance(value, int) else value
 
 
 def _take(document: Any, path: Path) -> None:
@@ -198,9 +200,15 @@ def _move_ring(ring: Any, move: Move) -> None:
 
 
 def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
-    """Home alone moves: what is given in metres from it is written anew, so that it stays where it is on the map."""
+    """Home alone moves: what is given in metres from it is written anew, so that it stays where it is on the map.
+
+    If home leaves for another part of the country, what is given in metres from it goes along.
+    """
     old, home = frame_of(document), document["home"]
-    _move(home, *_moves(old, old, _local(old, change.put_down) - _local(old, change.taken)))
+    for key, n in (("longitude_deg", 0), ("latitude_deg", 1)):
+        home[key] = round(float(home[key]) + change.put_down[n] - change.taken[n], DEGREES)
+    if apart(old.home, frame_of(document).home) > FAR:
+        return
     local, _ = _moves(old, frame_of(document), np.zeros(2))
     for key in ("start", "goal"):
         _move(document[key], local, None)

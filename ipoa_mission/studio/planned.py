@@ -17,7 +17,7 @@ from ipoa_mission.report import course as report_course
 from ipoa_mission.report.stops import Stop, stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
-from ipoa_mission.studio.view import line_of, on_map
+from ipoa_mission.studio.view import line_of, on_map, without_folders
 from ipoa_mission.studio.vocabulary import LngLat
 from ipoa_mission.timing.bound import least_time
 from ipoa_mission.timing.route import kinematics
@@ -41,10 +41,10 @@ def sketched(found: Sketch, scenario: Scenario, revision: int, number: int | Non
         line=line_of(frame, points),
         others=tuple(line_of(frame, _sampled(other)) for other in found.others),
         holds=found.proof.holds,
-        verdict=found.proof.words(),
+        verdict=without_folders(found.proof.words(), scenario),
         length=round(float(found.curve.length), 1),
         clearance=round(float(clearance.distance), 2),
-        nearest=clearance.what,
+        nearest=without_folders(clearance.what, scenario),
         seconds=round(least_time(points, limits).seconds, 1),
         took_s=round(took_s, 3),
     )
@@ -63,12 +63,12 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         name=flight.name,
         autopilot=str(flight.mission.autopilot),
         proof=proof_digest(flight),
-        verdict=flight.proof.words(),
+        verdict=without_folders(flight.proof.words(), scenario),
         confidence=promise.confidence,
         kept=None if kept is None else round(kept.kept, 3),
         nominal=None if kept is None else round(kept.nominal, 3),
         required=scenario.limits.obstacle_distance,
-        nearest="" if kept is None else kept.to,
+        nearest="" if kept is None else without_folders(kept.to, scenario),
         total_s=round(estimate.total_s, 2),
         low_s=round(estimate.low_s, 2),
         high_s=round(estimate.high_s, 2),
@@ -148,7 +148,7 @@ def _bindings(flight: Flight, found: tuple[Stop, ...], course: report_course.Cou
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
             distance = f"{check.kept:.2f} m" if flight.promise.confidence else f"{check.nominal:.2f} m"
             words = f"{check.limit}: {distance} to {check.to}, {check.required:.2f} m required"
-            yield answers.Binding(what="near", words=words, at=at)
+            yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
     slow = sorted((stop for stop in found if stop.time.reason), key=lambda stop: -stop.time.duration_s)
     for stop in slow[:SLOW]:
         words = f"item {stop.time.seq}: {stop.time.reason}, {stop.time.mean_speed:.1f} m/s on average"
@@ -172,7 +172,7 @@ def _limits(flight: Flight) -> Iterator[answers.Limit]:
         if math.isfinite(check.nearest.distance):
             yield answers.Limit(
                 limit=check.limit,
-                words=check.words(),
+                words=without_folders(check.words(), flight.scenario),
                 found=round(float(check.nearest.distance), 3),
                 required=round(float(check.required), 3),
                 unit=check.unit,

@@ -15,11 +15,13 @@ from pydantic import ValidationError
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
-from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
+from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.answers import Trouble
+from ipoa_mission.studio.dropped import LARGEST, keep, use_of
 from ipoa_mission.studio.guard import POLICY, Guard
 from ipoa_mission.studio.requests import REQUESTS
 from ipoa_mission.studio.session import Session
@@ -52,6 +54,19 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
             return PlainTextResponse("Not found", 404)
         return FileResponse(file, media_type=TYPES[file.suffix])
 
+    async def drop(request: Request) -> Response:
+        content = bytearray()
+        async for chunk in request.stream():
+            content += chunk
+            if len(content) > LARGEST:
+                return JSONResponse({"message": f"expected a file of at most {LARGEST // 1_000_000} MB"}, 413)
+        document = session.document
+        try:
+            file = await asyncio.to_thread(keep, request.path_params["name"], bytes(content), document.path.parent)
+            return JSONResponse(await asyncio.to_thread(use_of, file, document.text))
+        except MissionError as error:
+            return JSONResponse({"message": str(error)}, 400)
+
     async def talk(socket: WebSocket) -> None:
         await socket.accept()
         window = Page(asyncio.Queue())
@@ -66,7 +81,7 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
                     told = Trouble(of="edit", message=f"this message makes no sense: {error.error_count()} errors")
                     window.tell(told.model_dump(mode="json"))
                     continue
-                session.handle(request, window)
+                await session.handle(request, window)
         except WebSocketDisconnect:
             pass
         finally:
@@ -81,7 +96,8 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
         with suppress(asyncio.CancelledError):
             await running
 
-    routes = [WebSocketRoute("/talk", talk), Route("/", page), Route("/{name}", page)]
+    routes: list[BaseRoute] = [WebSocketRoute("/talk", talk), Route("/drop/{name}", drop, methods=["POST"])]
+    routes += [Route("/", page), Route("/{name}", page)]
     guard = Middleware(Guard, token=token, hosts=(host,), policy=POLICY.format(tiles=""))
     return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard], lifespan=alive)
 

@@ -3,18 +3,20 @@
 import asyncio
 from collections.abc import Callable, Coroutine
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.answers import State, Trouble
 from ipoa_mission.studio.document import Document
+from ipoa_mission.studio.flights import Flights
 from ipoa_mission.studio.processes import Died, Process
 from ipoa_mission.studio.requests import Do, Drag, Edit, Rewrite, Start, Upload
 from ipoa_mission.studio.vocabulary import Message
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
 LOOK_S = 1.0  # how often the file is looked at for what other programs write
-WORKER = "ipoa_mission.studio.worker"
+KEPT = ("world", "sketch", "plan", "loaded", "state", "trouble")  # answers that a window is told when it opens
+PLANNER = "ipoa_mission.studio.planner"
 
 
 class Window(Protocol):
@@ -32,7 +34,8 @@ class Session:
         self.document = Document(path)
         self.windows: set[Window] = set()
         self._seed = seed
-        self._quick, self._thorough = Process(WORKER), Process(WORKER)
+        self._quick, self._thorough = Process(PLANNER), Process(PLANNER)
+        self._flights = Flights(self.document, self.tell_all)
         self._jobs: dict[str, asyncio.Task[None]] = {}
         self._drags: dict[Window, Drag] = {}
         self._latest: dict[str, dict[str, Any]] = {}
@@ -56,19 +59,22 @@ class Session:
     def tell_all(self, message: Message | dict[str, Any]) -> None:
         """Tell every window; the latest answer of a kind is kept for those that open later."""
         told = message if isinstance(message, dict) else message.model_dump(mode="json")
-        if told["kind"] in ("world", "sketch", "plan", "loaded", "state") or told["kind"] == "trouble":
-            self._latest[told["kind"] if told["kind"] != "trouble" else f"trouble of {told['of']}"] = told
+        kind = f"trouble of {told['of']}" if told["kind"] == "trouble" else told["kind"]
+        if told["kind"] in KEPT:
+            self._latest[kind] = told
+        if kind == "state" and told["phase"] in ("idle", "over"):
+            self._latest.pop("loaded", None)
         for window in self.windows:
             window.tell(told)
 
     # --- requests -----------------------------------------------------------------------------------------------------
 
-    def handle(self, request: Any, window: Window) -> None:
+    async def handle(self, request: Any, window: Window) -> None:
         """Do what a window asks; what cannot be done is told to it alone."""
         try:
             match request:
                 case Edit():
-                    self._changed(self.document.edit(request.changes, request.label))
+                    self._changed(self.document.edit(request.changes, request.label, request.seen))
                 case Rewrite():
                     self._changed(self.document.rewrite(request.text, request.seen))
                 case Drag():
@@ -76,14 +82,15 @@ class Session:
                     self._job("drag", self._answer_drags)
                 case Do():
                     self._do(request)
-                case Upload() | Start():
-                    self.fly(request)
+                case Upload():
+                    self._expect_proved()
+                    self._flights.upload(request, self._hand_over)
+                case Start():
+                    await self._flights.start(request)
         except MissionError as error:
-            window.tell(Trouble(of="edit", message=str(error), hint=error.hint).model_dump(mode="json"))
+            of: Literal["flight", "edit"] = "flight" if isinstance(request, Upload | Start) else "edit"
+            window.tell(Trouble(of=of, message=str(error), hint=error.hint).model_dump(mode="json"))
             window.tell(self.document.as_answer().model_dump(mode="json"))
-
-    def fly(self, request: Upload | Start) -> None:
-        """Flights are another matter."""
 
     def _do(self, request: Do) -> None:
         document = self.document
@@ -103,7 +110,10 @@ class Session:
                 self._stop("plan")
                 self.tell_all(State(phase="idle", words="planning was cancelled"))
             case "export":
+                self._expect_proved()
                 self._start("write", self._write)
+            case "abandon":
+                self._flights.abandon()
 
     def _changed(self, different: bool) -> None:
         if different:
@@ -146,8 +156,16 @@ class Session:
         await self._ask(self._thorough, {"job": "plan", "seed": self._seed})
 
     async def _write(self) -> None:
-        order = {"job": "write", "folder": str(self.document.path.parent), "pickle": False}
-        await self._ask(self._thorough, order)
+        await self._ask(self._thorough, {"job": "write", "folder": str(self.document.path.parent)})
+
+    async def _hand_over(self, file: Path) -> bool:
+        return await self._ask(self._thorough, {"job": "hand over", "file": str(file)})
+
+    def _expect_proved(self) -> None:
+        """Raise MissionError unless the scenario as it is now has a proved plan."""
+        plan = self._latest.get("plan")
+        if plan is None or plan["revision"] != self.document.revision:
+            raise MissionError("there is no proved plan of the scenario as it is now", hint="wait for it, or mend it")
 
     async def _ask(
         self, process: Process, order: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None
@@ -196,5 +214,5 @@ class Session:
         finally:
             for name in self._jobs:
                 self._stop(name)
-            await asyncio.gather(self._quick.close(), self._thorough.close())
+            await asyncio.gather(self._flights.close(), self._quick.close(), self._thorough.close())
             await asyncio.gather(*self._jobs.values(), return_exceptions=True)

@@ -17,7 +17,7 @@ from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.studio.answers import Body, Fence, Spot, Terrace, World
 from ipoa_mission.studio.answers import Line as MapLine
 from ipoa_mission.studio.vocabulary import LngLat
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
 
 TERRACES, CELLS = 12, 96  # steps of the ground, and cells along the longer side from which they are drawn
 DEGREES = 7
@@ -36,6 +36,7 @@ def world_of(scenario: Scenario, revision: int) -> World:
         revision=revision,
         box=(west, south, east, north),
         around=on_map(frame, np.asarray(rim)),
+        degree_m=_degree(frame),
         floor=float(bounds.lower[2]),
         ceiling=float(bounds.upper[2]),
         bodies=tuple(_bodies(scenario)),
@@ -61,13 +62,27 @@ def line_of(frame: LocalFrame, points: Points) -> MapLine:
     return MapLine(points=on_map(frame, points), up=tuple(points[:, 2].round(2).tolist()))
 
 
+def without_folders(words: str, scenario: Scenario) -> str:
+    """The same with the scenario's maps called by their names alone."""
+    for section in scenario.maps:
+        words = words.replace(str(section.file), section.file.name)
+    return words
+
+
+def _degree(frame: LocalFrame) -> tuple[float, float]:
+    """Metres of a degree of longitude and of latitude at home."""
+    meridian, across = radii_of_curvature(frame.home.latitude_deg)
+    shrunk = across * math.cos(math.radians(frame.home.latitude_deg))
+    return math.radians(shrunk), math.radians(meridian)
+
+
 def _bodies(scenario: Scenario) -> Iterator[Body]:
     """Every obstacle; the scenario's own come first in its airspace."""
     frame = scenario.frame
     for n, body in enumerate(scenario.airspace.obstacles):
         base, top = body.bounds[:, 2].tolist()
         yield Body(
-            name=body.name,
+            name=without_folders(body.name, scenario),
             path=("obstacles", n) if n < len(scenario.obstacles) else None,
             solid=body.solid,
             base=round(base, 2),

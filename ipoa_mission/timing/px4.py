@@ -101,7 +101,7 @@ class Flights:
         self.route, self.airframe, self.wind = route, airframe, wind
         self.plan = plan(route, self.limits, airframe.landing_delay)
         turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.plan.orders)
-        with_noise = law(self.limits, airframe, senses, (wind.east, wind.north), STEP)
+        with_noise = law(self.limits, airframe, senses, wind, STEP)
         self.quiet = with_noise._replace(noisy=False, turns=turns)
 
     def prepared(self, noisy: bool, fast: bool | None, steps: float = 0.0) -> Callable[[int], tuple[Vector, Points]]:

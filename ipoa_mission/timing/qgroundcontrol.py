@@ -14,7 +14,7 @@ from ipoa_mission.items import Mission
 HOVER_SPEED = 5.0
 ASCENT_SPEED = 3.0
 DESCENT_SPEED = 1.0
-EARTH_RADIUS = 6_371_007.0  # of Qt's QGeoCoordinate::distanceTo [m]
+QT_EARTH_RADIUS = 6_371_007.0  # of Qt's QGeoCoordinate::distanceTo [m]
 
 DELAYS = frozenset({Command.NAV_WAYPOINT, Command.NAV_DELAY, Command.CONDITION_DELAY})
 
@@ -45,4 +45,4 @@ def qgroundcontrol_time(mission: Mission) -> float:
 def _great_circle(one: tuple[float, float], other: tuple[float, float]) -> float:
     (lat1, lon1), (lat2, lon2) = (tuple(map(math.radians, place)) for place in (one, other))
     half = math.sin((lat2 - lat1) / 2) ** 2 + math.cos(lat1) * math.cos(lat2) * math.sin((lon2 - lon1) / 2) ** 2
-    return 2 * EARTH_RADIUS * math.asin(math.sqrt(half))
+    return 2 * QT_EARTH_RADIUS * math.asin(math.sqrt(half))

@@ -19,15 +19,16 @@ from ipoa_mission.timing.bound import Kinematics, least_time
 from ipoa_mission.timing.prediction import Track
 
 FIRST = WAYPOINTS | {Command.NAV_TAKEOFF}
-STEP, SMOOTHED = 1.0, 5  # the flown path is taken every metre, and averaged over so many [m]
+PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # the flown path is taken every metre, and averaged over so many [m]
 MOST_STEPS = 10_000  # a longer path is taken in longer steps
 
 
 @dataclass(frozen=True)
 class RouteTime:
-    """The route takes `seconds`; no vehicle with the same limits flies the same path in less than `least` [s].
+    """The route takes `seconds`; no vehicle that keeps the same limits flies the same path in less than `least` [s].
 
-    Both are NaN where a mission has no route: no two places that are waypoints or a take-off.
+    An autopilot may break its own limits, before the wind or where an ArduCopter's spline bends down steeply; what it
+    then takes is the least. Both are NaN where a mission has no route: no two places that are waypoints or a take-off.
     """
 
     seconds: float
@@ -66,7 +67,7 @@ def route_time(
     path = _smoothed(track.points[(track.times >= begin) & (track.times <= end)])
     if len(path) < 2:
         return NO_ROUTE
-    return RouteTime(end - begin, least_time(path, limits).seconds)
+    return RouteTime(end - begin, min(least_time(path, limits).seconds, end - begin))
 
 
 def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:
@@ -89,11 +90,13 @@ def _smoothed(path: Points) -> Points:
     if len(path) < 2:
         return path
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
-    stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / STEP) + 1), MOST_STEPS))
+    stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / PATH_STEP) + 1), MOST_STEPS))
     even = np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
-    if len(even) <= SMOOTHED:
+    if len(even) <= SMOOTHED_STEPS:
         return even[[0, -1]]
-    wide = np.pad(even, ((SMOOTHED // 2, SMOOTHED // 2), (0, 0)), mode="edge")
-    middle = np.column_stack([np.convolve(axis, np.full(SMOOTHED, 1 / SMOOTHED), "valid") for axis in wide.T])
+    wide = np.pad(even, ((SMOOTHED_STEPS // 2, SMOOTHED_STEPS // 2), (0, 0)), mode="edge")
+    middle = np.column_stack(
+        [np.convolve(axis, np.full(SMOOTHED_STEPS, 1 / SMOOTHED_STEPS), "valid") for axis in wide.T]
+    )
     middle[[0, -1]] = even[[0, -1]]
     return middle

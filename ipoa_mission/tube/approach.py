@@ -18,9 +18,9 @@ from ipoa_mission.tube.course import Course
 from ipoa_mission.tube.law import PASS, Law
 from ipoa_mission.world.airspace import Airspace
 
-RARE = 1e-5  # what is so far away that it is reached with less than this chance is not looked at
-USUAL = 0.01  # the chance at which heights are compared with what is level
-FINEST = 1e-3  # to which a clearance is found [m]
+RARE_CHANCE = 1e-5  # what is so far away that it is reached with less than this chance is not looked at
+USUAL_CHANCE = 0.01  # the chance at which heights are compared with what is level
+RESOLUTION = 1e-3  # to which a clearance is found [m]
 Numbers = NDArray[np.intp]
 
 
@@ -97,7 +97,7 @@ class Approaches:
         low = high - 1.0
         while self.chance(low) > chance:
             low -= high - low
-        while high - low > FINEST:
+        while high - low > RESOLUTION:
             middle = (low + high) / 2
             low, high = (middle, high) if self.chance(middle) <= chance else (low, middle)
         return low
@@ -107,7 +107,7 @@ def approaches(course: Course, airspace: Airspace, law: Law, kept: float) -> App
     """Every pair of a piece and an obstacle that may be nearer than `kept` [m]."""
     a, b = course.points[:-1], course.points[1:]
     stretch = law.stretch(course.across)
-    reach = max(kept, 0.0) + stretch * law.level.distance(RARE)
+    reach = max(kept, 0.0) + stretch * law.level.distance(RARE_CHANCE)
     lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
     piece, obstacle = airspace.beside(lines, reach)
     order = np.argsort(obstacle, kind="stable")
@@ -126,7 +126,7 @@ def _by_obstacle(piece: Numbers, obstacle: Numbers) -> list[tuple[int, Numbers]]
 
 
 def _facing(law: Law, aside: Vector, above: Vector, is_over: NDArray[np.bool_]) -> Vector:
-    down, up = (spread.distance(USUAL) / law.level.distance(USUAL) for spread in (law.down, law.up))
+    down, up = (spread.distance(USUAL_CHANCE) / law.level.distance(USUAL_CHANCE) for spread in (law.down, law.up))
     aside, above = np.maximum(aside, 0.0), np.maximum(above, 0.0)
     length = np.hypot(aside, above)
     wider = np.hypot(aside, np.where(is_over, down, up) * above)

@@ -8,10 +8,10 @@ from scipy.ndimage import maximum_filter1d
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.timing.prediction import Track
 
-STEP = 0.1  # between the looks at how a path bends [s]
-SMOOTHED = 5  # looks over which an acceleration is averaged
-AROUND = 2.0  # a bend widens the tube for so long before and after it [s]
-SHORTEST = 0.05  # pieces that are shorter are joined to the next [m]
+LOOK_EVERY_S = 0.1  # between the looks at how a path bends [s]
+SMOOTHED_LOOKS = 5  # looks over which an acceleration is averaged
+BEND_REACH_S = 2.0  # a bend widens the tube for so long before and after it [s]
+SHORTEST_PIECE = 0.05  # pieces that are shorter are joined to the next [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,19 +44,19 @@ def course_of(track: Track) -> Course:
 def _apart(points: Points) -> Vector:
     """Numbers of points that are so far from the one kept before that a piece between them is worth having."""
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
-    _, first = np.unique(np.floor(traveled / SHORTEST), return_index=True)
+    _, first = np.unique(np.floor(traveled / SHORTEST_PIECE), return_index=True)
     return np.asarray(np.union1d(first, [len(points) - 1]))
 
 
 def _bends(track: Track) -> tuple[Vector, Vector]:
     """Times, and the greatest lateral acceleration round each of them [m/s^2]."""
     begin, end = float(track.times[0]), float(track.times[-1])
-    looks = np.arange(begin, max(end, begin + 3 * STEP) + STEP, STEP)
+    looks = np.arange(begin, max(end, begin + 3 * LOOK_EVERY_S) + LOOK_EVERY_S, LOOK_EVERY_S)
     level = np.column_stack([np.interp(looks, track.times, axis) for axis in track.points[:, :2].T])
-    velocity = np.gradient(level, STEP, axis=0)
-    accel = np.gradient(velocity, STEP, axis=0)
-    mean = np.full(SMOOTHED, 1 / SMOOTHED)
+    velocity = np.gradient(level, LOOK_EVERY_S, axis=0)
+    accel = np.gradient(velocity, LOOK_EVERY_S, axis=0)
+    mean = np.full(SMOOTHED_LOOKS, 1 / SMOOTHED_LOOKS)
     accel = np.column_stack([np.convolve(axis, mean, "same") for axis in accel.T])
     cross = np.abs(velocity[:, 0] * accel[:, 1] - velocity[:, 1] * accel[:, 0])
     across = cross / np.maximum(np.hypot(*velocity.T), 0.5)
-    return looks, maximum_filter1d(across, 2 * round(AROUND / STEP) + 1)
+    return looks, maximum_filter1d(across, 2 * round(BEND_REACH_S / LOOK_EVERY_S) + 1)

@@ -8,9 +8,6 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.tube.spread import Spread
 
 PASS = 4.0  # for about so long what a vehicle is beside its path to one side is one and the same [s]
-#: By how much the distances grow with the wind [m for each m/s], as of 25 flights of ArduCopter in winds of 4 to 8 m/s,
-#: three of them gusty, by its own position: the farthest was 0.84 m to the side, 0.33 m below and 1.33 m above.
-LEVEL_IN_WIND, DOWN_IN_WIND, UP_IN_WIND = 0.06, 0.03, 0.1
 
 
 @dataclass(frozen=True)
@@ -19,8 +16,8 @@ class Law:
 
     `level` is to one side within a pass of `PASS` seconds, in a straight flight; a lateral acceleration of `turn`
     [m/s^2] doubles it, and after the last waypoint it is `ending` times as wide. `down` and `up` are the most of a
-    whole flight, whatever it does: a height that is known wrongly stays wrong for minutes. `source` says on what it was
-    measured, `not_valid` where it says nothing.
+    whole flight, whatever it does: a height that is known wrongly stays wrong for minutes. In wind the three grow by
+    `growth` [m for each m/s]. `source` says on what it was measured, `not_valid` where it says nothing.
     """
 
     level: Spread
@@ -28,6 +25,7 @@ class Law:
     up: Spread
     turn: float
     ending: float
+    growth: tuple[float, float, float]
     source: str
     not_valid: str
 
@@ -44,12 +42,9 @@ class Law:
 
         if speed == 0.0:
             return self
-        return replace(
-            self,
-            level=longer(self.level, LEVEL_IN_WIND),
-            down=longer(self.down, DOWN_IN_WIND),
-            up=longer(self.up, UP_IN_WIND),
-        )
+        spreads = zip((self.level, self.down, self.up), self.growth, strict=True)
+        level, down, up = (longer(spread, share) for spread, share in spreads)
+        return replace(self, level=level, down=down, up=up)
 
     def after_the_way(self) -> "Law":
         """The law after the last waypoint."""

@@ -16,7 +16,7 @@ from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import Polygon, rings_of
 
-LEAST = 0.01  # obstacles that would grow by less are left as they are [m]
+LEAST_GROWTH = 0.01  # obstacles that would grow by less are left as they are [m]
 
 
 def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scenario:
@@ -50,10 +50,10 @@ def _growth(scenario: Scenario, level: float, keep_gaps: bool) -> Vector:
     growth = np.full(len(airspace.obstacles), level)
     for n, body in enumerate(airspace.obstacles):
         spare = float(body.distance(fixed).min()) - distance
-        growth[n] = np.clip(spare - LEAST, 0.0, level)
+        growth[n] = np.clip(spare - LEAST_GROWTH, 0.0, level)
     if keep_gaps and len(growth) > 1:
         _spare_gaps(growth, airspace.obstacles, distance, level)
-    return np.where(growth < LEAST, 0.0, growth)
+    return np.where(growth < LEAST_GROWTH, 0.0, growth)
 
 
 def _spare_gaps(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, level: float) -> None:
@@ -62,7 +62,7 @@ def _spare_gaps(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, l
     one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + level))
     pairs = one < other
     one, other = one[pairs], other[pairs]
-    spare = (shapely.distance(outlines[one], outlines[other]) - 2 * distance) / 2 - LEAST
+    spare = (shapely.distance(outlines[one], outlines[other]) - 2 * distance) / 2 - LEAST_GROWTH
     open_ = spare > 0
     for bodies_of in (one[open_], other[open_]):
         np.minimum.at(growth, bodies_of, spare[open_])
@@ -73,8 +73,8 @@ def _shrunk(bounds: Bounds, scenario: Scenario, rim: Rim) -> Bounds:
     fixed: Points = scenario.places
     lower, upper = np.array(bounds.lower), np.array(bounds.upper)
     near = np.array([rim.level, rim.level, rim.down]), np.array([rim.level, rim.level, rim.up])
-    lower += np.clip(fixed.min(axis=0) - lower - LEAST, 0.0, near[0])
-    upper -= np.clip(upper - fixed.max(axis=0) - LEAST, 0.0, near[1])
+    lower += np.clip(fixed.min(axis=0) - lower - LEAST_GROWTH, 0.0, near[0])
+    upper -= np.clip(upper - fixed.max(axis=0) - LEAST_GROWTH, 0.0, near[1])
     try:
         return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), _narrower(bounds.footprint, fixed, rim))
     except BadInput:

@@ -54,10 +54,13 @@ def test_a_parameter_changes_the_estimate(run: Run, mission: str) -> None:
 
 
 def test_a_parameter_that_no_model_uses_is_said_with_the_one_that_was_meant(run: Run, mission: str) -> None:
-    ended = run(f"estimate {mission} --param WPNAV_ACCELL=500")
-    assert ended.code == 0
-    assert "warning: --param WPNAV_ACCELL changes nothing; did you mean WPNAV_ACCEL?" in ended.err
-    assert run(f"estimate {mission} --param WPNAV_ACCEL=500 --param WP_ACC=5 --param MPC_TILTMAX_AIR=40").err == ""
+    ended = run(f"estimate {mission} --param WPNAV_ACCELL=500 --autopilot ardupilot")
+    assert ended.code == 2
+    assert (
+        "--param WPNAV_ACCELL: expected a parameter that the models know\nhint: did you mean WPNAV_ACCEL?" in ended.err
+    )
+    for words in ("WPNAV_ACCEL=500 --autopilot ardupilot", "WP_ACC=5 --autopilot ardupilot", "MPC_TILTMAX_AIR=40"):
+        assert run(f"estimate {mission} --param {words}").err == ""
 
 
 def test_wind_comes_from_where_it_is_said_to_and_costs_time(run: Run, mission: str) -> None:

@@ -66,3 +66,13 @@ def test_a_mission_file_is_looked_at_without_what_only_scenarios_need(verb: str)
 def test_an_upload_needs_the_messages_besides(link: str, tmp_path: Path) -> None:
     log = str(tmp_path / "upload.tlog")
     assert imported("upload", FOR_PX4, "--link", link, "--log", log) == {"numpy", "pyproj", "pymavlink"}
+
+
+def test_a_picture_without_matplotlib_is_an_error_that_names_the_extra(tmp_path: Path) -> None:
+    log = MISSIONS.parent / "tests" / "logs" / "campus-ardupilot.tlog"
+    code = "import sys; sys.modules['matplotlib'] = None\nfrom ipoa_mission.cli.app import main\nmain()"
+    command = [sys.executable, "-c", code, "compare", str(log), "--picture", str(tmp_path / "flown.png")]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert run.returncode == 1
+    assert "pip install 'ipoa-mission[pictures]'" in run.stderr
+    assert not list(tmp_path.iterdir())

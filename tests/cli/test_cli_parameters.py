@@ -7,14 +7,14 @@ import pytest
 from ipoa_mission import Autopilot, BadInput, estimate, fly, read_mission, write_mission
 from ipoa_mission.autopilots.parameters import expect_known, expect_own, firmware_of
 from ipoa_mission.link.flight_log import read_flights
-from tests.cli.conftest import Planned, Run
+from tests.cli.conftest import Run
 
 LOGS = Path(__file__).parents[1] / "logs"
 
 
 @pytest.fixture
-def mission(planned: Planned) -> Path:
-    return planned("sitl")[1] / "sitl.plan"
+def mission(missions: Path) -> Path:
+    return missions / "sitl.plan"
 
 
 @pytest.mark.parametrize(
@@ -23,7 +23,6 @@ def mission(planned: Planned) -> Path:
         "estimate {mission}",
         "show {mission}",
         "check {mission}",
-        "export {mission} x.csv",
         "fly {mission}",
         "plan {missions}/sitl.toml",
         "fly {missions}/sitl.toml",
@@ -56,9 +55,9 @@ def test_a_file_of_the_other_firmware_is_named(run: Run, mission: Path) -> None:
     assert run("plan x.toml").code == 2
 
 
-def test_the_parameters_beside_a_waypoints_file_say_whose_it_is(planned: Planned, tmp_path: Path) -> None:
+def test_the_parameters_beside_a_waypoints_file_say_whose_it_is(missions: Path, tmp_path: Path) -> None:
     path = tmp_path / "x.waypoints"
-    write_mission(planned("campus")[0].mission, path)
+    write_mission(read_mission(missions / "campus.plan"), path)
     assert read_mission(path).autopilot is Autopilot.PX4
     (tmp_path / "x.params").write_text("WPNAV_ACCEL,100\n")
     assert read_mission(path).autopilot is Autopilot.ARDUPILOT
@@ -73,13 +72,13 @@ def test_a_scenario_names_the_place(run: Run, missions: Path) -> None:
     )
 
 
-def test_the_api_refuses_what_no_model_knows(planned: Planned) -> None:
-    mission = planned("sitl")[0].mission
+def test_the_api_refuses_what_no_model_knows(mission: Path) -> None:
+    flown = read_mission(mission)
     for job in (estimate, fly):
         for name in ("NONSENSE", "WPNAV_SPEED"):
             with pytest.raises(BadInput, match=f"{name}: expected a parameter"):
-                job(mission, {name: 1.0})
-    assert estimate(mission, {"MIS_TAKEOFF_ALT": 3.0}).total_s == estimate(mission).total_s
+                job(flown, {name: 1.0})
+    assert estimate(flown, {"MIS_TAKEOFF_ALT": 3.0}).total_s == estimate(flown).total_s
 
 
 @pytest.mark.parametrize("log", sorted(LOGS.glob("*.bin")) + sorted(LOGS.glob("*.ulg")), ids=lambda path: path.name)

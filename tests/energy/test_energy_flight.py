@@ -51,7 +51,7 @@ def test_a_climb_is_flown_in_thinner_and_thinner_air() -> None:
 
 
 def test_wind_is_reckoned_as_airspeed() -> None:
-    assert consumption(QUAD, *cruise(5.0, 100), wind=6.0).mean_w == pytest.approx(drawn(11.0))
+    assert consumption(QUAD, *cruise(5.0, 100), head_wind=6.0).mean_w == pytest.approx(drawn(11.0))
 
 
 def test_a_jump_in_position_costs_nothing() -> None:

@@ -81,7 +81,7 @@ def test_what_each_mode_would_cost_is_told_quickest_first(autopilot: Autopilot) 
     options = weigh_routes(as_plan(curve, scenario), scenario)
     assert [option.seconds for option in options] == sorted(option.seconds for option in options)
     assert options[0].mode == "fastest"
-    assert options[0].ratio <= RATIO[autopilot]
+    assert 1.0 <= options[0].ratio <= RATIO[autopilot]
     modes = {option.mode for option in options}
     assert modes == {"even", "corridor", "fastest"} | ({"spline"} if autopilot is Autopilot.ARDUPILOT else set())
     even = next(option for option in options if option.mode == "even")

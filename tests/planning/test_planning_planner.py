@@ -9,6 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize.registry import OPTIMIZERS
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
+from ipoa_mission.planning.strategy import SearchStrategy
 from tests.planning.conftest import Make, Place, Town
 
 TALL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base": 0.0}
@@ -63,6 +64,13 @@ def test_history_never_gets_worse_and_counts_evaluations(scenario: Make) -> None
     assert (np.diff(plan.evaluations) > 0).all()
     assert told == sorted(told)
     assert 0 <= told[0] < told[-1] < 1
+
+
+def test_a_strategy_that_looks_less_hard_spends_less(scenario: Make) -> None:
+    quick = SearchStrategy(straight_starts=1, lattice_starts=1, max_rounds=4)
+    plan = plan_path(scenario(obstacles=[PILLAR]), strategy=quick)
+    assert plan.proof.holds
+    assert plan.evaluations[-1] < 20_000
 
 
 def test_via_points_are_passed_in_order(scenario: Make) -> None:

@@ -273,7 +273,7 @@ def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Bowed
     page = report_html(scenario, None, mission, timed).replace("\N{NO-BREAK SPACE}", " ")
     done = {item.seq: item.done_s for item in timed.items}
     last = max(n for n, item in enumerate(mission.items, 1) if item.command == Command.NAV_WAYPOINT)
-    card = r"first place to last waypoint</dt><dd>([\d.]+) s<small>([\d.]+) times the least, ([\d.]+) s"
+    card = r"first place to last waypoint</dt><dd>([\d.]+) s<small>([\d.]+) times the lower bound, ([\d.]+) s"
     shown = re.search(card, page)
     assert shown is not None
     route, ratio, least = map(float, shown.groups())

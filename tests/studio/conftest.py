@@ -16,7 +16,7 @@ from ipoa_mission.studio.server import application  # noqa: E402
 from ipoa_mission.studio.session import Session  # noqa: E402
 
 TOKEN, HOST = "secret-token", "127.0.0.1:8123"
-MISSIONS = Path(__file__).parents[2] / "missions"
+MEADOW = Path(__file__).parent / "meadow.toml"
 
 
 class Talk:
@@ -67,7 +67,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
     bundle = folder / "bundle"
     bundle.mkdir()
     (bundle / "index.html").write_text("<!doctype html><title>studio</title>")
-    scenario = Path(shutil.copy(MISSIONS / "campus.toml", folder / "campus.toml"))
+    scenario = Path(shutil.copy(MEADOW, folder / "meadow.toml"))
     app = application(Session(scenario), bundle, TOKEN, HOST)
     with testclient.TestClient(app, base_url=f"http://{HOST}") as client:
         yield Studio(client, scenario)
@@ -78,7 +78,7 @@ def studio(running: Studio) -> Iterator[Studio]:
     """It, with the scenario as it is in the repository when the test is over."""
     yield running
     with running.window() as talk:
-        text = (MISSIONS / "campus.toml").read_text()
+        text = MEADOW.read_text()
         document = talk.wait("document")
         if document["text"] != text:
             talk.say(kind="rewrite", seen=document["revision"], text=text)

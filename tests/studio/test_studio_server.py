@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ipoa_mission import read_scenario
-from tests.studio.conftest import MISSIONS, Studio
+from tests.studio.conftest import MEADOW, Studio
 
 PUT_SPEED = {"op": "put", "path": ["vehicle", "cruise_speed"], "value": 9.0}
 
@@ -12,7 +12,7 @@ def test_a_window_is_shown_the_scenario_and_a_first_path(studio: Studio) -> None
     with studio.window() as talk:
         document = talk.wait("document")
         world, sketch = talk.wait("world"), talk.wait("sketch")
-    assert document["scenario"]["goal"] == {"east": 230.0, "north": 160.0, "up": 25.0}
+    assert document["scenario"]["goal"] == {"east": 60.0, "north": 0.0, "up": 10.0}
     assert len(world["bodies"]) == len(read_scenario(studio.scenario).airspace.obstacles)
     assert [spot["name"] for spot in world["spots"]] == ["home", "start", "goal"]
     assert sketch["holds"]
@@ -32,11 +32,11 @@ def test_a_change_is_told_to_every_window_and_saved_with_its_comments(studio: St
         assert studio.scenario.read_text() == before
         other.say(kind="do", what="save")
         assert not one.wait("document")["unsaved"]
-    assert studio.scenario.read_text() == before.replace("cruise_speed = 15.0", "cruise_speed = 9.0")
+    assert studio.scenario.read_text() == before.replace("cruise_speed = 8.0", "cruise_speed = 9.0")
 
 
 def test_a_drag_is_answered_and_changes_nothing(studio: Studio) -> None:
-    shift = {"op": "shift", "path": ["goal"], "taken": [121.82, 39.101], "put_down": [121.8201, 39.1011]}
+    shift = {"op": "shift", "path": ["goal"], "taken": [8.5, 47.3], "put_down": [8.5001, 47.3001]}
     with studio.window() as talk:
         still = talk.wait("sketch")
         talk.say(kind="drag", number=5, changes=[shift])
@@ -44,7 +44,7 @@ def test_a_drag_is_answered_and_changes_nothing(studio: Studio) -> None:
         talk.say(kind="do", what="undo")
     assert moved["line"]["points"][-1] != still["line"]["points"][-1]
     assert not [answer for answer in talk.heard if answer["kind"] == "document"][1:]
-    assert studio.scenario.read_bytes() == (MISSIONS / "campus.toml").read_bytes()
+    assert studio.scenario.read_bytes() == MEADOW.read_bytes()
 
 
 def test_what_makes_no_sense_is_told_to_the_window_that_asked_it(studio: Studio) -> None:
@@ -63,9 +63,9 @@ def test_what_makes_no_sense_is_told_to_the_window_that_asked_it(studio: Studio)
 def test_what_another_program_writes_is_taken_and_can_be_undone(studio: Studio) -> None:
     with studio.window() as talk:
         talk.wait("sketch")
-        Path(studio.scenario).write_text(studio.scenario.read_text().replace("up = 25.0", "up = 24.0"))
-        assert talk.wait("document")["scenario"]["goal"]["up"] == 24.0
+        Path(studio.scenario).write_text(studio.scenario.read_text().replace("east = 60.0", "east = 59.0"))
+        assert talk.wait("document")["scenario"]["goal"]["east"] == 59.0
         talk.say(kind="do", what="undo")
         document = talk.wait("document")
-    assert document["scenario"]["goal"]["up"] == 25.0
+    assert document["scenario"]["goal"]["east"] == 60.0
     assert document["unsaved"]

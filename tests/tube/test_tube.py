@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import BadInput
 from ipoa_mission.flight import plan_flight
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.approach import approaches
@@ -168,9 +169,17 @@ def test_wind_widens_the_tube_and_chooses_the_route(scenario_of: Callable[[], Sc
     flights = [plan_flight(scenario, wind=wind) for wind in (None, Wind(5.0, 270.0), Wind(5.0, 90.0))]
     times = [flight.estimate.route.seconds for flight in flights]
     assert times[1] < times[0] < times[2]  # eastwards with a west wind, and against one
-    words = "PX4 was not flown in wind: what its flights keep in 5 m/s is extrapolated, not measured"
-    assert words in flights[1].remarks
-    assert words not in flights[0].remarks
-    assert not_measured(Autopilot.ARDUPILOT, 8.0) is None
-    assert "up to 8 m/s" in str(not_measured(Autopilot.ARDUPILOT, 9.0))
+    for autopilot, strongest in ((Autopilot.ARDUPILOT, 8), (Autopilot.PX4, 6)):
+        assert not_measured(autopilot, strongest) is None
+        words = f"up to {strongest} m/s: what its flights keep in 9 m/s is extrapolated"
+        assert words in str(not_measured(autopilot, 9.0))
     assert plan_flight(scenario.in_wind(Wind(5.0, 270.0))).estimate.total_s == flights[1].estimate.total_s
+
+
+def test_waypoints_that_an_autopilot_does_not_fly_are_refused_before_the_tube_is_looked_at(
+    scenario_of: Callable[[], Scenario],
+) -> None:
+    scenario = scenario_of()
+    route = scenario.route.model_copy(update={"mode": "spline"})
+    with pytest.raises(BadInput, match=r"route\.mode: .*only ArduPilot flies spline waypoints"):
+        plan_flight(scenario.model_copy(update={"route": route}))

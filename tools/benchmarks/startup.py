@@ -1,11 +1,13 @@
-"""What the verbs cost before they do anything: seconds of CPU, beside those of `import numpy` on the same machine.
+"""The first minute: what is installed, what the first plan costs, and the verbs, beside `import numpy`.
 
-    python -m tools.benchmarks.startup [--runs 5] [--modules]
+    python -m tools.benchmarks.startup [FOLDER ...] [--runs 5]
 
-Each verb runs in a process of its own on `missions/campus.plan` (ArduPilot) and `missions/sitl.plan` (PX4, whose time
-model flies a mission step by step: that is no matter of imports). `upload` puts it on the built-in autopilot, which is
-not counted. The least of the runs is told: the rest is the load of the machine. `--modules` lists which large packages
-each verb has imported when it ends.
+For each folder (a checkout of this project; this one if none is given) the package is installed into a fresh
+environment and used from an empty folder. The table has a column for each: megabytes of its packages (without pip and
+setuptools), and seconds of CPU of the whole process tree, system calls included, with how many times `import numpy`
+that is in the same environment. First plans are made once, with nothing compiled on the machine; of the others the
+least of the runs is told, taken in turns: the rest is the load of the machine. `upload` is to the built-in autopilot,
+which is not counted. How many items a second a link takes: `python -m tools.benchmarks.link --clean`.
 """
 
 import argparse
@@ -14,77 +16,113 @@ import resource
 import socket
 import subprocess
 import sys
+import tempfile
+import venv
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from tools import REPOSITORY
 
-PLANS = {"ardupilot": str(REPOSITORY / "missions" / "campus.plan"), "px4": str(REPOSITORY / "missions" / "sitl.plan")}
-PACKAGES = ("numpy", "scipy", "shapely", "pyproj", "matplotlib", "contourpy", "numba", "pydantic", "rich", "pymavlink")
-VERB = (sys.executable, "-m", "ipoa_mission")
-#: Tells on stderr which packages a command line has imported, whatever becomes of it.
-WATCHED = """
-import atexit, sys
-atexit.register(lambda: sys.__stderr__.write("IMPORTED " + " ".join(p for p in {packages!r} if p in sys.modules)))
-sys.argv = ["ipoa-mission", *sys.argv[1:]]
-from ipoa_mission.cli.app import main
-main()
-"""
+SCENARIOS, MISSIONS = ("campus", "sitl"), REPOSITORY / "missions"
+#: A machine of its own: nothing compiled before, and no settings of this one.
+CLEAN = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "NUMBA", "IPOA"))}
 
 
-def cpu_s(command: Sequence[str], runs: int) -> float:
-    """The least CPU of so many runs of a command [s]."""
-    times = []
-    for _ in range(runs):
+class Installed:
+    """A checkout installed into an environment of its own."""
+
+    def __init__(self, checkout: Path, there: Path) -> None:
+        self._bin, self._empty = there / "environment" / "bin", there / "empty"
+        venv.create(there / "environment", with_pip=True)
+        self._empty.mkdir()
+        subprocess.run([self._bin / "pip", "install", "--quiet", checkout.absolute()], check=True, env=CLEAN)
+        (self._packages,) = (there / "environment" / "lib").glob("python*/site-packages")
+
+    def megabytes(self) -> float:
+        """What is installed, without pip and setuptools [MB]."""
+        kept = [path for path in self._packages.iterdir() if not path.name.startswith(("pip", "setuptools", "pkg_res"))]
+        sizes = subprocess.run(["du", "-sck", *kept], capture_output=True, text=True, check=True).stdout
+        return int(sizes.splitlines()[-1].split()[0]) / 1024
+
+    def numpy_s(self) -> float:
+        """CPU of `import numpy` [s]."""
+        return self._cpu_s(self._bin / "python", "-c", "import numpy")
+
+    def verb_s(self, *words: str) -> float:
+        """CPU of a verb [s]."""
+        return self._cpu_s(self._bin / "ipoa-mission", *words)
+
+    def forget(self) -> None:
+        """Throw away what numba has compiled."""
+        for path in self._packages.glob("ipoa_mission/**/__pycache__/*.nb[ic]"):
+            path.unlink()
+
+    @contextmanager
+    def autopilot(self) -> Iterator[str]:
+        """The address of a built-in autopilot."""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+            free.bind(("127.0.0.1", 0))
+            place = f"127.0.0.1:{free.getsockname()[1]}"
+        command = [str(self._bin / "ipoa-mission"), "mock", "--json", "--autopilot", "px4", "--link", f"udpin:{place}"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=CLEAN, cwd=self._empty) as process:
+            try:
+                assert process.stdout is not None
+                process.stdout.readline()
+                yield f"udpout:{place}"
+            finally:
+                process.kill()
+
+    def _cpu_s(self, *command: str | Path) -> float:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run(command, check=True, capture_output=True, env=CLEAN, cwd=self._empty)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return min(times)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def imported(arguments: Sequence[str]) -> str:
-    """The large packages that a command line imports."""
-    code = WATCHED.format(packages=PACKAGES)
-    run = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
-    return run.stderr.rpartition("IMPORTED ")[2]
+def measure(installed: Sequence[Installed], runs: int) -> dict[str, list[float]]:
+    """CPU of everything, one number for each environment [s]."""
+    numbers: dict[str, list[float]] = {}
 
+    def note(name: str, times: int, *words: str) -> None:
+        rounds = [[one.verb_s(*words) if words else one.numpy_s() for one in installed] for _ in range(times)]
+        numbers[name] = [min(column) for column in zip(*rounds, strict=True)]
+        print(f"{name}: {numbers[name]}", file=sys.stderr)
 
-@contextmanager
-def autopilot() -> Iterator[str]:
-    """The address of a built-in autopilot."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        place = f"127.0.0.1:{free.getsockname()[1]}"
-    command = [*VERB, "mock", "--json", "--autopilot", "px4", "--link", f"udpin:{place}"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout is not None
-            process.stdout.readline()
-            yield f"udpout:{place}"
-        finally:
-            process.kill()
+    note("import numpy", 2 * runs)
+    for name in SCENARIOS:
+        plan = ("plan", str(MISSIONS / f"{name}.toml"), "--out", "out")
+        for one in installed:
+            one.forget()
+        note(f"plan {name}, the first", 1, *plan)
+        note(f"plan {name}, the second", runs, *plan)
+    note("--help", runs, "--help")
+    for name in SCENARIOS:
+        for verb in ("show", "check", "estimate"):
+            note(f"{verb} {name}", runs, verb, str(MISSIONS / f"{name}.plan"))
+    with installed[-1].autopilot() as link:
+        note("upload sitl", runs, "upload", str(MISSIONS / "sitl.plan"), "--link", link, "--log", os.devnull)
+    return numbers
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("checkouts", type=Path, nargs="*", default=[REPOSITORY], metavar="FOLDER")
     parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--modules", action="store_true")
     arguments = parser.parse_args()
-    os.environ["PYTHONPATH"] = str(REPOSITORY)
-    numpy_s = cpu_s((sys.executable, "-c", "import numpy"), arguments.runs)
-    print(f"import numpy: {numpy_s:.3f} s\n\n| verb | CPU, s | times `import numpy` |\n|---|---|---|")
-    with autopilot() as link:
-        verbs: list[tuple[str, ...]] = [("--help",)]
-        verbs += [(verb, plan) for plan in PLANS.values() for verb in ("show", "check", "estimate")]
-        verbs += [("upload", PLANS["px4"], "--link", link, "--log", os.devnull)]
-        for verb in verbs:
-            seconds = cpu_s((*VERB, *verb), arguments.runs)
-            words = " ".join([verb[0], *(Path(one).name for one in verb[1:2])])
-            print(f"| {words} | {seconds:.2f} | {seconds / numpy_s:.1f} |", flush=True)
-            if arguments.modules:
-                print(f"|  | {imported(verb)} |  |")
+    with tempfile.TemporaryDirectory() as folder:
+        installed = []
+        for n, checkout in enumerate(arguments.checkouts):
+            (Path(folder) / str(n)).mkdir()
+            installed.append(Installed(checkout, Path(folder) / str(n)))
+        sizes = [one.megabytes() for one in installed]
+        numbers = measure(installed, arguments.runs)
+    print("| |" + "".join(f" {checkout.absolute().name} |" for checkout in arguments.checkouts))
+    print("|---|" + "---:|" * len(installed))
+    print("| installed, MB |" + "".join(f" {size:.0f} |" for size in sizes))
+    for name, seconds in numbers.items():
+        times = [one / numpy for one, numpy in zip(seconds, numbers["import numpy"], strict=True)]
+        print(f"| {name}, s |" + "".join(f" {s:.2f} ({t:.1f} x) |" for s, t in zip(seconds, times, strict=True)))
 
 
 if __name__ == "__main__":

@@ -2,63 +2,29 @@
 
     python -m tools.benchmarks.tube --scenarios DIR FLIGHT... [--passes FILE]
 
-A FLIGHT is a folder named MISSION-AUTOPILOT (anything before a `_` that begins with `r` and anything after `__` left
-out) with the mission, `flight.json` (autopilot, `item_done_s`) and `truth.csv`, or `trace.csv` where the true position
-was not recorded. The table, a line a mission, goes to standard output; `--passes` writes for every pass of some seconds
-how far the flight got to the east, north, west, south, up and down of its predicted path: what the law is made of.
+A FLIGHT is a folder that `tools.fly.flown` reads. The table, a line a mission, goes to standard output; `--passes`
+writes for every pass of some seconds how far the flight got to the east, north, west, south, up and down of its
+predicted path: what the law is made of.
 """
 
 import argparse
-import json
-import re
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.timing.estimate import in_local_frame, predict
 from ipoa_mission.tube.course import Course, course_of
 from ipoa_mission.tube.law import PASS
 from ipoa_mission.tube.promise import PredictedFlight
-from ipoa_mission.world.frame import LocalFrame
+from tools.fly.flown import Flown, is_flown, read_flown
 
 LEVELS = (0.9, 0.99)
 COLUMNS = ("mission", "flights", "required", "nominal", "90 % keep", "99 % keep", "flown", "short of 90, 99 %")
-
-
-@dataclass(frozen=True)
-class Flown:
-    """A flight: times and places (n, 4) from arming; when its take-off and its last waypoint were done [s]."""
-
-    name: str
-    mission: Mission
-    track: Points
-    begin: float
-    end: float
-
-
-def read_flight(folder: Path, missions: dict[str, Path]) -> Flown:
-    """Read a folder; a flight that was repeated may leave its mission to the first one."""
-    told = json.loads((folder / "flight.json").read_text())
-    name = re.sub(r"^(r\d*|rep\d+)_", "", folder.name).split("__")[0].removesuffix(f"-{told['autopilot']}")
-    own = [path for path in (folder / "mission.plan", folder / "mission.waypoints") if path.exists()]
-    key = f"{name}-{told['autopilot']}"
-    missions.setdefault(key, own[0] if own else folder.parent / key / "mission.waypoints")
-    mission = read_mission(missions[key], Autopilot(told["autopilot"]))
-    frame, home = LocalFrame(mission.home), mission.home.altitude
-    true = (folder / "truth.csv").exists()
-    rows = np.loadtxt(folder / ("truth.csv" if true else "trace.csv"), delimiter=",", skiprows=1)
-    rows = rows[rows[:, 0] >= 0]
-    places = frame.to_local(rows[:, 1], rows[:, 2], rows[:, 3] + (0.0 if true else home))
-    done = sorted(float(at) for at in told["item_done_s"].values())
-    return Flown(name, mission, np.column_stack([rows[:, 0], places]), done[0], done[-2])
 
 
 def promises(mission: Mission, scenario: Scenario) -> tuple[float, float, list[float]]:
@@ -91,8 +57,7 @@ def table(flights: list[Flown], scenarios: Path) -> Iterator[str]:
 
 
 def _flown_clearance(flight: Flown, scenario: Scenario) -> float:
-    on_way = (flight.track[:, 0] >= flight.begin) & (flight.track[:, 0] <= flight.end)
-    return float(scenario.airspace.obstacle_clearance(flight.track[on_way, 1:]).distance)
+    return float(scenario.airspace.obstacle_clearance(flight.on_the_way).distance)
 
 
 def passes(flights: list[Flown]) -> Iterator[str]:
@@ -102,7 +67,9 @@ def passes(flights: list[Flown]) -> Iterator[str]:
     for number, flight in enumerate(flights):
         key = flight.name, str(flight.mission.autopilot)
         if key not in courses:
-            courses[key] = course_of(in_local_frame(predict(flight.mission, fast=True, sure=True)[1].track))
+            courses[key] = course_of(
+                in_local_frame(predict(flight.mission, flight.wind, fast=True, sure=True)[1].track)
+            )
         course, times = courses[key], flight.track[:, 0]
         beside, piece = _beside(flight.track[:, 1:], course)
         across, during = course.across[piece], ((times - times[0]) // PASS).astype(int)
@@ -136,7 +103,7 @@ def main() -> None:
     parser.add_argument("--passes", type=Path)
     given = parser.parse_args()
     missions: dict[str, Path] = {}
-    flights = [read_flight(folder, missions) for folder in sorted(given.flights) if (folder / "flight.json").exists()]
+    flights = [read_flown(folder, missions) for folder in sorted(given.flights) if is_flown(folder)]
     if given.passes:
         given.passes.write_text("\n".join(passes(flights)) + "\n", encoding="utf-8")
     print("\n".join(table(flights, given.scenarios)))

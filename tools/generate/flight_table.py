@@ -125,14 +125,14 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def wind_table() -> str:
+def wind_table(autopilot: Autopilot) -> str:
     """The flights in wind in Markdown, with what the estimate is off by and would be without the wind."""
     lines = [
         "| flight | wind | flown, s | estimated, s | error | without wind | RTL or LAND |",
         "|---|---|--:|--:|--:|--:|--:|",
     ]
     errors, calm_errors = [], []
-    for flight in read_flights(Autopilot.ARDUPILOT, IN_WIND):
+    for flight in read_flights(autopilot, IN_WIND):
         row, calm = compare(flight), compare(replace(flight, wind=CALM))
         errors.append(abs(100 * row.error))
         calm_errors.append(abs(100 * calm.error))
@@ -179,7 +179,7 @@ def main() -> None:
     for autopilot, name in NAMES.items():
         rows = [compare(flight) for flight in read_flights(autopilot)]
         parts.append(f"### {name}\n\n{table(rows)}")
-    parts.append(f"### ArduCopter 4.7 in wind\n\n{wind_table()}")
+    parts += [f"### {name} in wind\n\n{wind_table(autopilot)}" for autopilot, name in NAMES.items()]
     parts.append(f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}")
     text = "\n\n".join(parts)
     if "--write" not in sys.argv[1:]:

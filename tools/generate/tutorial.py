@@ -66,7 +66,7 @@ def run(commands: list[str], folder: Path) -> list[list[str]]:
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
+        timeout=900,
     )
     said = ended.stdout.replace(port, PORT).split(f"{MARK}\n")
     return [part.splitlines() for part in said[:-1]]

@@ -13,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from ipoa_mission.compiled.library import INDEX, NUMBA, file_name, sources_digest, this_cpu
+from ipoa_mission.compiled.library import INDEX, NUMBA, file_name, sources_digest, these_cpus
 
 
 def make(folder: Path, cpu: str) -> None:
@@ -28,8 +28,8 @@ def make(folder: Path, cpu: str) -> None:
 
 
 def main() -> None:
-    folder, names = Path(sys.argv[1]), sys.argv[2:] or [this_cpu()]
-    if os.environ.get("NUMBA_CPU_NAME") == names[0]:
+    folder, names = Path(sys.argv[1]), sys.argv[2:] or these_cpus()[:1]
+    if names and os.environ.get("NUMBA_CPU_NAME") == names[0]:
         make(folder, names[0])
         return
     for cpu in names:

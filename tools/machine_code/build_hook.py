@@ -1,6 +1,7 @@
-"""What hatchling asks when it builds: machine code for a wheel, and only what git knows for a source distribution."""
+"""What hatchling asks when it builds: machine code for a wheel, and the studio's page if that is wished."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,16 +16,21 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 NEEDED = ("numpy", "scipy", "pydantic", "pyproj", "shapely")
 
 
-class MachineCode(BuildHookInterface):  # type: ignore[misc]
+class Built(BuildHookInterface):  # type: ignore[misc]
     """Compiles the kernels once, for everyone who installs the wheel (see `ipoa_mission.compiled`)."""
 
     def dependencies(self) -> list[str]:
         """What compiles: numba, what the kernels' modules import, and `ziglang` where there is no C compiler."""
+        if self.target_name == "sdist":
+            return []
         here = [name for name in self.metadata.core.dependencies if name.startswith(NEEDED)]
         return [*here, "numba>=0.60", *([] if any(map(shutil.which, ("cc", "gcc", "clang"))) else ["ziglang"])]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Make the libraries: beside the sources for an editable install, else where only the wheel takes them."""
+        """A wheel gets the libraries, an editable install beside its sources; a source distribution what git knows."""
+        if self.target_name == "sdist":
+            self._leave_out_untracked()
+            return
         self._made = tempfile.TemporaryDirectory()
         root, made = Path(self.root), Path(self._made.name)
         path = os.pathsep.join([str(root), *filter(None, [os.environ.get("PYTHONPATH")])])
@@ -37,6 +43,9 @@ class MachineCode(BuildHookInterface):  # type: ignore[misc]
                 shutil.copy(file, root / "ipoa_mission" / "compiled" / file.name)
             else:
                 build_data["force_include"][str(file)] = f"ipoa_mission/compiled/{file.name}"
+        if os.environ.get("IPOA_MISSION_STUDIO") == "1":  # who does not want the studio needs no npm
+            for step in (["ci", "--no-audit", "--no-fund"], ["run", "build"]):
+                subprocess.run(["npm", *step], check=True, cwd=root / "ipoa_mission" / "studio" / "web")
         build_data["pure_python"] = version == "editable"
         if version != "editable":
             system = sysconfig.get_platform().replace("-", "_").replace(".", "_")
@@ -44,4 +53,11 @@ class MachineCode(BuildHookInterface):  # type: ignore[misc]
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         """Clean up."""
-        self._made.cleanup()
+        if self.target_name == "wheel":
+            self._made.cleanup()
+
+    def _leave_out_untracked(self) -> None:
+        command = ["git", "ls-files", "--others", "--exclude-standard", "-z"]
+        untracked = subprocess.run(command, cwd=self.root, capture_output=True, text=True, check=False).stdout
+        given = self.build_config.target_config.setdefault("exclude", [])
+        given += ["/" + re.sub(r"[][*?!\\]", r"\\\g<0>", name) for name in untracked.split("\0") if name]

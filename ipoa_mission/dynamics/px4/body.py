@@ -18,8 +18,11 @@ def carried(state: State, asked: Enu, law: Law, stands: bool) -> Body:
         body.thrust.up + (asked.up - body.thrust.up) * law.turning,
     )
     lift, place, speed, since = 1.0 + thrust.up / GRAVITY, body.place, body.speed, body.airborne_since
-    felt_east = thrust.east * lift - drag * (speed.east - law.wind_east)
-    felt_north = thrust.north * lift - drag * (speed.north - law.wind_north)
+    blows = 1.0
+    if place.up < law.gradient_height and law.gradient_height > 0.0:
+        blows = (max(place.up, 0.0) / law.gradient_height) ** law.wind_exponent
+    felt_east = thrust.east * lift - drag * (speed.east - blows * law.wind_east)
+    felt_north = thrust.north * lift - drag * (speed.north - blows * law.wind_north)
     on_ground = stands or (body.on_ground and thrust.up <= 0.0)
     if stands:
         speed = Enu(-drift.east, -drift.north, -drift.up)

@@ -11,17 +11,19 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.wind import Wind
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANYWHERE = 1e9  # a radius that everything is within [m]
 
 
-def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: tuple[float, float], dt: float) -> Law:
-    """What holds for a noisy flight in steps of `dt` s; `wind` blows towards east and north [m/s]."""
+def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: Wind, dt: float) -> Law:
+    """What holds for a noisy flight in steps of `dt` s."""
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
-    return Law(limits, airframe, senses, float(wind[0]), float(wind[1]), *steps, turns=True, noisy=True)
+    east, north, exponent, height = map(float, (wind.east, wind.north, wind.exponent, wind.gradient_height))
+    return Law(limits, airframe, senses, east, north, exponent, height, *steps, turns=True, noisy=True)
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:

@@ -50,6 +50,7 @@ class Order(NamedTuple):
 class Law(NamedTuple):
     """What stays the same for a whole flight: limits, vehicle, sensors, wind (towards), and the length of a step.
 
+    Below `gradient_height` the wind follows a power law of the height with `wind_exponent`.
     `most_lean` is g tan of the greatest one. `leaning`, `turning`: by what share the lean and the rotors follow what is
     asked of them within a step. `turns`: whether it matters where the nose points.
     """
@@ -59,6 +60,8 @@ class Law(NamedTuple):
     senses: Senses
     wind_east: float
     wind_north: float
+    wind_exponent: float
+    gradient_height: float
     dt: float
     most_lean: float
     leaning: float

@@ -60,7 +60,7 @@ def figures(
         cards.append(_card("least clearance", meters(proof.clearance.distance), f"to {proof.clearance.what}", look))
     cards.append(_card("path", meters(length, 0), f"{waypoints} waypoints"))
     if estimate.route.seconds > 0:
-        against = f"{number(estimate.route.ratio, 2)} times the least, {seconds(estimate.route.least)}, on that path"
+        against = f"{number(estimate.route.ratio, 2)} times the lower bound, {seconds(estimate.route.least)}"
         cards.append(_card("first place to last waypoint", seconds(estimate.route.seconds), against))
     if energy is not None:
         cards.append(_energy(energy, battery))

@@ -14,7 +14,7 @@ from ipoa_mission.report.words import number
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.model import CostSection
 
-MOST = 1.5  # times the last cost: what is above is cut off
+TOP_SHARE = 1.5  # times the last cost: what is above is cut off
 LIMIT_NAMES = {
     "obstacles": "distance to obstacles",
     "ground": "height above ground",
@@ -66,7 +66,7 @@ def convergence(evaluations: NDArray[np.int64], history: Vector) -> str:
     """Best cost known over evaluations spent; costs far above the last one, of paths that collide, are cut off."""
     if len(history) < 2:
         return ""
-    spent, shown = evaluations.astype(float), np.minimum(history, MOST * history[-1])
+    spent, shown = evaluations.astype(float), np.minimum(history, TOP_SHARE * history[-1])
     chart = Chart(axis_over("evaluations", spent, room=0.0, floor=0.0), axis_over("best cost known", shown))
     return chart.html("convergence", [chart.steps(spent, shown, "found")])
 

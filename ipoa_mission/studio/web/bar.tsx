@@ -41,9 +41,9 @@ export function Bar() {
 /** Keys that work wherever no field is written in. */
 export function listenToKeys(): void {
   addEventListener("keydown", event => {
-    if (event.target instanceof HTMLElement && event.target.matches("input, textarea, select")) return;
-    const held = event.ctrlKey || event.metaKey;
-    const what = held && event.key === "s" ? "save"
+    const held = event.ctrlKey || event.metaKey, saves = held && event.key === "s";
+    if (!saves && event.target instanceof HTMLElement && event.target.matches("input, textarea, select")) return;
+    const what = saves ? "save"
       : held && (event.key === "y" || (event.shiftKey && event.key.toLowerCase() === "z")) ? "redo"
         : held && event.key === "z" ? "undo" : null;
     if (what) {

@@ -1,5 +1,5 @@
 // Makes the page: one script, one style sheet, MapLibre's worker beside them. `--watch` makes it again when it changes.
-import { copyFile, mkdir } from "node:fs/promises";
+import { copyFile, mkdir, readFile, writeFile } from "node:fs/promises";
 import * as esbuild from "esbuild";
 
 const options = {
@@ -17,4 +17,6 @@ const options = {
 await mkdir("dist", { recursive: true });
 await copyFile("node_modules/maplibre-gl/dist/maplibre-gl-worker.mjs", "dist/map-worker.js");
 await esbuild.build(options);
+const licenses = ["maplibre-gl/LICENSE.txt", "preact/LICENSE"].map(file => readFile(`node_modules/${file}`, "utf8"));
+await writeFile("dist/LICENSES.txt", (await Promise.all(licenses)).join("\n\n"));
 await copyFile("index.html", "dist/index.html");

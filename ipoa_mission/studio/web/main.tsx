@@ -6,19 +6,38 @@ import "./studio.css";
 import { render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Bar, listenToKeys } from "./bar";
+import { Bindings, Candidates, Choices, Remarks } from "./findings";
+import { Drop } from "./drop";
+import { Fly } from "./fly";
+import { Chosen, Limits } from "./form";
+import { useHands } from "./hands";
 import { makeMap } from "./map";
+import { Profile } from "./profile";
 import { showSpots } from "./spots";
+import { send, studio, type Candidate } from "./store";
+import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
 
-function MapView() {
+function MapView({ notice }: { notice: string }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const map = makeMap(place.current!);
     showSpots(map);
-    (window as unknown as { map: unknown }).map = map; // for tests, and for the curious
+    useHands(map);
+    Object.assign(window, { map }); // for tests, and for the curious
   }, []);
-  return <div class="map" ref={place} role="region" aria-label="Map" />;
+  return (
+    <div class="map" role="region" aria-label="Map">
+      <div class="canvas" ref={place} />
+      {notice && <p class="notice" role="status">{notice}</p>}
+    </div>
+  );
+}
+
+/** A candidate is taken by its whole scenario; undo leads back. */
+function take(candidate: Candidate): void {
+  if (studio.document) send({ kind: "rewrite", seen: studio.document.revision, text: candidate.text });
 }
 
 function Page() {
@@ -27,8 +46,23 @@ function Page() {
     <>
       <Bar />
       <main>
-        <MapView />
-        <aside class="side"><Verdict now={now} /></aside>
+        <div class="stage">
+          <MapView notice={now.notice} />
+          <Profile now={now} />
+        </div>
+        <aside class="side" aria-label="The flight">
+          <Outside now={now} />
+          <Verdict now={now} />
+          <Chosen now={now} />
+          <Bindings now={now} />
+          <Candidates now={now} take={take} />
+          <Fly now={now} />
+          <Choices now={now} />
+          <Limits now={now} />
+          <Drop />
+          <Remarks now={now} />
+          <Text now={now} />
+        </aside>
       </main>
     </>
   );

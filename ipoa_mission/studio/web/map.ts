@@ -7,11 +7,11 @@ import { listen, proved, studio, type Studio } from "./store";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "draft"] as const;
+const SOURCES = ["ground", "bodies", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "here", "pillar", "vehicle", "draft"] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
 const FLAT = ["ground", "roofs", "roof-lines", "tube"];
-const SPACE = ["ground-space", "roofs-space", "zones-space", "ribbon", "flown-ribbon"];
+const SPACE = ["ground-space", "roofs-space", "zones-space", "ribbon", "flown-ribbon", "pillar"];
 
 export function makeMap(container: HTMLElement): MapLibre {
   const map = new MapLibre({
@@ -56,6 +56,8 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   }
   if (["plan", "sketch", "drag", "document", "world"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
   if (now.flown !== before.flown) drawFlown(map, now);
+  if (now.candidates !== before.candidates) drawKept(map, now);
+  if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
   if (now.space !== before.space) {
     showSpace(map, now.space);
     map.easeTo({ pitch: now.space ? 58 : 0, bearing: now.space ? map.getBearing() || -18 : 0, duration: 500 });
@@ -70,6 +72,8 @@ function drawAll(map: MapLibre, now: Studio): void {
   }
   drawPath(map, now);
   drawFlown(map, now);
+  drawKept(map, now);
+  drawHere(map, now);
   showSpace(map, now.space);
 }
 
@@ -93,8 +97,29 @@ function drawPath(map: MapLibre, now: Studio): void {
 function drawFlown(map: MapLibre, now: Studio): void {
   const points = now.flown.map(seen => seen.place), up = now.flown.map(seen => seen.up);
   fill(map, "flown", points.length > 1 ? [shapes.line(points)] : []);
+  const last = now.flight?.phase === "flying" ? points.at(-1) : undefined;
+  fill(map, "vehicle", last ? [{ type: "Feature", properties: {}, geometry: { type: "Point", coordinates: last as [number, number] } }] : []);
   const course = { points, up } as Line;
   fill(map, "flown-ribbon", now.space && now.world && points.length > 1 ? shapes.ribbon(course, shapes.lowest(now.world), 1.4, 1) : []);
+}
+
+/** Plans that were kept, each in its own color. */
+function drawKept(map: MapLibre, now: Studio): void {
+  const colors = ["focus", "good", "flown", "legs"];
+  fill(map, "kept", now.candidates.map((kept, n) => shapes.line(kept.plan.course.line.points, { color: color(colors[n % 4]!), name: kept.name })));
+}
+
+/** The moment that the slider stands at: a dot from above, a pillar in space. */
+function drawHere(map: MapLibre, now: Studio): void {
+  const plan = proved(now);
+  const place = plan?.course.line.points[now.at], up = plan?.course.line.up[now.at];
+  if (!place || up === undefined || !now.world) {
+    fill(map, "here", []);
+    return fill(map, "pillar", []);
+  }
+  const ground = plan!.course.ground[now.at]! - shapes.lowest(now.world);
+  fill(map, "here", [{ type: "Feature", properties: {}, geometry: { type: "Point", coordinates: place as [number, number] } }]);
+  fill(map, "pillar", now.space ? shapes.pillar(place as [number, number], Math.max(0, ground), up - shapes.lowest(now.world)) : []);
 }
 
 function showSpace(map: MapLibre, space: boolean): void {
@@ -144,6 +169,7 @@ function style(): StyleSpecification {
       { id: "keep-out", type: "fill", source: "fences", filter: ["!", ["get", "inclusion"]], paint: { "fill-pattern": "hatch" } },
       { id: "fence-lines", type: "line", source: "fences", paint: { "line-color": ["case", ["get", "inclusion"], color("good"), color("bad")], "line-width": 2 } },
       { id: "others", type: "line", source: "others", paint: { "line-color": color("legs"), "line-width": 1.4, "line-dasharray": [1.5, 2], "line-opacity": 0.8 } },
+      { id: "kept", type: "line", source: "kept", paint: { "line-color": ["get", "color"], "line-width": 2.4, "line-dasharray": [4, 1.5] } },
       { id: "path", type: "line", source: "path", filter: ["!", ["get", "coarse"]], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3.4 } },
       { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
@@ -151,6 +177,9 @@ function style(): StyleSpecification {
       { id: "zones-space", type: "fill-extrusion", source: "bodies", filter: zone, layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("bad"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.18 } },
       { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("planned"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
+      { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
+      { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
+      { id: "vehicle", type: "circle", source: "vehicle", paint: { "circle-color": color("flown"), "circle-stroke-color": color("card"), "circle-stroke-width": 2.5, "circle-radius": 8 } },
       { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },
       { id: "draft", type: "line", source: "draft", paint: { "line-color": color("focus"), "line-width": 2 } },
       { id: "draft-points", type: "circle", source: "draft", filter: ["==", ["geometry-type"], "Point"], paint: { "circle-color": color("card"), "circle-stroke-color": color("focus"), "circle-stroke-width": 2, "circle-radius": 5 } },

@@ -74,6 +74,13 @@ export function ribbon(path: Line, floor: number, wide: number, high: number): F
   return features;
 }
 
+/** An upright post, a meter and a half wide. */
+export function pillar([lng, lat]: LngLat, from: number, to: number): Feature[] {
+  const half = 0.75 / METERS, wide = half / Math.cos((lat * Math.PI) / 180);
+  const ring = [[lng - wide, lat - half], [lng + wide, lat - half], [lng + wide, lat + half], [lng - wide, lat + half], [lng - wide, lat - half]];
+  return [polygon([ring], { from, to: Math.max(to, from + 0.1) })];
+}
+
 export function pathKey(path: Path): string {
   return path.join(".");
 }

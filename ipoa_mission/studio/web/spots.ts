@@ -1,7 +1,7 @@
 // Home, start, goal and via points as buttons on the map: dragged by hand, or moved by the arrow keys.
 import { Marker, type Map as MapLibre } from "maplibre-gl";
 import type { Spot } from "./messages";
-import { METERS, pathKey } from "./shapes";
+import { pathKey } from "./shapes";
 import { drag, edit, endDrag, listen, set, studio, type Change, type LngLat } from "./store";
 
 const SIGNS: Record<string, string> = { home: "H", start: "S", goal: "G", via: "", rally: "R" };
@@ -71,8 +71,8 @@ function make(map: MapLibre, spot: Spot, self: () => Shown): Shown {
     event.stopPropagation();
     const far = event.shiftKey ? 10 : 1;
     const [lng, lat] = self().spot.place as LngLat;
-    const narrow = Math.cos((lat * Math.PI) / 180);
-    edit(`${self().spot.name} moved`, shift([lng + (step[0] * far) / METERS / narrow, lat + (step[1] * far) / METERS]));
+    const [wide, high] = studio.world!.degree_m as [number, number];
+    edit(`${self().spot.name} moved`, shift([lng + (step[0] * far) / wide, lat + (step[1] * far) / high]));
   });
   return { spot, marker, button };
 }

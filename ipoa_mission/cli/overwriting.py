@@ -1,0 +1,22 @@
+"""Files that are there already: only with `--force`, or a yes on a terminal, is anything lost."""
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+import typer
+
+from ipoa_mission.errors import BadInput
+
+
+def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
+    """See that nothing is written over against the user's will; `ask`: a person at a terminal may say yes.
+
+    Raises:
+        BadInput: a file is there, and neither `force` nor the user said to write over it.
+    """
+    for path in paths:
+        if path.exists() and not force:
+            may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
+            if not (may_ask and typer.confirm(f"{path} is there already: write over it?", err=True)):
+                raise BadInput(f"{path}: there is such a file already", hint="--force writes over it")

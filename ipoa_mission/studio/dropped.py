@@ -1,0 +1,107 @@
+"""Files that are dropped on the page: kept beside the scenario, and what they can be taken for."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.commands import Command
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
+from ipoa_mission.items import FencePolygon, Item, Mission
+from ipoa_mission.maps.read import READERS
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.studio.edits import parse_table
+from ipoa_mission.studio.requests import Change, Put, Shift
+
+LARGEST = 200_000_000  # of a file [bytes]
+MISSIONS = (".plan", ".waypoints")
+MODELS = (".tif", ".tiff", ".hgt")
+PLACES = (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_TAKEOFF, Command.NAV_LAND)
+
+
+def keep(name: str, content: bytes, folder: Path) -> Path:
+    """Write a dropped file beside the scenario, over nothing: under another name if there is another such file.
+
+    Raises:
+        BadInput: no such file can be used, or it cannot be written.
+    """
+    plain = Path(name.replace("\\", "/")).name
+    stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
+    if not plain or plain.startswith(".") or suffix not in (*READERS, *MODELS, *MISSIONS):
+        known = ", ".join((*READERS, *MODELS, *MISSIONS))
+        raise BadInput(f"{plain or 'the file'}: expected a file that ends in {known}")
+    number, target = 1, folder / plain
+    while target.exists() and target.read_bytes() != content:
+        number += 1
+        target = folder / f"{stem}-{number}{suffix}"
+    if not target.exists():
+        write_atomically(target, content)
+    return target
+
+
+def use_of(file: Path, scenario: str) -> dict[str, Any]:
+    """What a kept file is: a `map`, an `elevation` model, or a `mission` with the `changes` that take its places.
+
+    Raises:
+        BadInput: the mission makes no sense.
+    """
+    suffix = file.suffix.lower()
+    if suffix in MISSIONS:
+        changes = changes_of(read_mission(file), scenario)
+        return {
+            "kind": "mission",
+            "file": file.name,
+            "changes": [change.model_dump(mode="json") for change in changes],
+        }
+    return {"kind": "elevation" if suffix in MODELS else "map", "file": file.name, "changes": []}
+
+
+def changes_of(mission: Mission, scenario: str) -> list[Change]:
+    """What makes a scenario have a mission's home, places and fence; obstacles stay where they are on the map.
+
+    Raises:
+        BadInput: the mission has fewer than two places.
+    """
+    items = [item for item in mission.items if item.has_position and item.command in PLACES]
+    if len(items) > 1 and items[-1].command == Command.NAV_LAND and _same_place(items[-2], items[-1]):
+        items.pop()
+    if len(items) < 2:
+        raise BadInput("the mission has no two places to fly between")
+    table, home = parse_table(scenario), mission.home
+    there = table["home"]
+    taken = (float(there["longitude_deg"]), float(there["latitude_deg"]))
+    changes: list[Change] = [
+        Shift(path=("home",), taken=taken, put_down=(home.longitude_deg, home.latitude_deg)),
+        Put(path=("home", "altitude_amsl"), value=round(home.altitude, 2)),
+        Put(path=("start",), value=_place(items[0], mission)),
+        Put(path=("goal",), value=_place(items[-1], mission)),
+        Put(path=("via",), value=[_place(item, mission) for item in items[1:-1]]),
+    ]
+    fences = list(_fences(mission))
+    return [*changes, Put(path=("fence",), value=fences)] if fences else changes
+
+
+def _place(item: Item, mission: Mission) -> dict[str, float]:
+    where = {"latitude_deg": round(item.latitude_deg, 7), "longitude_deg": round(item.longitude_deg, 7)}
+    height = mission.altitude_above_home(item)
+    if math.isnan(height):
+        return where | {"height_above_ground": round(item.altitude, 2)}
+    return where | {"altitude_amsl": round(mission.home.altitude + height, 2)}
+
+
+def _same_place(one: Item, other: Item) -> bool:
+    apart = abs(one.latitude_deg - other.latitude_deg) + abs(one.longitude_deg - other.longitude_deg)
+    return apart < 1e-6
+
+
+def _fences(mission: Mission) -> Iterator[dict[str, Any]]:
+    for fence in mission.fence:
+        if isinstance(fence, FencePolygon):
+            corners = [[round(lat, 7), round(lon, 7)] for lat, lon in fence.vertices]
+            yield {"inclusion": fence.inclusion, "polygon_geodetic": corners}
+        else:
+            center = dict(
+                zip(("latitude_deg", "longitude_deg"), (round(degrees, 7) for degrees in fence.center), strict=True)
+            )
+            yield {"inclusion": fence.inclusion, "center": center, "radius": fence.radius}

@@ -1,0 +1,105 @@
+"""Flights of a session: the plan goes to the pilot's process, and is started when a page has named it."""
+
+import asyncio
+import shutil
+import tempfile
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.studio.answers import State, Trouble
+from ipoa_mission.studio.document import Document
+from ipoa_mission.studio.processes import Died, Process
+from ipoa_mission.studio.requests import Start, Upload
+from ipoa_mission.studio.vocabulary import Message
+
+PILOT = "ipoa_mission.studio.pilot"
+
+
+class Flights:
+    """One flight at a time, on the built-in autopilot or on a vehicle."""
+
+    def __init__(self, document: Document, tell: Callable[[Message | dict[str, Any]], None]) -> None:
+        self._document = document
+        self._tell = tell
+        self._process = Process(PILOT)
+        self._task: asyncio.Task[None] | None = None
+        self._loaded: dict[str, Any] | None = None
+        self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # of this user's alone
+
+    def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]]) -> None:
+        """The first step; `hand_over` has the plan written to a file.
+
+        Raises:
+            MissionError: a flight is under way.
+        """
+        if self._task is not None and not self._task.done():
+            raise MissionError("a flight is under way", hint="let it end, or stop watching it")
+        self._loaded = None
+        self._task = asyncio.create_task(self._fly(request, hand_over))
+
+    async def start(self, request: Start) -> None:
+        """The second step.
+
+        Raises:
+            MissionError: nothing is loaded, or not this; or the scenario is another one by now.
+        """
+        if self._loaded is None:
+            raise MissionError("not started: no mission is loaded", hint="upload first")
+        if self._loaded["revision"] != self._document.revision:
+            raise MissionError("not started: the scenario was changed after the upload", hint="upload again")
+        for what in ("vehicle", "mission", "proof"):
+            named, there = getattr(request, what), self._loaded[what]
+            if named != there:
+                raise MissionError(f"not started: {what} is {there!r}, not {named!r}", hint="upload again")
+        self._loaded = None
+        await self._process.send(request.model_dump(mode="json"))
+
+    def abandon(self) -> None:
+        """Leave the flight: what is not started is not; a vehicle in the air flies on, unwatched."""
+        if self._task is not None:
+            self._task.cancel()
+        self._loaded = None
+
+    async def close(self) -> None:
+        """End the pilot's process."""
+        self.abandon()
+        await self._process.close()
+        if self._task is not None:
+            await asyncio.gather(self._task, return_exceptions=True)
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]]) -> None:
+        file, document = self._folder / "flight.pickle", self._document
+        self._tell(State(phase="uploading", words="getting the plan"))
+        if not await hand_over(file):
+            self._tell(State(phase="idle", words=""))
+            return
+        order = request.model_dump(mode="json") | {
+            "job": "fly",
+            "file": str(file),
+            "revision": document.revision,
+            "log": str(document.path.with_suffix(".tlog")),
+        }
+        troubled = False
+
+        def hear(answer: dict[str, Any]) -> None:
+            nonlocal troubled
+            troubled = troubled or answer["kind"] == "trouble"
+            if answer["kind"] == "loaded":
+                self._loaded = answer
+            self._tell(answer)
+
+        try:
+            await self._process.ask(order, hear)
+        except Died:
+            troubled = True
+            self._tell(
+                Trouble(of="flight", message="the pilot's process ended unexpectedly", hint="look at the vehicle")
+            )
+        except asyncio.CancelledError:
+            self._tell(State(phase="idle", words="the flight was left"))
+            raise
+        if troubled:
+            self._tell(State(phase="idle", words=""))

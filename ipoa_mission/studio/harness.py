@@ -1,0 +1,109 @@
+"""How a worker process of the studio lives: it may be slow, be told to stop, or crash, and the server lives on.
+
+Its standard input and output carry a JSON object a line. A job is `{"id", "job", ...}`; what comes back is
+`{"id", "answer"}`, and at the end `{"id", "done": true}`. `{"cancel": id}` breaks a job off; any other line is for the
+job that is under way.
+"""
+
+import _thread
+import json
+import os
+import queue
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Literal, TypeAlias
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.studio.answers import Trouble
+from ipoa_mission.studio.vocabulary import Message
+
+Order: TypeAlias = dict[str, Any]
+Answer: TypeAlias = Callable[[Message], None]
+Job: TypeAlias = Callable[[Order, Answer], None]
+Subject: TypeAlias = Literal["scenario", "sketch", "plan", "file", "flight"]
+
+
+class Cancelled(BaseException):
+    """The job is not wanted any more; no library may catch it by `except Exception`."""
+
+
+class Harness:
+    """Does jobs one after the other, in the main thread; another thread listens for what cancels them."""
+
+    def __init__(self, jobs: Mapping[str, tuple[Job, Subject]], tell: Callable[[Order], None]) -> None:
+        self._known = jobs
+        self._tell = tell
+        self._jobs: queue.SimpleQueue[Order | None] = queue.SimpleQueue()
+        self.beside: queue.SimpleQueue[Order] = queue.SimpleQueue()
+        self._current: int | None = None
+        self._is_cancelled = False
+        self._lock = threading.Lock()
+
+    def listen(self, lines: Iterable[str]) -> None:
+        """Take orders until there are no more; then what is under way is not wanted either."""
+        for line in lines:
+            order = json.loads(line)
+            if "cancel" in order:
+                self._cancel(order["cancel"])
+            elif "job" in order:
+                self._jobs.put(order)
+            else:
+                self.beside.put(order)
+        self._jobs.put(None)
+        self._cancel(self._current)
+
+    def run(self) -> None:
+        """Work until there are no more orders."""
+        signal.signal(signal.SIGINT, self._interrupted)
+        while (order := self._jobs.get()) is not None:
+            try:
+                with self._lock:
+                    self._current, self._is_cancelled = order["id"], False
+                self._do(order)
+            except (Cancelled, SystemError):  # what compiled code makes of being interrupted
+                if not self._is_cancelled:
+                    raise
+            finally:
+                with self._lock:
+                    self._current = None
+            self._tell({"id": order["id"], "done": True})
+
+    def _cancel(self, number: int | None) -> None:
+        with self._lock:
+            if number is not None and number == self._current:
+                self._is_cancelled = True
+                _thread.interrupt_main(signal.SIGINT)
+
+    def _interrupted(self, *_: object) -> None:
+        if self._current is not None:
+            raise Cancelled
+
+    def _do(self, order: Order) -> None:
+        def answer(message: Message) -> None:
+            self._tell({"id": order["id"], "answer": message.model_dump(mode="json")})
+
+        job, subject = self._known[order["job"]]
+        try:
+            job(order, answer)
+        except MissionError as error:
+            answer(Trouble(of=subject, message=str(error), hint=error.hint, revision=order.get("revision")))
+
+
+def work(make_jobs: Callable[[queue.SimpleQueue[Order]], Mapping[str, tuple[Job, Subject]]]) -> None:
+    """Work for whoever started this process; the jobs are given the lines that are meant for who is at work."""
+    channel = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", newline="\n")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
+    lock = threading.Lock()
+
+    def tell(message: Order) -> None:
+        with lock:
+            channel.write(json.dumps(message, allow_nan=False) + "\n")
+            channel.flush()
+
+    jobs: dict[str, tuple[Job, Subject]] = {}
+    harness = Harness(jobs, tell)
+    jobs.update(make_jobs(harness.beside))
+    threading.Thread(target=harness.listen, args=(sys.stdin,), daemon=True).start()
+    harness.run()

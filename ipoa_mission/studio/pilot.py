@@ -1,0 +1,185 @@
+"""The process that uploads and flies for the studio: `python -m ipoa_mission.studio.pilot`.
+
+Nothing is armed before the page has named vehicle, mission and proof as they are here.
+"""
+
+import pickle
+import queue
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.checks.start import check_start
+from ipoa_mission.errors import MissionError
+from ipoa_mission.flight import Flight
+from ipoa_mission.flight.boarding import expect_fit
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.messages import Message
+from ipoa_mission.link.set_up import idle_fence, other_values
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.vehicle import Vehicle, connect
+from ipoa_mission.simulator.fly import board
+from ipoa_mission.studio.answers import Landed, Loaded, Seen, State
+from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
+from ipoa_mission.world.frame import Geodetic
+
+SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by its own clock
+
+
+class Pilot:
+    """Flies one mission at a time; `beside` holds what the page says meanwhile."""
+
+    def __init__(self, beside: "queue.SimpleQueue[Order]") -> None:
+        self._beside = beside
+
+    def fly(self, order: Order, answer: Answer) -> None:
+        """Upload, wait for the second step, fly, and tell what is seen."""
+        flight, proof = _handed_over(Path(order["file"]))
+        log = Path(order["log"])
+        with _vehicle(order, flight, log) as vehicle:
+            name = f"{'built-in ' if order['link'] is None else ''}{vehicle.autopilot}, system {vehicle.system}"
+            remarks = _upload(flight, vehicle, lambda words: answer(State(phase="uploading", words=words)))
+            loaded = Loaded(
+                revision=order["revision"],
+                vehicle=name,
+                mission=flight.name,
+                proof=proof,
+                items=len(flight.mission.items),
+                built_in=order["link"] is None,
+                remarks=remarks,
+            )
+            answer(loaded)
+            answer(State(phase="loaded", words=f"{len(flight.mission.items)} items are on {name}, read back and equal"))
+            self._await_start(loaded)
+            record = _flown(flight, vehicle, answer, order["speedup"] if order["link"] is None else None)
+        answer(
+            Landed(
+                completed=record.completed,
+                why_not=record.why_not,
+                flown_s=round(record.total_s, 2),
+                estimated_s=round(flight.estimate.total_s, 2),
+                log=log.name,
+            )
+        )
+        answer(State(phase="over", words="landed" if record.completed else f"not complete: {record.why_not}"))
+
+    def _await_start(self, loaded: Loaded) -> None:
+        """Wait until the page starts this very flight."""
+        while not self._beside.empty():
+            self._beside.get()  # said of an earlier one
+        start = self._beside.get()
+        for what in ("vehicle", "mission", "proof"):
+            if start.get(what) != getattr(loaded, what):
+                raise MissionError(
+                    f"not started: you named {what} {start.get(what)!r}, and it is {getattr(loaded, what)!r}",
+                    hint="upload again",
+                )
+
+    def jobs(self) -> Mapping[str, tuple[Job, Subject]]:
+        """What can be asked."""
+        return {"fly": (self.fly, "flight")}
+
+
+def _handed_over(file: Path) -> tuple[Flight, str]:
+    """The flight and its proof's digest, from the planner's process; the file is in a folder of this user's alone."""
+    flight, proof = pickle.loads(file.read_bytes())
+    file.unlink()
+    return flight, proof
+
+
+@contextmanager
+def _vehicle(order: Order, flight: Flight, log: Path) -> Iterator[Vehicle]:
+    """The built-in autopilot, or the vehicle on a link."""
+    if order["link"] is None:
+        vehicle = board(flight.mission, log=log, wind=flight.scenario.wind.air())
+    else:
+        vehicle = connect(order["link"], order["system"], log)
+    with vehicle:
+        yield vehicle
+
+
+def _upload(flight: Flight, vehicle: Vehicle, tell: Callable[[str], None]) -> tuple[str, ...]:
+    vehicle.expect_on_ground()
+    tell("checking the mission against the vehicle")
+    remarks = expect_fit(flight.mission, vehicle)
+    vehicle.upload(flight.mission, lambda _, words: tell(words), checked=False)
+    idle = idle_fence(vehicle, flight.mission)
+    others, missing = other_values(vehicle, flight.mission.parameters)
+    lacking = (f"the vehicle has no parameter {name}" for name in missing)
+    return (*remarks, *([idle] if idle else []), *map(str, others), *lacking)
+
+
+def _flown(flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | None) -> FlightRecord:
+    """The flight from here to its end; the built-in autopilot, which knows no clock, so many times as fast as real."""
+
+    def permit(there: Geodetic) -> None:
+        for words in check_start(flight.mission, 0, there, flight.scenario):
+            answer(State(phase="preparing", words=words))
+
+    vehicle.prepare(progress=lambda _, words: answer(State(phase="preparing", words=words)), permit=permit)
+    vehicle.overhearing = Watch(flight, vehicle, answer, speedup).hear
+    vehicle.start()
+    answer(State(phase="flying", words="armed and started"))
+    return vehicle.watch()
+
+
+class Watch:
+    """Tells where the vehicle is, and how it stands against the estimate."""
+
+    def __init__(self, flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | None) -> None:
+        self._expected = {item.seq - 1: item.done_s for item in flight.estimate.items}
+        self._home = flight.mission.home.altitude
+        self._vehicle = vehicle
+        self._answer = answer
+        self._speedup = speedup
+        self._told = -SEEN_EVERY_S
+        self._begun: tuple[float, float] | None = None
+
+    def hear(self, message: Message) -> None:
+        """One message of the vehicle."""
+        if not isinstance(message, Position) or not self._vehicle.state.armed:
+            return
+        if message.time_s - self._told >= SEEN_EVERY_S:
+            self._told = message.time_s
+            self._keep_pace(message.time_s)
+            record = self._vehicle.record()
+            if record.path:
+                self._answer(self._seen(message, record))
+
+    def _seen(self, at: Position, record: FlightRecord) -> Seen:
+        reached = record.item_reached_s
+        last = max(reached, default=None)
+        return Seen(
+            time_s=round(record.path[-1].time_s, 2),
+            place=(at.longitude_deg, at.latitude_deg),
+            up=round(at.height, 2),
+            speed=round(record.path[-1].speed, 2),
+            done=0 if last is None else last + 1,
+            flown_s=None if last is None else round(reached[last], 2),
+            expected_s=None if last is None else round(self._expected.get(last, reached[last]), 2),
+        )
+
+    def _keep_pace(self, now_s: float) -> None:
+        if self._speedup is None:
+            return
+        if self._begun is None:
+            self._begun = (now_s, time.monotonic())
+        first_s, begun = self._begun
+        ahead = (now_s - first_s) / self._speedup - (time.monotonic() - begun)
+        if ahead > 0:
+            time.sleep(ahead)
+
+
+def main() -> None:
+    """Fly for whoever started this process."""
+
+    def jobs(beside: Any) -> Mapping[str, tuple[Job, Subject]]:
+        return Pilot(beside).jobs()
+
+    work(jobs)
+
+
+if __name__ == "__main__":
+    main()

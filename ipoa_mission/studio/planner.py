@@ -1,0 +1,107 @@
+"""The process that plans for the studio: `python -m ipoa_mission.studio.planner`."""
+
+import copy
+import pickle
+import time
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.flight import Flight, plan_flight
+from ipoa_mission.planning.sketch import sketch_path
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.scenario.read import parse_toml, scenario_of
+from ipoa_mission.studio.answers import Progress, Written
+from ipoa_mission.studio.edits import apply_changes
+from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
+from ipoa_mission.studio.planned import planned, proof_digest, sketched
+from ipoa_mission.studio.requests import Change
+from ipoa_mission.studio.view import world_of
+
+CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
+TELL_EVERY_S = 0.1  # progress is told no more often
+
+
+def look(order: Order, answer: Answer) -> None:
+    """What the map shows of a scenario."""
+    answer(world_of(_scenario(order["text"], order["path"]), order["revision"]))
+
+
+def sketch(order: Order, answer: Answer) -> None:
+    """A coarse path, of the scenario as it is or as it would be."""
+    begun = time.perf_counter()
+    if order["changes"]:
+        table = copy.deepcopy(_table(order["text"], order["path"]))
+        apply_changes(table, CHANGES.validate_python(order["changes"]))
+        scenario = scenario_of(table, Path(order["path"]))
+    else:
+        scenario = _scenario(order["text"], order["path"])
+    found = sketch_path(scenario)
+    answer(sketched(found, scenario, order["revision"], order["number"], time.perf_counter() - begun))
+
+
+class Planner:
+    """Plans flights, and keeps the last one, to write its files or to hand it over."""
+
+    def __init__(self) -> None:
+        self._flight: Flight | None = None
+
+    def plan(self, order: Order, answer: Answer) -> None:
+        """The proved flight."""
+        revision, begun, told = order["revision"], time.perf_counter(), 0.0
+
+        def progress(share: float, words: str) -> None:
+            nonlocal told
+            if time.perf_counter() - told > TELL_EVERY_S:
+                told = time.perf_counter()
+                answer(Progress(revision=revision, share=share, words=words))
+
+        self._flight = None
+        flight = plan_flight(_scenario(order["text"], order["path"]), order["seed"], progress=progress)
+        self._flight = flight
+        answer(planned(flight, revision, time.perf_counter() - begun))
+
+    def write(self, order: Order, answer: Answer) -> None:
+        """The flight's files, its report among them."""
+        flight, folder = self._expect_flight(), Path(order["folder"])
+        files, report = flight.write(folder), folder / f"{flight.name}.html"
+        flight.report(report)
+        answer(Written(files=tuple(file.name for file in (*files, report))))
+
+    def hand_over(self, order: Order, answer: Answer) -> None:
+        """The flight and the digest of its proof, in a file for the process that flies it."""
+        flight = self._expect_flight()
+        Path(order["file"]).write_bytes(pickle.dumps((flight, proof_digest(flight))))
+
+    def _expect_flight(self) -> Flight:
+        if self._flight is None:
+            raise MissionError("there is no proved plan", hint="plan first")
+        return self._flight
+
+    def jobs(self, _: object) -> Mapping[str, tuple[Job, Subject]]:
+        """What can be asked."""
+        return {
+            "look": (look, "scenario"),
+            "sketch": (sketch, "sketch"),
+            "plan": (self.plan, "plan"),
+            "write": (self.write, "file"),
+            "hand over": (self.hand_over, "flight"),
+        }
+
+
+@lru_cache(maxsize=4)
+def _table(text: str, path: str) -> dict[str, Any]:
+    return parse_toml(text, Path(path))
+
+
+@lru_cache(maxsize=2)
+def _scenario(text: str, path: str) -> Scenario:
+    return parse_scenario(text, Path(path))
+
+
+if __name__ == "__main__":
+    work(Planner().jobs)

@@ -1,0 +1,64 @@
+// Files that are dropped on the page: the server keeps them beside the scenario, the user says what they are.
+import { useEffect, useState } from "preact/hooks";
+import { edit, set, type Change } from "./store";
+
+interface Dropped {
+  kind: "map" | "elevation" | "mission";
+  file: string;
+  changes: Change[];
+}
+
+const KINDS: [string, string][] = [["buildings", "Buildings to fly round"], ["no_fly", "Zones to keep out of"], ["flight_area", "The area to stay in"]];
+
+async function keep(file: File): Promise<Dropped | null> {
+  const answer = await fetch(new URL(`drop/${encodeURIComponent(file.name)}`, document.baseURI), { method: "POST", body: file });
+  const told = await answer.json() as Dropped & { message?: string };
+  if (answer.ok) return told;
+  set({ notice: told.message ?? "the file was not taken" });
+  return null;
+}
+
+function use(dropped: Dropped, kind: string): void {
+  if (dropped.kind === "elevation") {
+    edit(`ground from ${dropped.file}`, { op: "put", path: ["terrain"], value: { kind: "elevation", file: dropped.file } });
+  } else if (dropped.kind === "mission") {
+    edit(`places from ${dropped.file}`, ...dropped.changes);
+  } else {
+    edit(`${kind} from ${dropped.file}`, { op: "add", to: "maps", table: { kind, file: dropped.file }, place: null, ring: null, at: null });
+  }
+}
+
+export function Drop() {
+  const [asked, ask] = useState<Dropped | null>(null);
+  const take = async (files: FileList | null) => {
+    for (const file of files ?? []) {
+      const dropped = await keep(file);
+      if (dropped?.kind === "map") ask(dropped);
+      else if (dropped) use(dropped, "");
+    }
+  };
+  useEffect(() => {
+    const over = (event: DragEvent) => event.preventDefault();
+    const drop = (event: DragEvent) => { event.preventDefault(); void take(event.dataTransfer?.files ?? null); };
+    addEventListener("dragover", over);
+    addEventListener("drop", drop);
+    return () => { removeEventListener("dragover", over); removeEventListener("drop", drop); };
+  }, []);
+  return (
+    <details class="panel" open={asked !== null || undefined}>
+      <summary>Maps and missions from files</summary>
+      {asked ? (
+        <div role="group" aria-label={`What is ${asked.file}?`}>
+          <p>What is <b>{asked.file}</b>?</p>
+          <p class="column">{KINDS.map(([kind, words]) => <button type="button" key={kind} onClick={() => { use(asked, kind); ask(null); }}>{words}</button>)}
+            <button type="button" onClick={() => ask(null)}>Nothing: leave it</button></p>
+        </div>
+      ) : (
+        <>
+          <p class="note">Drop them anywhere on the page: GeoJSON, KML, CityJSON, Shapefile and others for buildings and zones; GeoTIFF or .hgt for the ground; .plan or .waypoints for home, places and fence. They are kept beside the scenario.</p>
+          <label class="field wide"><span>Or choose one</span><input type="file" multiple onChange={event => { void take(event.currentTarget.files); event.currentTarget.value = ""; }} /></label>
+        </>
+      )}
+    </details>
+  );
+}

@@ -1,0 +1,93 @@
+// What binds the flight and where; the ways to choose waypoints; plans that were kept, side by side; what to know.
+import type { Plan } from "./messages";
+import { edit, proved, set, type Candidate, type Studio } from "./store";
+import { meters, seconds, share } from "./words";
+
+export function Bindings({ now }: { now: Studio }) {
+  const plan = proved(now);
+  if (!plan?.bindings.length) return null;
+  return (
+    <section aria-label="What binds where">
+      <h2>What binds where</h2>
+      <ul class="bindings">
+        {plan.bindings.map(binding => (
+          <li key={binding.words}>
+            <button type="button" class={binding.what} onClick={() => set({ at: binding.at })}>
+              <b>{binding.what === "near" ? "closest" : binding.what === "slow" ? "slow" : "danger"}</b> {binding.words}</button></li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+export function Choices({ now }: { now: Studio }) {
+  const plan = proved(now);
+  if (!plan || plan.choices.length < 2) return null;
+  return (
+    <details class="panel" open>
+      <summary>Ways to choose waypoints</summary>
+      <table>
+        <thead><tr><th scope="col">way</th><th scope="col">start to goal</th><th scope="col">leaves the curve by</th><th scope="col">waypoints</th></tr></thead>
+        <tbody>
+          {plan.choices.map(choice => (
+            <tr key={choice.mode} class={choice.chosen ? "chosen" : ""}>
+              <th scope="row"><button type="button" disabled={choice.chosen} onClick={() => edit(`waypoints: ${choice.mode}`, { op: "put", path: ["route", "mode"], value: choice.mode })}>{choice.mode}</button></th>
+              <td>{seconds(choice.seconds)}</td><td>{meters(choice.deviation)}{choice.flies_clear ? "" : " ✕"}</td><td>{choice.waypoints}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </details>
+  );
+}
+
+const ROWS: [string, (plan: Plan) => string][] = [
+  ["flight", plan => seconds(plan.total_s)],
+  ["clearance kept", plan => (plan.kept === null ? "–" : meters(plan.kept, 2))],
+  ["nearest", plan => plan.nearest],
+  ["path", plan => meters(plan.length, 0)],
+  ["waypoints", plan => String(plan.choices.find(choice => choice.chosen)?.waypoints ?? "–")],
+  ["energy", plan => (plan.energy_wh === null ? "–" : `${plan.energy_wh.toFixed(1)} Wh`)],
+  ["proof", plan => plan.proof],
+];
+
+export function Candidates({ now, take }: { now: Studio; take: (candidate: Candidate) => void }) {
+  const plan = proved(now);
+  const shown: { name: string; plan: Plan; candidate?: Candidate }[] = now.candidates.map(candidate => ({ ...candidate, candidate }));
+  if (plan) shown.push({ name: "now", plan });
+  const keep = () => {
+    const name = String.fromCharCode(65 + (now.candidates.length % 26));
+    set({ candidates: [...now.candidates, { name, plan: plan!, text: now.document!.text }] });
+  };
+  if (!shown.length) return null;
+  return (
+    <section aria-label="Candidates">
+      <h2>Candidates <button type="button" disabled={!plan || now.candidates.length > 3} onClick={keep}>Keep this one</button></h2>
+      {now.candidates.length > 0 && (
+        <div class="scroll" tabIndex={0} role="region" aria-label="Candidates side by side">
+          <table>
+            <thead><tr><td />{shown.map(one => <th scope="col" key={one.name}>{one.name}</th>)}</tr></thead>
+            <tbody>{ROWS.map(([label, value]) => <tr key={label}><th scope="row">{label}</th>{shown.map(one => <td key={one.name}>{value(one.plan)}</td>)}</tr>)}
+              <tr><th scope="row"><span class="hidden">do</span></th>{shown.map(one => <td key={one.name}>{one.candidate && <>
+                <button type="button" onClick={() => take(one.candidate!)}>Take</button>
+                <button type="button" aria-label={`forget ${one.name}`} onClick={() => set({ candidates: now.candidates.filter(other => other !== one.candidate) })}>×</button></>}</td>)}</tr>
+            </tbody>
+          </table>
+        </div>
+      )}
+    </section>
+  );
+}
+
+export function Remarks({ now }: { now: Studio }) {
+  const plan = proved(now);
+  if (!plan) return null;
+  return (
+    <details class="panel">
+      <summary>Limits that were proved, and remarks</summary>
+      <ul class="plain">{plan.limits.map(limit => <li key={limit.limit + limit.found} class={limit.holds ? "" : "bad"}>{limit.holds ? "✓" : "✕"} {limit.limit}: {limit.words}</li>)}</ul>
+      {plan.remarks.length > 0 && <ul class="plain">{plan.remarks.map(remark => <li key={remark}>{remark}</li>)}</ul>}
+      <p class="note">Proof {plan.proof}, planned in {plan.took_s.toFixed(1)} s{plan.confidence !== null ? `, at ${share(plan.confidence)} of flights` : ""}.</p>
+    </details>
+  );
+}

@@ -1,0 +1,92 @@
+// Flying: first the mission goes on a vehicle; then, deliberately, it is armed and started, by name.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { proved, send, type Studio } from "./store";
+import { seconds } from "./words";
+
+export function Fly({ now }: { now: Studio }) {
+  const plan = proved(now);
+  const [real, setReal] = useState(false);
+  const [link, setLink] = useState("udpin:127.0.0.1:14550");
+  const [speedup, setSpeedup] = useState(5);
+  const phase = now.flight?.phase ?? "idle";
+  const [open, setOpen] = useState(false);
+  useEffect(() => { if (phase !== "idle") setOpen(true); }, [phase]);
+  const idle = phase === "idle" || phase === "over";
+  return (
+    <details class="panel" open={open} onToggle={event => setOpen(event.currentTarget.open)}>
+      <summary>Fly it</summary>
+      {idle && (
+        <div class="fly">
+          <fieldset>
+            <legend class="hidden">On what</legend>
+            <label><input type="radio" name="on" checked={!real} onChange={() => setReal(false)} /> the built-in autopilot</label>
+            <label><input type="radio" name="on" checked={real} onChange={() => setReal(true)} /> a vehicle, or SITL</label>
+          </fieldset>
+          {real
+            ? <label class="field wide"><span>Link</span><input type="text" value={link} spellcheck={false} onInput={event => setLink(event.currentTarget.value)} /></label>
+            : <label class="field"><span>So many times as fast</span><input type="number" min="0.5" max="1000" value={speedup} onChange={event => setSpeedup(Number(event.currentTarget.value) || 1)} /><em>×</em></label>}
+          <button type="button" class="strong" disabled={!plan}
+            onClick={() => send({ kind: "upload", link: real ? link : null, system: null, speedup })}>Upload</button>
+          {!plan && <p class="note">Only a proved path is uploaded.</p>}
+        </div>
+      )}
+      {now.flight && <p class="note" role="status">{now.flight.words}</p>}
+      {phase === "loaded" && now.loaded && <Confirm now={now} />}
+      {!idle && phase !== "loaded" && <Watched now={now} />}
+      {now.landed && phase === "over" && (
+        <p class={now.landed.completed ? "good" : "bad"}>{now.landed.completed ? "✓ Landed" : `✕ ${now.landed.why_not}`}: flown {seconds(now.landed.flown_s)}, estimated {seconds(now.landed.estimated_s)}. Every frame is in {now.landed.log}.</p>
+      )}
+      {!idle && <button type="button" onClick={() => send({ kind: "do", what: "abandon" })}>{phase === "flying" ? "Stop watching" : "Leave it"}</button>}
+    </details>
+  );
+}
+
+/** Who starts a vehicle writes the mission's name, having read what will fly. */
+function Confirm({ now }: { now: Studio }) {
+  const loaded = now.loaded!;
+  const [open, setOpen] = useState(false);
+  const [typed, setTyped] = useState("");
+  const dialog = useRef<HTMLDialogElement>(null);
+  const stale = loaded.revision !== now.document?.revision;
+  useEffect(() => { if (open) dialog.current?.showModal(); }, [open]);
+  const close = () => { dialog.current?.close(); setOpen(false); setTyped(""); };
+  const start = () => {
+    send({ kind: "start", vehicle: loaded.vehicle, mission: loaded.mission, proof: loaded.proof });
+    close();
+  };
+  return (
+    <>
+      {loaded.remarks.length > 0 && <ul class="plain">{loaded.remarks.map(remark => <li key={remark}>{remark}</li>)}</ul>}
+      {stale && <p class="bad">The scenario was changed after the upload: upload again.</p>}
+      <button type="button" class="danger" disabled={stale} onClick={() => setOpen(true)}>Arm and start …</button>
+      {open && (
+        <dialog ref={dialog} aria-labelledby="start-title" onCancel={close}>
+          <h2 id="start-title">{loaded.built_in ? "Start a flight on the built-in autopilot?" : "Arm and start a real vehicle?"}</h2>
+          <dl>
+            <dt>vehicle</dt><dd>{loaded.vehicle}</dd>
+            <dt>mission</dt><dd>{loaded.mission}, {loaded.items} items</dd>
+            <dt>proof</dt><dd><code>{loaded.proof}</code></dd>
+          </dl>
+          {!loaded.built_in && <p class="bad">Its motors will turn. Nobody may stand near it.</p>}
+          <label class="field wide"><span>To start it, write <b>{loaded.mission}</b></span>
+            <input type="text" value={typed} autocomplete="off" spellcheck={false} onInput={event => setTyped(event.currentTarget.value)} /></label>
+          <p class="buttons"><button type="button" onClick={close}>Do not start</button>
+            <button type="button" class="danger" disabled={typed !== loaded.mission} onClick={start}>Arm and start</button></p>
+        </dialog>
+      )}
+    </>
+  );
+}
+
+function Watched({ now }: { now: Studio }) {
+  const seen = now.seen;
+  if (!seen) return null;
+  const late = seen.flown_s !== null && seen.expected_s !== null ? seen.flown_s - seen.expected_s : null;
+  return (
+    <dl class="figures">
+      <div><dt>flying for</dt><dd>{seconds(seen.time_s)}<small>{late === null ? "" : `${Math.abs(late).toFixed(1)} s ${late < 0 ? "ahead of" : "behind"} the estimate`}</small></dd></div>
+      <div><dt>items done</dt><dd>{seen.done}<small>of {now.loaded?.items ?? "?"}</small></dd></div>
+      <div><dt>height</dt><dd>{seen.up.toFixed(1)} m<small>{seen.speed.toFixed(1)} m/s</small></dd></div>
+    </dl>
+  );
+}

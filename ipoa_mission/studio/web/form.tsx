@@ -1,0 +1,116 @@
+// What can be changed by numbers: the thing that is chosen, and the flight's limits. A field says what it expects.
+import type { Scenario } from "./messages";
+import { nameOf, remove } from "./hands";
+import { edit, type Path, type Studio } from "./store";
+
+interface Field {
+  path: Path;
+  label: string;
+  unit?: string;
+  step?: number;
+  choices?: string[];
+  unset?: string;
+}
+
+const LIMITS: Field[] = [
+  { path: ["safety_distance"], label: "Safety distance", unit: "m", step: 0.5, unset: "1" },
+  { path: ["vehicle", "cruise_speed"], label: "Cruise speed", unit: "m/s", step: 0.5 },
+  { path: ["planning", "max_height_above_ground"], label: "Ceiling above ground", unit: "m", step: 5, unset: "none" },
+  { path: ["planning", "min_height_above_ground"], label: "Floor above ground", unit: "m", step: 1, unset: "safety" },
+  { path: ["planning", "max_climb_angle_deg"], label: "Steepest climb", unit: "°", step: 5, unset: "any" },
+  { path: ["planning", "max_descent_angle_deg"], label: "Steepest descent", unit: "°", step: 5, unset: "any" },
+  { path: ["wind", "speed"], label: "Wind", unit: "m/s", step: 1, unset: "0" },
+  { path: ["wind", "from_deg"], label: "Wind from", unit: "°", step: 15, unset: "0" },
+];
+const WAYS: Field[] = [
+  { path: ["vehicle", "autopilot"], label: "Autopilot", choices: ["px4", "ardupilot"] },
+  { path: ["route", "mode"], label: "Waypoints", choices: ["fastest", "corridor", "even", "spline"] },
+  { path: ["route", "ending"], label: "Ends by", choices: ["rtl", "land"] },
+];
+const SIZES: Record<string, [string, string][]> = {
+  place: [["up", "m above home"], ["height_above_ground", "m above ground"], ["altitude_amsl", "m AMSL"]],
+  solid: [["height", "m"], ["radius", "m"], ["width", "m"], ["depth", "m"], ["heading_deg", "°"], ["base", "m above home"]],
+};
+
+export function valueAt(table: unknown, path: Path): unknown {
+  return path.reduce<unknown>((here, step) => (here as Record<string | number, unknown> | undefined)?.[step], table);
+}
+
+export function Chosen({ now }: { now: Studio }) {
+  const path = now.selected;
+  const table = path && now.document ? valueAt(now.document.scenario, path) as Record<string, unknown> | undefined : undefined;
+  if (!path || !table) return null;
+  const kind = String(path[0]);
+  const sizes = kind === "obstacles" ? SIZES.solid! : kind === "home" ? [["altitude_amsl", "m AMSL"] as [string, string]] : SIZES.place!;
+  return (
+    <section aria-label="Chosen">
+      <h2>{nameOf(path)}</h2>
+      {kind === "obstacles" && (
+        <label class="field"><span>Name</span>
+          <input type="text" value={String(table.name ?? "")} maxLength={60}
+            onChange={event => edit("name changed", { op: "put", path: [...path, "name"], value: event.currentTarget.value })} /></label>
+      )}
+      {sizes.filter(([key]) => key in table).map(([key, unit]) => (
+        <NumberField key={key} field={{ path: [...path, key], label: key.replaceAll("_", " ").replace(" deg", ""), unit, step: key === "heading_deg" ? 5 : 1 }} now={now} />
+      ))}
+      {kind === "fence" && <p class="note">{table.inclusion === false ? "The vehicle keeps out of it." : "The vehicle stays inside of it."} It goes into the mission.</p>}
+      {typeof path.at(-1) === "number" && <button type="button" onClick={() => remove(path)}>Remove</button>}
+    </section>
+  );
+}
+
+export function Limits({ now }: { now: Studio }) {
+  if (!now.document) return null;
+  return (
+    <details class="panel" open>
+      <summary>Limits and ways</summary>
+      {LIMITS.map(field => <NumberField key={field.label} field={field} now={now} />)}
+      {WAYS.map(field => <ChoiceField key={field.label} field={field} now={now} />)}
+      <HeightForAll now={now} />
+    </details>
+  );
+}
+
+function NumberField({ field, now }: { field: Field; now: Studio }) {
+  const value = valueAt(now.document?.scenario, field.path);
+  const change = (text: string) => {
+    const label = `${field.label.toLowerCase()} changed`;
+    if (text === "") edit(label, { op: "take", path: field.path });
+    else if (Number.isFinite(Number(text))) edit(label, { op: "put", path: field.path, value: Number(text) });
+  };
+  return (
+    <label class="field"><span>{field.label}</span>
+      <input type="number" step={field.step ?? "any"} value={value === undefined ? "" : String(value)} placeholder={field.unset ?? ""}
+        onChange={event => change(event.currentTarget.value)} />
+      <em>{field.unit ?? ""}</em></label>
+  );
+}
+
+function ChoiceField({ field, now }: { field: Field; now: Studio }) {
+  const value = String(valueAt(now.document?.scenario, field.path) ?? field.choices![0]);
+  return (
+    <label class="field"><span>{field.label}</span>
+      <select value={value} onChange={event => edit(`${field.label.toLowerCase()} changed`, { op: "put", path: field.path, value: event.currentTarget.value })}>
+        {field.choices!.map(choice => <option key={choice} value={choice}>{choice}</option>)}
+      </select></label>
+  );
+}
+
+/** Every place of the flight as high above ground: one change, one undo. */
+function HeightForAll({ now }: { now: Studio }) {
+  const scenario = now.document!.scenario as Scenario;
+  const change = (height: number) => {
+    const places: [Path, object][] = [[["start"], scenario.start], [["goal"], scenario.goal], ...(scenario.via ?? []).map((via, n): [Path, object] => [["via", n], via])];
+    const changes = places.flatMap(([path, place]) => [
+      ...["up", "altitude_amsl"].filter(key => key in place).map(key => ({ op: "take" as const, path: [...path, key] })),
+      { op: "put" as const, path: [...path, "height_above_ground"], value: height },
+    ]);
+    edit(`${height} m above ground for all`, ...changes);
+  };
+  return (
+    <label class="field"><span>Height of all places</span>
+      <input type="number" step="1" min="1" placeholder="as each has it"
+        onChange={event => { if (Number(event.currentTarget.value) > 0) change(Number(event.currentTarget.value)); event.currentTarget.value = ""; }} />
+      <em>m above ground</em></label>
+  );
+}

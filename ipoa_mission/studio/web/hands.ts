@@ -1,0 +1,159 @@
+// What hands do on the map: choose and drag things, draw new ones. Drawings become tables of the scenario.
+import type { Map as MapLibre, MapMouseEvent } from "maplibre-gl";
+import type { Body } from "./messages";
+import { draft, fit } from "./map";
+import { keyPath, line, pathKey } from "./shapes";
+import { drag, edit, endDrag, listen, set, studio, type Change, type LngLat, type Path } from "./store";
+
+const HEIGHT = 15; // of what is drawn, until it is given another [m]
+const RADIUS = 3; // of a mast [m]
+const CLOSE = 12; // pixels from the first corner within which a polygon is closed
+const PICKED = ["roofs", "roofs-space", "keep-out", "fence-lines"];
+const WORDS: Record<string, string> = {
+  via: "Click where the flight is to pass. Esc ends it.",
+  polygon: "Click corner by corner; click the first again, or press Enter, to close it. Esc gives it up.",
+  cylinder: "Click where the mast or tree stands.",
+  "keep-out": "Click the corners of the area to keep out of; Enter closes it.",
+  "keep-in": "Click the corners of the area to stay in; Enter closes it.",
+};
+
+export function useHands(map: MapLibre): void {
+  let corners: LngLat[] = [];
+  const show = (pointer?: LngLat) => {
+    const points = pointer && corners.length ? [...corners, pointer] : corners;
+    draft(map, [
+      ...(points.length > 1 ? [line(points)] : []),
+      ...corners.map(place => ({ type: "Feature" as const, properties: {}, geometry: { type: "Point" as const, coordinates: place } })),
+    ]);
+  };
+  const giveUp = () => { corners = []; show(); };
+  const close = () => {
+    if (corners.length > 2) addRing(corners);
+    giveUp();
+  };
+
+  map.on("click", event => {
+    const at = event.lngLat.toArray() as LngLat, tool = studio.tool;
+    if (tool === "select") return choose(map, event);
+    if (tool === "via") return addPlace("via", at);
+    if (tool === "rally") return addPlace("rally", at);
+    if (tool === "cylinder") return addMast(at);
+    if (corners.length > 2 && near(map, event, corners[0]!)) return close();
+    corners.push(at);
+    show();
+  });
+  map.on("mousemove", event => {
+    if (corners.length) show(event.lngLat.toArray() as LngLat);
+    map.getCanvas().style.cursor = studio.tool !== "select" ? "crosshair" : pick(map, event) ? "move" : "";
+  });
+  map.on("mousedown", event => { if (studio.tool === "select" && !studio.space) grab(map, event); });
+  addEventListener("keydown", event => {
+    if (event.key === "Escape") giveUp();
+    if (event.key === "Enter" && corners.length) close();
+  });
+  listen((now, before) => {
+    if (now.tool !== before.tool) {
+      giveUp();
+      set({ notice: WORDS[now.tool] ?? "" });
+      if (now.tool === "select") map.doubleClickZoom.enable();
+      else map.doubleClickZoom.disable();
+    }
+  });
+  addEventListener("keydown", event => {
+    const free = !(event.target instanceof HTMLElement && event.target.matches("input, textarea, select"));
+    if (free && event.key === "Home" && studio.world) fit(map, studio.world);
+    if (free && (event.key === "Delete" || event.key === "Backspace") && studio.selected) remove(studio.selected);
+  });
+}
+
+/** Take what is chosen out of the scenario. */
+export function remove(path: Path): void {
+  if (typeof path.at(-1) !== "number") return; // home, start and goal must be there
+  edit(`${nameOf(path)} removed`, { op: "take", path });
+  set({ selected: null });
+}
+
+export function nameOf(path: Path): string {
+  const key = pathKey(path);
+  const body = studio.world?.bodies.find(one => one.path && pathKey(one.path) === key);
+  const spot = studio.world?.spots.find(one => pathKey(one.path) === key);
+  return body?.name ?? spot?.name ?? (path[0] === "fence" ? `fence ${Number(path[1]) + 1}` : key);
+}
+
+function addPlace(to: "via" | "rally", place: LngLat): void {
+  const start = studio.world?.spots.find(spot => spot.name === "start");
+  const at = (studio.document?.scenario[to] ?? []).length;
+  edit(`${to === "via" ? "via point" : "rally point"} added`, { op: "add", to, table: { up: round(start?.up ?? 20) }, place, ring: null, at: null });
+  set({ selected: [to, at] });
+}
+
+function addMast(place: LngLat): void {
+  const at = (studio.document?.scenario.obstacles ?? []).length;
+  const table = { kind: "cylinder", name: `mast ${at + 1}`, radius: RADIUS, height: HEIGHT };
+  edit("mast added", { op: "add", to: "obstacles", table, place, ring: null, at: null });
+  set({ tool: "select", selected: ["obstacles", at] });
+}
+
+function addRing(ring: LngLat[]): void {
+  if (studio.tool === "polygon") {
+    const at = (studio.document?.scenario.obstacles ?? []).length;
+    const table = { kind: "prism", name: `building ${at + 1}`, height: HEIGHT };
+    edit("building added", { op: "add", to: "obstacles", table, place: null, ring, at: null });
+    set({ tool: "select", selected: ["obstacles", at] });
+  } else {
+    const at = (studio.document?.scenario.fence ?? []).length;
+    edit("fence added", { op: "add", to: "fence", table: { inclusion: studio.tool === "keep-in" }, place: null, ring, at: null });
+    set({ tool: "select", selected: ["fence", at] });
+  }
+}
+
+function choose(map: MapLibre, event: MapMouseEvent): void {
+  set({ selected: pick(map, event) });
+}
+
+/** The path to what is under the pointer, if the scenario itself draws it. */
+function pick(map: MapLibre, event: MapMouseEvent): Path | null {
+  const features = map.queryRenderedFeatures(event.point, { layers: PICKED });
+  const key = features.find(feature => feature.properties.path)?.properties.path as string | undefined;
+  return key ? keyPath(key) : null;
+}
+
+/** Drag a building or a fence: its outline goes along, the path is sketched anew, and where it is let go it stays. */
+function grab(map: MapLibre, event: MapMouseEvent): void {
+  const path = pick(map, event), taken = event.lngLat.toArray() as LngLat;
+  if (!path) return;
+  event.preventDefault();
+  const ring = ringOf(path);
+  let moved = false, put: LngLat = taken;
+  const shift = (): Change => ({ op: "shift", path, taken, put_down: put });
+  const move = (to: MapMouseEvent) => {
+    put = to.lngLat.toArray() as LngLat;
+    moved ||= Math.hypot(to.point.x - event.point.x, to.point.y - event.point.y) > 3;
+    if (!moved) return;
+    draft(map, [line(ring.map(([lng, lat]) => [lng + put[0] - taken[0], lat + put[1] - taken[1]]))]);
+    drag([shift()]);
+  };
+  map.on("mousemove", move);
+  const drop = () => {
+    map.off("mousemove", move);
+    draft(map, []);
+    endDrag();
+    if (moved) edit(`${nameOf(path)} moved`, shift());
+    set({ selected: path });
+  };
+  addEventListener("mouseup", drop, { once: true });
+}
+
+function ringOf(path: Path): LngLat[] {
+  const key = pathKey(path);
+  const body: Body | undefined = studio.world?.bodies.find(one => one.path && pathKey(one.path) === key);
+  const fence = studio.world?.fences.find(one => pathKey(one.path) === key);
+  return (body?.rings[0] ?? fence?.ring ?? []) as LngLat[];
+}
+
+function near(map: MapLibre, event: MapMouseEvent, place: LngLat): boolean {
+  const there = map.project(place);
+  return Math.hypot(there.x - event.point.x, there.y - event.point.y) < CLOSE;
+}
+
+const round = (value: number) => Math.round(value * 10) / 10;

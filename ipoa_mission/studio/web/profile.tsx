@@ -1,0 +1,91 @@
+// Height over the way, with ground below and what stands near; the slider that flies it.
+import { useEffect, useRef } from "preact/hooks";
+import type { Course, Plan } from "./messages";
+import { proved, set, studio, type Studio } from "./store";
+import { seconds } from "./words";
+
+const WIDE = 1000, HIGH = 150;
+
+export function Profile({ now }: { now: Studio }) {
+  const plan = proved(now);
+  const timer = useRef(0);
+  useEffect(() => {
+    if (!now.playing || !plan) return;
+    let last = performance.now(), time = plan.course.times[studio.at] ?? 0;
+    const rate = Math.max(1, plan.total_s / 25);
+    const step = (at: number) => {
+      time += ((at - last) / 1000) * rate;
+      last = at;
+      const index = sampleAt(plan.course, time);
+      set({ at: index });
+      if (index >= plan.course.times.length - 1) set({ playing: false });
+      else timer.current = requestAnimationFrame(step);
+    };
+    timer.current = requestAnimationFrame(step);
+    return () => cancelAnimationFrame(timer.current);
+  }, [now.playing, plan?.proof]);
+  if (!plan) return <footer class="profile empty"><p class="note">The height profile comes with the proved path.</p></footer>;
+  const course = plan.course, at = Math.min(now.at, course.times.length - 1);
+  const apart = course.apart[at];
+  return (
+    <footer class="profile">
+      <Chart plan={plan} at={at} flown={now.flown.map(seen => [seen.time_s, seen.up])} />
+      <div class="slider">
+        <button type="button" aria-label={now.playing ? "Pause" : "Play"} onClick={() => set({ playing: !now.playing, at: at >= course.times.length - 1 ? 0 : at })}>{now.playing ? "❚❚" : "▶"}</button>
+        <input type="range" min="0" max={course.times.length - 1} value={at} aria-label="Moment of the flight"
+          aria-valuetext={`${course.times[at]!.toFixed(0)} seconds`} onInput={event => set({ at: Number(event.currentTarget.value), playing: false })} />
+        <output>{seconds(course.times[at]!)} · {course.line.up[at]!.toFixed(1)} m up, {(course.line.up[at]! - course.ground[at]!).toFixed(1)} m above ground · {course.speeds[at]!.toFixed(1)} m/s{apart === null || apart === undefined ? "" : ` · ${apart.toFixed(1)} m clear`}</output>
+      </div>
+    </footer>
+  );
+}
+
+function sampleAt(course: Course, time: number): number {
+  let low = 0, high = course.times.length - 1;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (course.times[middle]! < time) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+function Chart({ plan, at, flown }: { plan: Plan; at: number; flown: [number, number][] }) {
+  const { along, ground, line, times } = plan.course;
+  const length = along.at(-1) || 1;
+  const low = Math.min(...ground, 0), high = Math.max(...line.up) * 1.12 + 2;
+  const x = (value: number) => ((value / length) * WIDE).toFixed(1);
+  const y = (value: number) => (HIGH - ((value - low) / (high - low)) * HIGH).toFixed(1);
+  const path = (heights: number[]) => "M" + heights.map((up, n) => `${x(along[n]!)} ${y(up)}`).join("L");
+  const soil = `${path(ground)}L${WIDE} ${HIGH}L0 ${HIGH}Z`;
+  const band = `${path(line.up.map(up => up + plan.required))}L${[...line.up].map((up, n) => [up, n] as const).reverse().map(([up, n]) => `${x(along[n]!)} ${y(up - plan.required)}`).join("L")}Z`;
+  const step = niceStep((high - low) / 3), ticks: number[] = [];
+  for (let tick = Math.ceil(low / step) * step; tick < high; tick += step) ticks.push(tick);
+  const seen = flown.map(([time, up]) => `${x(along[sampleAt(plan.course, time)]!)} ${y(up)}`);
+  const point = (event: PointerEvent & { currentTarget: SVGSVGElement }) => {
+    const box = event.currentTarget.getBoundingClientRect();
+    const wanted = ((event.clientX - box.left) / box.width) * length;
+    set({ at: Math.max(0, along.findIndex(value => value >= wanted)), playing: false });
+  };
+  return (
+    <div class="chart">
+      {ticks.map(tick => <span class="tick" key={tick} style={{ top: `${(Number(y(tick)) / HIGH) * 100}%` }}>{tick} m</span>)}
+      <svg viewBox={`0 0 ${WIDE} ${HIGH}`} preserveAspectRatio="none" role="img" aria-label={`Height over the way: ${length.toFixed(0)} m, up to ${Math.max(...line.up).toFixed(0)} m above home`}
+        onPointerDown={point} onPointerMove={event => { if (event.buttons) point(event); }}>
+        {ticks.map(tick => <path key={tick} class="grid" d={`M0 ${y(tick)}H${WIDE}`} />)}
+        <path class="soil" d={soil} />
+        <path class="band" d={band} />
+        <path class="planned" d={path(line.up)} />
+        {seen.length > 1 && <path class="flown" d={`M${seen.join("L")}`} />}
+        {plan.stops.map(stop => <path key={stop.seq} class="mark" d={`M${x(along[stop.at]!)} ${y(line.up[stop.at]!)}v6`} />)}
+        <path class="cursor" d={`M${x(along[at]!)} 0V${HIGH}`} />
+      </svg>
+      <span class="unit">{times.length ? `${length.toFixed(0)} m` : ""}</span>
+    </div>
+  );
+}
+
+function niceStep(value: number): number {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return [1, 2, 5, 10].map(k => k * power).find(step => step >= value) ?? value;
+}

@@ -1,0 +1,89 @@
+"""The first minute of someone who has a wheel and an empty folder."""
+
+import errno
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Run
+from tools import REPOSITORY
+
+IN_THE_END = re.compile(
+    r"estimated (\d+\.\d) s, flown (\d+\.\d) s; 99 of 100 flights keep (\d\.\d) m; QGroundControl would have said \d+ s"
+)
+
+
+def test_a_packed_scenario_is_planned_by_its_name_unless_a_file_has_it(run: Run, tmp_path: Path) -> None:
+    wrong = run("plan downtown")
+    assert (wrong.code, wrong.out) == (2, "")
+    (tmp_path / "campus").write_text("safety_distance = -1.0\n", encoding="utf-8")
+    ended = run("plan campus")
+    assert ended.code == 2
+    assert "campus: safety_distance" in ended.err
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What a wheel of the committed sources installs, read-only."""
+    folder = tmp_path_factory.mktemp("wheel")
+    sources = folder / "sources"
+    sources.mkdir()
+    archive = subprocess.run(["git", "archive", "HEAD"], cwd=REPOSITORY, capture_output=True, check=False)
+    if archive.returncode:
+        pytest.skip("not a git checkout")
+    subprocess.run(["tar", "-x", "-C", str(sources)], input=archive.stdout, check=True)
+    build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-build-isolation", "--no-deps", "-w", str(folder)]
+    subprocess.run([*build, str(sources)], check=True, timeout=500)
+    (wheel,) = folder.glob("*.whl")
+    site = folder / "site"
+    with zipfile.ZipFile(wheel) as packed:
+        packed.extractall(site)
+    for path in (site, *site.rglob("*")):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    return site
+
+
+@pytest.mark.xdist_group("wheel")
+def test_from_a_read_only_wheel_without_home_the_demo_flies_and_nothing_is_compiled(
+    installed: Path, tmp_path: Path
+) -> None:
+    """numba is out of reach, so whatever is fast was compiled when the wheel was built."""
+    lines = "import sys; sys.modules['numba'] = None; from ipoa_mission.cli.app import main; main()"
+    env = {
+        **{name: value for name, value in os.environ.items() if not name.startswith(("NUMBA", "IPOA", "XDG"))},
+        "PYTHONPATH": str(installed), "HOME": "/nonexistent", "COLUMNS": "80", "PYTHONDONTWRITEBYTECODE": "1",
+    }  # fmt: skip
+    command = [sys.executable, "-P", "-c", lines, "demo"]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=env, timeout=300)
+    assert run.returncode == 0, run.stderr
+    ended = IN_THE_END.search(run.stdout)
+    assert ended, run.stdout
+    estimated, flown, kept = map(float, ended.groups())
+    assert abs(estimated - flown) < 1.0
+    assert kept > 2.6  # what the scenario requires
+    names = {path.name for path in (tmp_path / "demo").iterdir()}
+    assert names == {"campus.plan", "campus.waypoints", "campus.json", "campus.tlog", "campus.html"}
+    assert max(map(len, run.stdout.splitlines())) <= 120
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_pipe_that_is_full_is_an_error_in_words() -> None:
+    with Path("/dev/full").open("w") as full:
+        run = subprocess.run(
+            [sys.executable, "-m", "ipoa_mission", "schema"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60
+        )
+    assert run.returncode != 0
+    assert os.strerror(errno.ENOSPC) in run.stderr
+
+
+def test_a_reader_that_goes_away_is_no_traceback() -> None:
+    command = f"{shutil.which(sys.executable)} -m ipoa_mission schema | head -1"
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
+    assert run.stdout == "{\n"
+    assert "Traceback" not in run.stderr

@@ -1,0 +1,285 @@
+"""One table of verbs and flags: a flag means the same wherever it is taken, and files are never lost by a verb."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.cli.options import Optimizer
+from ipoa_mission.errors import BadInput
+from ipoa_mission.exports import EXPORTS
+from ipoa_mission.files import read_text, write_together
+from ipoa_mission.flight.written import not_as_written
+from ipoa_mission.items import Mission
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.optimize.registry import OPTIMIZERS
+from ipoa_mission.scenario import read_scenario
+from tests.cli.conftest import Planned, Run
+from tools.generate import verbs
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+SITL, CAMPUS = MISSIONS / "sitl.plan", MISSIONS / "campus.plan"
+#: Flags that say something else in `mock`, which is an autopilot, in `reproduce` and `demo` by what `--out` is without,
+#: in `learn`, which writes one file, and where a link may be left out.
+SEVERAL = {"--autopilot": 2, "--link": 3, "--out": 4, "--seed": 2}
+#: What goes together: who takes one of these takes all.
+TOGETHER = (
+    {"--param", "--param-file"},
+    {"--wind", "--wind-profile"},
+    {"--system", "--key"},
+    {"--log", "--timeout", "--backend", "--anyway"},
+    {"--optimizer", "--planner", "--polish/--no-polish", "--report"},
+    {"--loss", "--duplicate", "--delay", "--reorder", "--nak-at"},
+)
+#: Flag -> the verbs that must take it.
+TAKEN = {
+    "--json": "demo learn new plan check estimate show export fly mock compare scan upload download set-current clear reproduce",
+    "--force": "demo learn new plan export fly compare download",
+    "--scenario": "check estimate show export compare",
+    "--param": "plan check estimate show fly mock compare",
+    "--wind": "plan check estimate show fly compare",
+    "--timeout": "fly upload download set-current clear",
+}
+
+
+def test_the_page_is_what_the_code_says() -> None:
+    assert verbs.PAGE.read_text(encoding="utf-8") == verbs.page(), "run python -m tools.generate.verbs"
+
+
+def test_a_flag_means_the_same_everywhere() -> None:
+    rows = verbs.rows()
+    assert {name: n for name, n in Counter(flag.name for flag in rows).items() if n > 1} == SEVERAL
+    takers = {name: {verb for flag, of in rows.items() if flag.name == name for verb in of} for name in TAKEN}
+    assert takers == {name: set(of.split()) for name, of in TAKEN.items()}
+    for group in TOGETHER:
+        assert len({tuple(sorted(of)) for flag, of in rows.items() if flag.name in group}) == 1, group
+
+
+def test_fly_takes_what_plan_takes() -> None:
+    taken = {name: {flag.name for flag in verbs.flags(verb)} for name, verb in verbs.by_name().items()}
+    assert taken["plan"] - {"SCENARIO"} <= taken["fly"]
+
+
+def test_the_optimizers_of_the_help_are_those_that_there_are() -> None:
+    assert [*Optimizer] == [*OPTIMIZERS]
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["show {m} --scenario {s}", "estimate {m} --scenario {s}", "export {m} x.KML", "export {m} x.Plan --format plan"],
+)
+def test_tables_fit_eighty_columns_in_a_pipe_too(run: Run, words: str) -> None:
+    for name in ("sitl", "campus"):
+        Path("x.KML").unlink(missing_ok=True)
+        Path("x.Plan").unlink(missing_ok=True)
+        ended = run(words.format(m=MISSIONS / f"{name}.plan", s=MISSIONS / f"{name}.toml"))
+        assert ended.code == 0, ended.err
+        table = ended.out.split("\n\n")[1].splitlines() if "\n\n" in ended.out else []
+        assert all(len(line) <= 80 for line in table)
+
+
+def test_parameters_and_wind_change_what_every_verb_tells(run: Run) -> None:
+    totals = set()
+    for words in ("", "--param MPC_XY_VEL_MAX=4", "--wind 6@230", f"--scenario {MISSIONS / 'sitl.toml'}"):
+        shown = json.loads(run(f"show {SITL} --json {words}").out)[-1]["done_s"]
+        estimated = json.loads(run(f"estimate {SITL} --json {words}").out)["total_s"]
+        assert shown == pytest.approx(estimated, abs=0.001)
+        totals.add(round(estimated, 1))
+    assert len(totals) == 3  # the scenario has neither wind nor parameters
+    quiet, windy = (
+        json.loads(run(f"check {SITL} --scenario {MISSIONS / 'sitl.toml'} --json {wind}").out)["clearance"]["kept_m"]
+        for wind in ("", "--wind 5@9")
+    )
+    assert windy < quiet
+    assert "--wind: expected with --scenario" in run(f"check {SITL} --wind 5@9").err
+
+
+def test_a_wind_from_beyond_the_compass_is_refused(run: Run) -> None:
+    assert "in degrees up to 360" in run(f"show {SITL} --wind 5@720").err
+
+
+@pytest.mark.parametrize("form", [*EXPORTS, ".plan", ".waypoints"])
+def test_standard_output_gets_what_the_file_gets(run: Run, form: str) -> None:
+    words = f"--format {form[1:]} --scenario {MISSIONS / 'campus.toml'}"
+    told = run(f"export {CAMPUS} - {words}").out
+    assert run(f"export {CAMPUS} campus{form.upper()} {words}").code == 0
+    assert Path(f"campus{form.upper()}").read_text() == told
+    assert "-: expected --format with it" in run(f"export {CAMPUS} -").err
+
+
+def test_an_export_in_a_scenario_ends_on_its_ground(run: Run) -> None:
+    world = read_scenario(MISSIONS / "campus.toml")
+    rows = [
+        line.split(",")
+        for line in run(f"export {CAMPUS} - --format csv --scenario {MISSIONS}/campus.toml").out.splitlines()
+    ]
+    last = dict(zip(rows[0], rows[-1], strict=True))
+    assert float(last["height_above_ground_m"]) == pytest.approx(0.0, abs=0.02)
+    way = run(f"export {CAMPUS} - --format kml --scenario {MISSIONS}/campus.toml").out
+    end = way[way.index("<coordinates>") :].split("</coordinates>")[0].split()[-1]
+    goal = world.airspace.ground(world.goal_point[None, :])[0]
+    assert float(end.split(",")[2]) - world.home.altitude_amsl == pytest.approx(goal, abs=0.05)
+
+
+def test_nothing_is_written_over_without_force(run: Run) -> None:
+    Path("x.kml").write_text("mine")
+    Path("v.plan").write_text("mine")
+    Path("p.svg").write_text("mine")
+    for words in (
+        f"export {SITL} x.kml",
+        "download v.plan --link udpin:127.0.0.1:0",
+        f"compare {Path(__file__).parents[1]}/logs/sitl-px4.tlog {SITL} --picture p.svg",
+        f"compare {SITL} {Path(__file__).parents[1]}/logs/sitl-px4.tlog --picture p.svg",
+    ):
+        ended = run(words)
+        assert ended.code == 2
+    assert {path.read_text() for path in (Path("x.kml"), Path("v.plan"), Path("p.svg"))} == {"mine"}
+    assert run(f"export {SITL} x.kml --force").code == 0
+    Path("same.plan").write_bytes(SITL.read_bytes())
+    assert "there is such a file already" in run("export same.plan same.plan").err
+
+
+def test_a_plan_writes_over_a_plan_but_over_nobody_elses(run: Run, planned: Planned, tmp_path: Path) -> None:
+    flight = planned("sitl")[0]
+    flight.write(tmp_path)
+    flight.report(tmp_path / "sitl.html")
+    assert not_as_written(tmp_path, "sitl", report=True) == []
+    assert not_as_written(MISSIONS, "sitl") == []
+    (tmp_path / "sitl.plan").write_text((tmp_path / "sitl.plan").read_text().replace("15", "16", 1))
+    (tmp_path / "sitl.html").write_text("mine")
+    assert not_as_written(tmp_path, "sitl") == [tmp_path / "sitl.plan"]
+    assert not_as_written(tmp_path, "sitl", report=True) == [tmp_path / "sitl.plan", tmp_path / "sitl.html"]
+    for verb in ("plan", "fly"):
+        ended = run(f"{verb} {MISSIONS / 'sitl.toml'} --out {tmp_path}")
+        assert ended.code == 2
+        assert (
+            ended.err
+            == f"error: {tmp_path / 'sitl.plan'}: there is such a file already\nhint: --force writes over it\n"
+        )
+    (tmp_path / "sitl.json").write_text("{}")
+    assert tmp_path / "sitl.json" in not_as_written(tmp_path, "sitl")
+
+
+def test_files_of_one_flight_are_written_together_or_not_at_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a").write_text("before")
+    (tmp_path / "c").mkdir()
+    with pytest.raises(BadInput, match="c: cannot be written: Is a directory"):
+        write_together({tmp_path / "a": "new", tmp_path / "b": "new", tmp_path / "c": "new"})
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "c"]
+    assert (tmp_path / "a").read_text() == "before"
+
+
+@pytest.mark.skipif(not hasattr(os, "setgid") or os.getuid() != 0, reason="mounts a small disk")
+def test_a_full_disk_leaves_nothing_half_written(planned: Planned, tmp_path: Path) -> None:
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=8k", "tmpfs", disk], capture_output=True).returncode:
+        pytest.skip("may not mount")
+    try:
+        with pytest.raises(BadInput, match="cannot be written: No space left on device"):
+            planned("sitl")[0].write(disk)
+        assert [*disk.iterdir()] == []
+    finally:
+        subprocess.run(["umount", disk], check=True)
+
+
+def test_a_pipe_that_nobody_writes_into_ends_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ipoa_mission.files.PIPE_S", 0.2)
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(BadInput, match="expected something to be written into this pipe"):
+        read_text(pipe)
+    monkeypatch.setattr("ipoa_mission.files.PIPE_S", 20.0)
+    writer = threading.Thread(target=lambda: pipe.write_text("words\n" * 30_000))
+    writer.start()
+    assert read_text(pipe) == "words\n" * 30_000
+    writer.join()
+
+
+def test_the_time_that_a_user_gives_is_kept(run: Run) -> None:
+    for verb in (f"upload {SITL}", "clear", f"fly {SITL}"):
+        began = time.monotonic()
+        ended = run(f"{verb} --link udpin:127.0.0.1:0 --timeout 1.5")
+        assert ended.code == 1
+        assert "no autopilot is heard" in ended.err
+        assert time.monotonic() - began == pytest.approx(1.5, abs=1.0) or verb.startswith("fly")
+
+
+def test_ctrl_c_at_any_time_has_words_for_machines(tmp_path: Path) -> None:
+    for wait_s in (0.15, 1.0):
+        command = [sys.executable, "-m", "ipoa_mission", "plan", str(MISSIONS / "downtown.toml"), "--json"]
+        with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as verb:
+            time.sleep(wait_s)
+            verb.send_signal(signal.SIGINT)
+            out, err = verb.communicate(timeout=120)
+        if verb.returncode == 130:
+            assert json.loads(out)["exit_code"] == 130
+            assert err.startswith("error: stopped: nothing was")
+        assert [*tmp_path.iterdir()] == []
+
+
+def test_every_file_that_fly_writes_is_named(run: Run) -> None:
+    assert "written: sitl.tlog" in run(f"fly {SITL}").out
+    assert json.loads(run(f"fly {SITL} --json").out)["written"] == ["sitl.tlog"]
+    assert "written: own.tlog" in run(f"fly {SITL} --log own.tlog").out
+    assert {path.name for path in Path().iterdir()} == {"sitl.tlog", "own.tlog"}
+
+
+def test_a_mission_that_is_flown_is_not_planned(run: Run) -> None:
+    for option in ("--optimizer ipoa", "--planner paper", "--report"):
+        assert run(f"fly {SITL} {option}").err.startswith(f"error: {option.split()[0]}: expected a scenario")
+
+
+def test_new_asks_again(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = [
+        "nowhere",
+        "47.3977, 8.5456",
+        "high",
+        "488",
+        "8.5470, 47.3987",
+        "47.3987, 8.5470",
+        "",
+        "",
+        "-1",
+        "5",
+        "",
+        "",
+        "",
+    ]
+    answers = iter(given)
+    for place in ("typer._click.termui.visible_prompt_func", "click.termui.visible_prompt_func"):
+        monkeypatch.setattr(place, lambda _: next(answers), raising=False)
+    ended = run("new first.toml --json")
+    assert ended.code == 0
+    assert json.loads(ended.out)["answers"]["cruise_speed"] == "5"
+    assert "home: expected latitude, longitude in degrees" in ended.err
+    assert "altitude: expected a number" in ended.err
+    assert "goal: expected a place within 100 km of home, 47.3977, 8.5456: is it latitude first" in ended.err
+    assert next(answers, None) is None
+
+
+def test_new_asks_for_what_a_map_suggests(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = iter([""] * 9)
+    for place in ("typer._click.termui.visible_prompt_func", "click.termui.visible_prompt_func"):
+        monkeypatch.setattr(place, lambda _: next(answers), raising=False)
+    ended = run(f"new first.toml --buildings {MISSIONS / 'oldtown.geojson'} --json")
+    assert ended.code == 0, ended.err
+    assert ended.err.count("latitude, longitude") == 2
+
+
+def test_a_mission_without_parameters_takes_old_ones_away(tmp_path: Path) -> None:
+    mission = read_mission(SITL)
+    write_plan(mission.with_parameters({"MPC_XY_CRUISE": 3.0}), tmp_path / "x.plan")
+    assert (tmp_path / "x.params").exists()
+    write_plan(Mission(mission.home, mission.items), tmp_path / "x.plan")
+    assert not (tmp_path / "x.params").exists()

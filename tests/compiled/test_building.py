@@ -1,0 +1,85 @@
+"""What is built: a source distribution of what git knows, machine code with whatever compiler there is."""
+
+import ctypes
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import pytest
+
+from tools import REPOSITORY
+
+BUILD = "import sys, hatchling.build as build; print(build.{call})"
+
+
+def built(folder: Path, call: str, **environment: str) -> str:
+    command = [sys.executable, "-c", BUILD.format(call=call)]
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True, env=os.environ | environment)
+    return run.stdout.splitlines()[-1]
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Path:
+    """The committed sources, with what somebody has left lying about."""
+    there = tmp_path / "clone"
+    run = subprocess.run(["git", "clone", "--quiet", str(REPOSITORY), str(there)], capture_output=True, check=False)
+    if run.returncode:
+        pytest.skip("not a git checkout")
+    for name in ("notes.txt", "ipoa_mission/tried.py", "missions/se[c]ret*.toml"):
+        (there / name).write_text("mine\n", encoding="utf-8")
+    return there
+
+
+def test_a_source_distribution_holds_what_git_knows_and_nothing_else(clone: Path, tmp_path: Path) -> None:
+    name = built(clone, f"build_sdist({str(tmp_path)!r})")
+    with tarfile.open(tmp_path / name) as packed:
+        files = {member.name.partition("/")[2] for member in packed if member.isfile()}
+    tracked = subprocess.run(["git", "ls-files"], cwd=clone, capture_output=True, text=True, check=True).stdout.split()
+    assert files - {"PKG-INFO"} <= set(tracked)
+    assert {"tools/machine_code/build_hook.py", "tools/machine_code/compile.py", "missions/campus.toml"} <= files
+
+
+def test_without_a_c_compiler_the_build_asks_for_one_that_pip_can_install(clone: Path) -> None:
+    assert "ziglang" in built(clone, "get_requires_for_build_wheel()", PATH="")
+    if shutil.which("cc"):
+        assert "ziglang" not in built(clone, "get_requires_for_build_wheel()")
+    assert built(clone, "get_requires_for_build_sdist()") == "[]"
+
+
+@pytest.mark.parametrize(
+    "compiler",
+    [
+        pytest.param("cc", marks=pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")),
+        pytest.param("zig", marks=pytest.mark.skipif(not importlib.util.find_spec("ziglang"), reason="no ziglang")),
+    ],
+)
+def test_an_object_is_linked_to_a_library_that_loads(
+    compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    llvm = pytest.importorskip("llvmlite.binding")
+    from tools.machine_code.compile import RUNTIME, link, linker
+
+    if compiler == "zig":
+        monkeypatch.setattr(shutil, "which", lambda name: None)
+        assert linker()[-2:] == ["ziglang", "cc"]
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_default_triple().create_target_machine(reloc="pic")
+    sine = RUNTIME.replace("declare void @NRT_decref(i8*)", "define void @NRT_decref(i8*) { ret void }")
+    sine += "declare double @atan2(double, double)\n"
+    sine += "define double @angle(double %y) { %a = call double @atan2(double %y, double 1.0)\n ret double %a }\n"
+    module = llvm.parse_assembly(sine)
+    module.verify()
+    link(machine.emit_object(module), tmp_path / "small.bin")
+    library = ctypes.CDLL(str(tmp_path / "small.bin"))
+    library.angle.restype, library.angle.argtypes = ctypes.c_double, [ctypes.c_double]
+    assert library.angle(1.0) == pytest.approx(0.7853981633974483)
+    assert [path.name for path in tmp_path.iterdir()] == ["small.bin"]
+    needs_python = "declare void @Py_DecRef(i8*)\ndefine void @no(i8* %o) { call void @Py_DecRef(i8* %o)\n ret void }\n"
+    missing = machine.emit_object(llvm.parse_assembly(sine + needs_python))
+    with pytest.raises(subprocess.CalledProcessError):
+        link(missing, tmp_path / "wrong.bin")

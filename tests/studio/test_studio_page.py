@@ -1,0 +1,240 @@
+"""The page in a real browser: drawn on, dragged on, saved, compared and flown from; nothing asked of anyone else.
+
+Needs Chromium, playwright and the built page (or npm to build it); without them these tests are skipped.
+"""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission.errors import MissionError
+from tests.studio.conftest import MEADOW
+
+sync_api = pytest.importorskip("playwright.sync_api")
+BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
+CHROMIUM = next((path for name in BROWSERS if name and (path := shutil.which(name))), None)
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+
+WEB = Path(__file__).parents[2] / "ipoa_mission" / "studio" / "web"
+SOFTWARE = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+PATIENCE_MS = 60_000
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
+    """Where the studio is, run as a user runs it, and the scenario that it is open on."""
+    from ipoa_mission.studio.bundle import built_page
+
+    try:
+        built_page(print)
+    except MissionError as error:
+        pytest.skip(str(error))
+    scenario = Path(shutil.copy(MEADOW, tmp_path_factory.mktemp("page") / "meadow.toml"))
+    command = [sys.executable, "-m", "ipoa_mission", "studio", str(scenario), "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as studio:
+        assert studio.stdout is not None
+        found = re.search(r"http://\S+", studio.stdout.readline())
+        assert found is not None
+        yield found[0], scenario
+        studio.terminate()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with sync_api.sync_playwright() as play:
+        chromium = play.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def page(browser: Any, address: tuple[str, Path]) -> Iterator[Any]:
+    """The page on the meadow as it is in the repository; at the end nobody may have complained."""
+    url, scenario = address
+    complaints: list[str] = []
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    page.set_default_timeout(PATIENCE_MS)
+    page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on(
+        "request", lambda asked: complaints.extend([asked.url] * (not asked.url.startswith((url, "blob:", "data:"))))
+    )
+    page.goto(url)
+    until(page, "window.map?.isStyleLoaded()")
+    if page.locator("textarea").input_value() != MEADOW.read_text():
+        rewrite(page, MEADOW.read_text())
+    yield page
+    page.close()
+    scenario.write_text(MEADOW.read_text())
+    assert complaints == []
+
+
+def until(page: Any, expression: str) -> None:
+    """Wait for an expression to be true; playwright's own wait uses `eval`, which the page forbids."""
+    for _ in range(PATIENCE_MS // 100):
+        if page.evaluate(expression):
+            return
+        page.wait_for_timeout(100)
+    raise AssertionError(f"never came true: {expression}")
+
+
+def rewrite(page: Any, text: str) -> None:
+    page.locator("summary", has_text="The scenario's text").click()
+    page.locator("textarea").fill(text)
+    page.get_by_role("button", name="Apply").click()
+    page.locator("summary", has_text="The scenario's text").click()
+
+
+def proved(page: Any) -> Any:
+    return page.locator(".verdict .good").wait_for()
+
+
+def scenario_of(page: Any) -> str:
+    return str(page.locator("textarea").input_value())
+
+
+def at(page: Any, east_share: float, north_share: float) -> tuple[float, float]:
+    """A place on the screen: shares of the way from the start to the goal, and as far aside."""
+    box, goal = (page.locator(f"[data-spot={name}]").bounding_box() for name in ("start", "goal"))
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    reach = goal["x"] - box["x"]
+    return x + east_share * reach, y - north_share * reach
+
+
+def test_it_opens_proved(page: Any) -> None:
+    proved(page)
+    assert "required" in page.locator(".verdict").inner_text()
+    assert page.locator(".chart .planned").get_attribute("d").startswith("M")
+    assert page.title().endswith("meadow · studio")
+
+
+def test_the_goal_is_dragged_and_undone(page: Any) -> None:
+    proved(page)
+    x, y = at(page, 1.0, 0.0)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 20, y - 30, steps=4)
+    page.get_by_text("While you drag").wait_for()
+    assert scenario_of(page) == MEADOW.read_text()
+    page.mouse.up()
+    until(page, "!document.querySelector('textarea').value.includes('east = 60.0')")
+    assert "a comment that stays" in scenario_of(page)
+    page.locator(".unsaved").wait_for()
+    page.keyboard.press("Control+z")
+    until(page, f"document.querySelector('textarea').value === {json.dumps(MEADOW.read_text())}")
+    page.locator(".saved").wait_for()
+
+
+def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path]) -> None:
+    name = '<img src="https://evil.example/x" onerror="alert(1)">'
+    page.keyboard.press("b")
+    for place in ((0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
+        page.mouse.click(*at(page, *place))
+    page.keyboard.press("Enter")
+    field = page.locator("label", has_text="Name").locator("input")
+    field.fill(name)
+    field.press("Tab")
+    page.get_by_role("heading", name=name).wait_for()  # text, not markup
+    assert page.locator("img").count() == 0
+    page.keyboard.press("Control+s")
+    until(page, "document.querySelector('.saved') !== null")
+    written = address[1].read_text()
+    assert written.count("[[obstacles]]") == 3
+    assert written.startswith(MEADOW.read_text().rstrip("\n"))
+    page.reload()
+    until(page, "window.map?.isStyleLoaded()")
+    assert scenario_of(page) == written
+
+
+def test_a_height_is_changed_for_all_at_once(page: Any) -> None:
+    field = page.get_by_label("Height of all places")
+    field.fill("14")
+    field.press("Tab")
+    until(page, "document.querySelector('textarea').value.split('height_above_ground = 14').length === 3")
+    page.get_by_role("button", name="Undo").click()
+    until(page, "!document.querySelector('textarea').value.includes('height_above_ground')")
+
+
+def test_candidates_stand_side_by_side(page: Any) -> None:
+    proved(page)
+    before = scenario_of(page)
+    page.get_by_role("button", name="Keep this one").click()
+    page.get_by_label("Cruise speed").fill("4")
+    page.get_by_label("Cruise speed").press("Tab")
+    cells = "[...document.querySelectorAll('[aria-label=\"Candidates\"] tbody tr:first-child td')]"
+    times = f"{cells}.map(cell => parseFloat(cell.textContent))"
+    until(page, f"({times}).length === 2 && ({times})[1] > ({times})[0]")  # slower takes longer
+    page.get_by_role("button", name="Take").click()
+    until(page, f"document.querySelector('textarea').value === {json.dumps(before)}")
+
+
+def test_a_flight_is_started_by_name_and_watched(page: Any) -> None:
+    proved(page)
+    page.locator("summary", has_text="Fly it").click()
+    page.get_by_label("So many times as fast").fill("40")
+    page.get_by_role("button", name="Upload").click()
+    page.get_by_role("button", name="Arm and start …").click()
+    dialog = page.get_by_role("dialog")
+    assert "built-in ardupilot, system 1" in dialog.inner_text()
+    start = dialog.get_by_role("button", name="Arm and start")
+    assert start.is_disabled()
+    dialog.locator("input").fill("meadow")
+    start.click()
+    page.get_by_text("flying for").wait_for()
+    page.get_by_text("✓ Landed").wait_for()
+    assert page.locator(".chart .flown").count() == 1
+
+
+def test_the_arrow_keys_move_what_is_focused(page: Any) -> None:
+    page.locator("[data-spot=goal]").focus()
+    page.keyboard.press("Shift+ArrowUp")
+    until(page, "document.querySelector('textarea').value.includes('north = 10.0')")
+
+
+def test_a_map_is_dropped(page: Any, tmp_path: Path, address: tuple[str, Path]) -> None:
+    ring = [[8.5002, 47.2999], [8.5003, 47.2999], [8.5003, 47.30], [8.5002, 47.2999]]
+    file = tmp_path / "town.geojson"
+    shape = {"type": "Polygon", "coordinates": [ring]}
+    feature = {"type": "Feature", "properties": {"building": "yes", "height": "9"}, "geometry": shape}
+    file.write_text(json.dumps({"type": "FeatureCollection", "features": [feature]}))
+    page.locator("summary", has_text="Maps and missions").click()
+    page.locator("input[type=file]").set_input_files(file)
+    page.get_by_role("button", name="Buildings to fly round").click()
+    until(page, """document.querySelector('textarea').value.includes('file = "town.geojson"')""")
+    proved(page)
+    assert (address[1].parent / "town.geojson").read_bytes() == file.read_bytes()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_serious_is_wrong_for_who_sees_or_hears_otherwise(page: Any, scheme: str) -> None:
+    axe = WEB / "node_modules" / "axe-core" / "axe.min.js"
+    if not axe.is_file():
+        pytest.skip("needs axe-core: npm ci in ipoa_mission/studio/web")
+    page.emulate_media(color_scheme=scheme)
+    proved(page)
+    for panel in page.locator("details:not([open]) > summary").all():
+        panel.click()
+    page.evaluate(axe.read_text(encoding="utf-8"))
+    wrong = page.evaluate("axe.run().then(found => found.violations)")
+    told = [
+        f"{one['id']}: {node['target']}"
+        for one in wrong
+        for node in one["nodes"]
+        if one["impact"] in ("serious", "critical")
+    ]
+    assert told == []
+
+
+def test_it_fits_a_telephone(page: Any) -> None:
+    page.set_viewport_size({"width": 390, "height": 844})
+    proved(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert page.locator(".map").bounding_box()["height"] > 250

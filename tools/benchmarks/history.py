@@ -1,0 +1,105 @@
+"""What each release measured, in a CSV that grows: docs/history.csv, and a picture of it.
+
+    taskset -c 0 python -m tools.benchmarks.history             measure every shipped scenario, append, plot
+    python -m tools.benchmarks.history --plot history.svg       plot what is there, no more
+
+A row is one measure of one scenario by one version: the cost of its path, the flight's estimated time, and seconds of
+CPU to plan it and to estimate it anew. Costs and times are the same on any machine, seconds of CPU are not.
+"""
+
+import argparse
+import csv
+import time
+from collections.abc import Iterator
+from dataclasses import astuple, dataclass, fields
+from datetime import UTC, datetime
+from pathlib import Path
+
+import matplotlib
+from matplotlib.figure import Figure
+
+import ipoa_mission as api
+from ipoa_mission.report.plots import STYLE, write_picture
+from tools import REPOSITORY
+
+HISTORY = REPOSITORY / "docs" / "history.csv"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measure."""
+
+    version: str
+    date: str
+    scenario: str
+    measure: str
+    value: float
+
+
+def measured(path: Path, version: str, date: str) -> Iterator[Row]:
+    """The measures of one scenario."""
+    scenario = api.read_scenario(path)
+    begun = time.process_time()
+    flight = api.plan_flight(scenario)
+    planned = time.process_time()
+    again = api.estimate(flight.mission, wind=scenario.wind.air())
+    values = {
+        "path cost": flight.plan.cost.total,
+        "estimated time [s]": again.total_s,
+        "plan [s of CPU]": planned - begun,
+        "estimate [s of CPU]": time.process_time() - planned,
+    }
+    yield from (Row(version, date, path.stem, measure, round(value, 3)) for measure, value in values.items())
+
+
+def append(rows: Iterator[Row], path: Path) -> None:
+    """Add rows to the file, which begins with the names of the columns."""
+    is_new = not path.exists()
+    with path.open("a", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        if is_new:
+            writer.writerow([field.name for field in fields(Row)])
+        for row in rows:
+            writer.writerow(astuple(row))
+            print(*astuple(row), flush=True)
+
+
+def read(path: Path) -> list[Row]:
+    """The rows of the file, in its order."""
+    with path.open(encoding="utf-8", newline="") as file:
+        next(rows := csv.reader(file))
+        return [Row(version, date, scenario, measure, float(value)) for version, date, scenario, measure, value in rows]
+
+
+def plotted(rows: list[Row]) -> Figure:
+    """A panel a measure, a line a scenario, versions from left to right, each value over the first."""
+    measures = list(dict.fromkeys(row.measure for row in rows))
+    versions = list(dict.fromkeys(row.version for row in rows))
+    with matplotlib.rc_context(dict(STYLE)):
+        figure = Figure(figsize=(4.0 * len(measures), 3.2), layout="constrained")
+        for panel, measure in zip(figure.subplots(1, len(measures), squeeze=False)[0], measures, strict=True):
+            for scenario in dict.fromkeys(row.scenario for row in rows):
+                mine = [row for row in rows if (row.scenario, row.measure) == (scenario, measure)]
+                places = [versions.index(row.version) for row in mine]
+                panel.plot(places, [row.value / mine[0].value for row in mine], marker="o", label=scenario)
+            panel.set(title=measure, ylabel="over the first")
+            panel.set_xticks(range(len(versions)), versions)
+        figure.axes[0].legend(frameon=False)
+    return figure
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenarios", type=Path, nargs="*", default=sorted((REPOSITORY / "missions").glob("*.toml")))
+    parser.add_argument("--version", default=api.__version__, help="what the rows are called")
+    parser.add_argument("--rows", type=Path, default=HISTORY)
+    parser.add_argument("--plot", type=Path, help="plot only, into this file")
+    wanted = parser.parse_args()
+    if wanted.plot is None:
+        date = datetime.now(UTC).date().isoformat()
+        append((row for path in wanted.scenarios for row in measured(path, wanted.version, date)), wanted.rows)
+    write_picture(plotted(read(wanted.rows)), wanted.plot or wanted.rows.with_suffix(".svg"))
+
+
+if __name__ == "__main__":
+    main()

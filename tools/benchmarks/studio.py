@@ -1,0 +1,194 @@
+"""How soon the studio answers a hand that drags, and how smoothly its map is drawn.
+
+    python -m tools.benchmarks.studio [--drags 100] [--frames]
+
+Answers: the goal is dragged in small steps, as the page asks it of the planner's process: over the campus, and over a
+town of 500 buildings in a GeoJSON map. Told are the times from question to answer (median and 95th percentile, [ms])
+and the processor's part of them, which does not depend on what else the machine does. `--frames`: headless Chromium,
+which draws by software, turns a map of 5,000 buildings; told are frames a second and time a frame.
+"""
+
+import argparse
+import json
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+CAMPUS = Path("missions/campus.toml")
+HOME = Geodetic(47.397742, 8.545594, 488.0)
+APART = 24.0  # of the buildings of a town [m]
+
+
+def town(buildings: int, folder: Path) -> Path:
+    """A scenario of so many buildings on a grid of streets, in a map beside it."""
+    rng, side = np.random.default_rng(buildings), int(np.ceil(np.sqrt(buildings)))
+    frame, features = LocalFrame(HOME), []
+    for n in range(buildings):
+        middle = np.array([n % side, n // side]) * APART + (APART, APART) + rng.uniform(-2, 2, 2)
+        half = rng.uniform(4, 8, 2)
+        corners = middle + np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * half
+        latitude, longitude, _ = frame.to_geodetic(np.column_stack([corners, np.zeros(5)]))
+        ring = np.column_stack([longitude, latitude]).round(8).tolist()
+        shape = {"type": "Polygon", "coordinates": [ring]}
+        tags = {"building": "yes", "height": f"{rng.uniform(8, 45):.1f}"}
+        features.append({"type": "Feature", "properties": tags, "geometry": shape})
+    (folder / "town.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    reach = (side + 1) * APART
+    scenario = folder / "town.toml"
+    scenario.write_text(
+        f"""safety_distance = 1.5
+[home]
+latitude_deg = {HOME.latitude_deg}
+longitude_deg = {HOME.longitude_deg}
+altitude_amsl = {HOME.altitude}
+[start]
+east = 0.0
+north = 0.0
+up = 18.0
+[goal]
+east = {reach}
+north = {reach}
+up = 18.0
+[bounds]
+east = [-30.0, {reach + 30}]
+north = [-30.0, {reach + 30}]
+up = [0.0, 40.0]
+[vehicle]
+radius = 0.5
+cruise_speed = 8.0
+[[maps]]
+kind = "buildings"
+file = "town.geojson"
+"""
+    )
+    return scenario
+
+
+class Planner:
+    """The studio's planner process, asked as the server asks it."""
+
+    def __init__(self, scenario: Path) -> None:
+        self._scenario = scenario
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "ipoa_mission.studio.planner"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def ask(self, **order: Any) -> dict[str, Any]:
+        """One answer."""
+        stdin, stdout = self._process.stdin, self._process.stdout
+        assert stdin is not None
+        assert stdout is not None
+        told = {"id": 1, "text": self._scenario.read_text(), "path": str(self._scenario), "revision": 1}
+        stdin.write(json.dumps(told | order) + "\n")
+        stdin.flush()
+        answer = json.loads(stdout.readline())
+        assert json.loads(stdout.readline()) == {"id": 1, "done": True}
+        assert answer["answer"]["kind"] != "trouble", answer
+        return dict(answer["answer"])
+
+    def processor_s(self) -> float:
+        """Processor time of the process so far."""
+        fields = Path(f"/proc/{self._process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / 100
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.terminate()
+        self._process.wait()
+
+
+def drags(scenario: Path, count: int) -> Iterator[tuple[float, float, bool]]:
+    """Seconds to each answer, those of them that the processor was at work, and whether the path held."""
+    planner = Planner(scenario)
+    world = planner.ask(job="look")
+    places = {spot["name"]: spot["place"] for spot in world["spots"]}
+    rng = np.random.default_rng(1)
+    planner.ask(job="sketch", number=None, changes=[])
+    put_down = np.array(places["goal"])
+    for n in range(count):
+        put_down = put_down + rng.normal(0.0, 1.0, 2) * 1e-5  # about a metre a step
+        change = {"op": "shift", "path": ["goal"], "taken": places["goal"], "put_down": put_down.tolist()}
+        begun, busy = time.perf_counter(), planner.processor_s()
+        answer = planner.ask(job="sketch", number=n, changes=[change])
+        yield time.perf_counter() - begun, planner.processor_s() - busy, bool(answer["holds"])
+    planner.close()
+
+
+def frames(scenario: Path, seconds: float = 10.0) -> list[float]:
+    """Milliseconds from frame to frame while the map of a scenario turns in headless Chromium."""
+    from playwright.sync_api import sync_playwright
+
+    command = [sys.executable, "-m", "ipoa_mission", "studio", str(scenario), "--no-browser"]
+    studio = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert studio.stdout is not None
+    address = "http://" + studio.stdout.readline().split("http://")[1].strip()
+    with sync_playwright() as play:
+        software = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=software)
+        page = browser.new_page(viewport={"width": 1280, "height": 800})
+        page.goto(address)
+        page.locator("[data-spot=goal]").wait_for(timeout=120_000)
+        page.wait_for_timeout(5000)
+        found: list[float] = page.evaluate(
+            """seconds => new Promise(done => {
+                const times = [], begun = performance.now();
+                const step = now => {
+                    times.push(now);
+                    map.jumpTo({ bearing: (now - begun) / 50, pitch: 0 });
+                    if (now - begun < 1000 * seconds) requestAnimationFrame(step);
+                    else done(times.slice(1).map((time, n) => time - times[n]));
+                };
+                requestAnimationFrame(step);
+            })""",
+            seconds,
+        )
+        browser.close()
+    studio.terminate()
+    studio.wait()
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--drags", type=int, default=100)
+    parser.add_argument("--frames", action="store_true")
+    arguments = parser.parse_args()
+    console = Console()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if arguments.frames:
+            found = frames(town(5000, folder))
+            middle, worst = statistics.median(found), statistics.quantiles(found, n=20)[-1]
+            console.print(
+                f"{len(found)} frames: median {middle:.1f} ms ({1000 / middle:.0f} a second), 95 % {worst:.1f} ms"
+            )
+            return
+        table = Table("scenario", "drags", "held", "median ms", "95 % ms", "processor: median ms", "95 % ms")
+        for scenario in (CAMPUS, town(500, folder)):
+            waited, busy, held = zip(*drags(scenario, arguments.drags), strict=True)
+            figures = [
+                f"{1000 * value:.0f}"
+                for times in (waited, busy)
+                for value in (statistics.median(times), statistics.quantiles(times, n=20)[-1])
+            ]
+            table.add_row(scenario.stem, str(len(waited)), str(sum(held)), *figures)
+        console.print(table)
+
+
+if __name__ == "__main__":
+    main()

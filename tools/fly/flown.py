@@ -1,0 +1,117 @@
+"""Flights that were recorded, with the mission that each flew: where the vehicle truly was, and when items were done.
+
+A folder is named SCENARIO-AUTOPILOT or SCENARIO_CONDITION-AUTOPILOT (anything before a `_` that begins with `r` and
+anything after `__` left out). It has the mission and either what `fly --json` printed (`fly.json`) with the simulated
+vehicle's own log (`log.BIN`, `log.ulg`), or `flight.json` (autopilot, `item_done_s`) with `truth.csv`, or `trace.csv`
+where the true position was not recorded. A flight that was repeated may leave its mission to the first one. `wind.json`
+has the fields of a `Wind`.
+"""
+
+import json
+import re
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.geometry import Points
+from ipoa_mission.items import Mission
+from ipoa_mission.link.dataflash import read_records
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.frame import LocalFrame
+
+MISSIONS = ("mission.plan", "mission.waypoints")
+PLACE = ("TimeUS", "Lat", "Lng", "Alt")  # of ArduPilot's record SIM
+ARMED_STATE = 2  # PX4's vehicle_status.ARMING_STATE_ARMED
+TRUE_PLACE = "vehicle_global_position_groundtruth"
+
+
+@dataclass(frozen=True)
+class Flown:
+    """A flight: times and places (n, 4) from arming; when its take-off and its last waypoint were done [s].
+
+    `estimated_s` and `flown_s` are from arming to disarming; NaN where they were not recorded.
+    """
+
+    name: str
+    mission: Mission
+    track: Points
+    begin: float
+    end: float
+    estimated_s: float = np.nan
+    flown_s: float = np.nan
+    wind: Wind = CALM
+
+    @property
+    def on_the_way(self) -> Points:
+        """Places (n, 3) [m] from the end of the take-off to the last waypoint."""
+        times = self.track[:, 0]
+        return np.asarray(self.track[(times >= self.begin) & (times <= self.end), 1:])
+
+
+def is_flown(folder: Path) -> bool:
+    """Whether a folder has a flight that came to its end."""
+    return (folder / "flight.json").exists() or (folder / "fly.json").exists()
+
+
+def read_flown(folder: Path, missions: dict[str, Path]) -> Flown:
+    """Read a folder; `missions` are those read before, by scenario and autopilot."""
+    stem = re.sub(r"^(r\d*|rep\d+)_", "", folder.name).split("__")[0]
+    name, autopilot = stem.rsplit("-", 1)
+    own = [folder / file for file in MISSIONS if (folder / file).exists()]
+    missions.setdefault(stem, own[0] if own else folder.parent / stem / MISSIONS[-1])
+    mission = read_mission(missions[stem], Autopilot(autopilot))
+    if (folder / "fly.json").exists():
+        told: dict[str, Any] = json.loads((folder / "fly.json").read_text())
+        done = sorted(float(item["done_s"]) for item in told["items"])
+        estimated, flown = float(told["estimate"]["total_s"]), float(told["flown_s"])
+        track = _from_log(folder, mission)
+    else:
+        told = json.loads((folder / "flight.json").read_text())
+        done = sorted(float(at) for at in told["item_done_s"].values())
+        estimated, flown = np.nan, np.nan
+        track = _from_csv(folder, mission)
+    air = folder / "wind.json"
+    wind = Wind(**json.loads(air.read_text())) if air.exists() else CALM
+    return Flown(name, mission, track[track[:, 0] >= 0], done[0], done[-2], estimated, flown, wind)
+
+
+def _from_csv(folder: Path, mission: Mission) -> Points:
+    true = (folder / "truth.csv").exists()
+    rows = np.loadtxt(folder / ("truth.csv" if true else "trace.csv"), delimiter=",", skiprows=1)
+    rows[:, 3] += 0.0 if true else mission.home.altitude
+    return _in_frame(rows[:, :4], mission)
+
+
+def _from_log(folder: Path, mission: Mission) -> Points:
+    """The simulator's own position, its heights from where the vehicle stood when the log begins."""
+    rows = _ulog(folder / "log.ulg") if (folder / "log.ulg").exists() else _dataflash(folder / "log.BIN")
+    rows[:, 3] += mission.home.altitude - rows[0, 3]
+    return _in_frame(rows, mission)
+
+
+def _in_frame(rows: Points, mission: Mission) -> Points:
+    places = LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3])
+    return np.column_stack([rows[:, 0], places])
+
+
+def _dataflash(path: Path) -> Points:
+    """Seconds since arming, where the log begins; latitude, longitude, altitude, (n, 4), of an ArduPilot simulation."""
+    rows = [tuple(record[name] for name in PLACE) for _, record in read_records(path, frozenset({"SIM"}))]
+    table = np.array(rows, dtype=float)
+    table[:, 0] = (table[:, 0] - table[0, 0]) / 1e6
+    return table
+
+
+def _ulog(path: Path) -> Points:
+    """The same of a PX4 simulation."""
+    log: Any = import_module("pyulog").ULog(str(path), [TRUE_PLACE, "vehicle_status"])
+    topics = {topic.name: topic.data for topic in log.data_list}
+    status, place = topics["vehicle_status"], topics[TRUE_PLACE]
+    armed = status["timestamp"][np.argmax(status["arming_state"] == ARMED_STATE)]
+    times = (place["timestamp"].astype(float) - float(armed)) / 1e6
+    return np.column_stack([times, place["lat"], place["lon"], place["alt"]])

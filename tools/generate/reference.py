@@ -1,0 +1,32 @@
+"""Write docs/reference.md: every public name, for mkdocstrings to fill from its docstring.
+
+python -m tools.generate.reference
+"""
+
+import ipoa_mission
+from tools import REPOSITORY
+
+PAGE = REPOSITORY / "docs" / "reference.md"
+HEAD = """\
+# Python, name by name
+
+What `import ipoa_mission` offers, from its docstrings; [api.md](api.md) shows it at work. On the site every name has
+its parameters, errors and example here; in a checkout use `help(ipoa_mission.NAME)`.
+
+"""
+
+
+def page() -> str:
+    """The text of the page."""
+    public = ((name, getattr(ipoa_mission, name)) for name in ipoa_mission.__all__)
+    return HEAD + "\n".join(f"::: {one.__module__}.{name}" for name, one in public) + "\n"
+
+
+def main() -> None:
+    """Write the page."""
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"written: {PAGE}")
+
+
+if __name__ == "__main__":
+    main()

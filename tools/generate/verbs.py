@@ -1,0 +1,119 @@
+"""Write docs/verbs.md: every verb with its arguments and options, and which verb takes which flag.
+
+python -m tools.generate.verbs
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from inspect import Parameter, signature
+from typing import Any, get_args, get_type_hints
+
+from typer.models import OptionInfo
+
+from ipoa_mission.cli.app import VERBS
+from tools import REPOSITORY
+
+PAGE = REPOSITORY / "docs" / "verbs.md"
+HEAD = """\
+# Verbs and flags
+
+Made from the code by `python -m tools.generate.verbs`; a test holds it against what the command line takes.
+`ipoa-mission VERB --help` prints a verb's part of it.
+"""
+FLAGS = """\
+## Flags
+
+A flag means the same in every verb that takes it; the few that stand here twice say otherwise.
+
+| flag | value | meaning | left out | verbs |
+|---|---|---|---|---|
+"""
+
+
+@dataclass(frozen=True)
+class Flag:
+    """An argument or option of a verb."""
+
+    name: str
+    value: str
+    default: str
+    words: str
+    is_option: bool
+
+
+def flags(verb: Callable[..., None]) -> tuple[Flag, ...]:
+    """What a verb takes, in the order of its help."""
+    hints = get_type_hints(verb, include_extras=True)
+    return tuple(_flag(hints[name], given.default) for name, given in signature(verb).parameters.items())
+
+
+def _flag(hint: Any, default: Any) -> Flag:
+    kind, info = get_args(hint)
+    is_option = isinstance(info, OptionInfo)
+    name = ", ".join((info.default, *info.param_decls)) if is_option else str(info.metavar)
+    choices = [one for part in (get_args(kind) or (kind,)) if isinstance(part, type) for one in _choices(part)]
+    value = " or ".join(choices) or (str(info.metavar or "") if is_option else "")
+    return Flag(name, value, _shown(default), str(info.help), is_option)
+
+
+def _choices(kind: type) -> list[str]:
+    return [str(one) for one in kind] if issubclass(kind, StrEnum) else []
+
+
+def _shown(default: Any) -> str:
+    if default is Parameter.empty:
+        return "needed"
+    if default is None or default is False:
+        return ""
+    return "yes" if default is True else " ".join(map(str, default)) if isinstance(default, tuple) else str(default)
+
+
+def rows() -> dict[Flag, list[str]]:
+    """Every option as it is told, with the verbs that take it, by name."""
+    found: dict[Flag, list[str]] = {}
+    for name, verb in by_name().items():
+        for flag in flags(verb):
+            if flag.is_option:
+                found.setdefault(flag, []).append(name)
+    return dict(sorted(found.items(), key=lambda row: row[0].name))
+
+
+def by_name() -> dict[str, Callable[..., None]]:
+    """The verbs by what they are called on the command line."""
+    return {verb.__name__.replace("_", "-"): verb for verbs in VERBS.values() for verb in verbs}
+
+
+def page() -> str:
+    """The text of the page."""
+    parts = [HEAD]
+    names = {verb: name for name, verb in by_name().items()}
+    for heading, verbs in VERBS.items():
+        parts.append(f"## {heading}\n")
+        for verb in verbs:
+            arguments = [flag for flag in flags(verb) if not flag.is_option]
+            parts += [f"### {names[verb]}\n", _about(verb.__doc__ or "")]
+            parts += ["".join(f"* `{one.name}`: {one.words}\n" for one in arguments)] if arguments else []
+    cells = (
+        f"| `{one.name}` | {one.value} | {one.words} | {one.default} | {', '.join(takers)} |"
+        for one, takers in rows().items()
+    )
+    return "\n".join(parts) + "\n" + FLAGS + "\n".join(cells) + "\n"
+
+
+def _about(docstring: str) -> str:
+    """The docstring without its indent, the example as code."""
+    lines = [line.removeprefix("    ") for line in docstring.strip().splitlines()]
+    words = "\n".join(line for line in lines if not line.startswith("Example: "))
+    examples = [line.removeprefix("Example: ").strip("`") for line in lines if line.startswith("Example: ")]
+    return words.strip() + "\n" + "".join(f"\n```sh\n{example}\n```\n" for example in examples)
+
+
+def main() -> None:
+    """Write the page."""
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"written: {PAGE}")
+
+
+if __name__ == "__main__":
+    main()
