@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,9 @@ SPHERE = 6_371_000.0  # radius of PX4's Earth [m]
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item"]
+
+HEADER, MESSAGE = 16, Struct("<HB")  # bytes before the first message; what each begins with: size and kind
+DEFINES, BEGINS_DATA = b"BFIMPQ", b"ALC"  # kinds of messages
 
 Event = tuple[float, Message]
 
@@ -83,11 +87,29 @@ def _open(path: Path) -> Any:
         raise MissionError(
             f"{path}: reading PX4's logs needs the package pyulog", hint="pip install 'ipoa-mission[logs]'"
         ) from error
+    _expect_definitions(path)
     try:
         with path.open("rb") as file, redirect_stdout(StringIO()):  # it prints what it thinks of a broken file
             return pyulog.ULog(file, TOPICS)
     except Exception as error:  # pyulog raises whatever a broken file makes it stumble over
         raise BadInput(f"{path}: cannot be read as a PX4 log: {error}") from error
+
+
+def _expect_definitions(path: Path) -> None:
+    """Refuse a log whose definitions are spoiled: pyulog looks for their end without one."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    at = HEADER
+    while at + MESSAGE.size <= len(data):
+        size, kind = MESSAGE.unpack_from(data, at)
+        if kind in BEGINS_DATA:
+            return
+        at += MESSAGE.size + size
+        if kind not in DEFINES:
+            break
+    raise BadInput(f"{path}: cannot be read as a PX4 log: its definitions break off")
 
 
 def _parameters(log: Any, begins: float) -> Iterator[Event]:

@@ -44,3 +44,11 @@ def test_a_record_of_arducopter_without_its_fields_is_passed_over(tmp_path: Path
     broken.write_bytes(sound.read_bytes().replace(b"Prm1", b"PrmX"))
     assert broken.read_bytes() != sound.read_bytes()
     assert len(read_flights(broken).flights) == len(read_flights(sound).flights)
+
+
+def test_definitions_that_break_off_are_refused_at_once(tmp_path: Path) -> None:
+    """pyulog looks for their end without one."""
+    broken = tmp_path / "broken.ulg"
+    broken.write_bytes(LOG.read_bytes()[:16] + b"\xff\xff\x00" * 100)
+    with pytest.raises(BadInput, match="its definitions break off"):
+        read_flights(broken)
