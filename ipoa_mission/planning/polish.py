@@ -135,7 +135,7 @@ class _Bench:
         beside, first = np.abs(half.row - half.col), np.minimum(half.row, half.col)
         twice = np.where(beside == 0, 2.0, 1.0)
         cells = np.bincount(beside * free + first, twice * half.data, minlength=(self.reach + 1) * free)
-        return self.spread.T @ gradient, cells.reshape(self.reach + 1, free)
+        return np.asarray(self.spread.T @ gradient), cells.reshape(self.reach + 1, free).astype(float)
 
 
 def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
