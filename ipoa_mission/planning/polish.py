@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpbsv
+from scipy.sparse import csr_array, dia_array, diags_array, eye_array, kron
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import Soft
@@ -109,7 +110,7 @@ class _Bench:
     window: NDArray[np.float64]
     even: float
     free: slice
-    spread: Matrix | None
+    spread: csr_array | None
     reach: int
 
     def moved(self, control: Points, step: Vector) -> Points:
@@ -126,10 +127,15 @@ class _Bench:
         """Gradient and lower band of the Hessian by what is free, from those by all coordinates of `some`."""
         if self.spread is None:
             return gradient[self.free], band[:, self.free]
-        lower = sum(np.diag(row[: len(row) - k], -k) for k, row in enumerate(band))
-        hessian = self.spread.T @ (lower + np.tril(lower, -1).T) @ self.spread
-        diagonals = [np.diagonal(hessian, -k) for k in range(self.reach + 1)]
-        return gradient @ self.spread, np.array([np.pad(d, (0, len(hessian) - len(d))) for d in diagonals])
+        halves = band.copy()
+        halves[0] /= 2.0  # the Hessian is this triangle and its transpose
+        size, free = self.spread.shape
+        lower = dia_array((halves, -np.arange(len(band))), shape=(size, size))
+        half = (self.spread.T @ lower.tocsr() @ self.spread).tocoo()
+        beside, first = np.abs(half.row - half.col), np.minimum(half.row, half.col)
+        twice = np.where(beside == 0, 2.0, 1.0)
+        cells = np.bincount(beside * free + first, twice * half.data, minlength=(self.reach + 1) * free)
+        return np.asarray(self.spread.T @ gradient), cells.reshape(self.reach + 1, free).astype(float)
 
 
 def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
@@ -141,10 +147,10 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
     free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
     if len(trail.via_at):
         ways = freedom(trail, problem.task, part)[low:high]
-        spread = np.einsum("nf,ab->nafb", ways, np.eye(3)).reshape(3 * len(ways), -1)
-        near = np.abs(np.subtract.outer(np.arange(len(spread)), np.arange(len(spread)))) <= BAND
-        pairs = np.argwhere(np.abs(spread.T) @ near @ np.abs(spread) > 0)
-        reach = int((pairs[:, 0] - pairs[:, 1]).max(initial=0))
+        spread = csr_array(kron(csr_array(ways), eye_array(3)))
+        near = diags_array(np.ones(2 * BAND + 1), offsets=np.arange(-BAND, BAND + 1), shape=(len(ways) * 3,) * 2)
+        pairs = (abs(spread).T @ near @ abs(spread)).tocoo()
+        reach = int(np.max(pairs.row - pairs.col, initial=0))
     look = even_basis(n, nodes)[seen]
     even = float(leg_lengths(look @ trail.curve.control).mean())
     return _Bench(slice(low, high), look, first[seen] - low, window[seen], even, free, spread, reach)
