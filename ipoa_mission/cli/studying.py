@@ -1,6 +1,7 @@
 """`studio`: the page on which a flight is drawn, planned, proved, flown and watched."""
 
 import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -43,7 +44,8 @@ def studio(
         if browser:
             webbrowser.open(address)
 
-    serve(scenario, page, port, seed, tell_address)
+    with suppress(KeyboardInterrupt):  # that is how it is meant to end
+        serve(scenario, page, port, seed, tell_address)
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
