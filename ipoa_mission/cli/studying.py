@@ -1,6 +1,7 @@
 """`studio`: the page on which a flight is drawn, planned, proved, flown and watched."""
 
 import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +19,7 @@ def studio(
     ] = Path("mission.toml"),
     home: Annotated[
         tuple[float, float, float] | None,
-        typer.Option("--home", metavar="LAT LON ALT", help="Begin a new scenario there: degrees, and metres AMSL."),
+        typer.Option("--new", metavar="LAT LON ALT", help="Begin a new scenario, home there: degrees, metres AMSL."),
     ] = None,
     port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any that is free.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", metavar="", help="Open the page.")] = True,
@@ -49,7 +50,8 @@ def studio(
         if browser:
             webbrowser.open(address)
 
-    serve(scenario, page, port, seed, tell_address)
+    with suppress(KeyboardInterrupt):  # that is how it is meant to end
+        serve(scenario, page, port, seed, tell_address)
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
@@ -65,10 +67,10 @@ def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
     if home is None:
         raise BadInput(
             f"{target}: expected a scenario, but there is no such file",
-            hint="a new one begins at home: --home LAT LON ALT; or from a map: ipoa-mission new",
+            hint="a new one begins at home: --new LAT LON ALT; or from a map: ipoa-mission new",
         )
     if target.exists():
-        raise BadInput(f"--home: {target} is there already", hint="leave --home out, or name another file")
+        raise BadInput(f"--new: {target} is there already", hint="leave --new out, or name another file")
     latitude, longitude, altitude = home
     places = {"home": f"{latitude:.7f}, {longitude:.7f}", "goal": f"{latitude + NORTHWARDS:.7f}, {longitude:.7f}"}
     write_atomically(target, new_scenario({**places, "altitude": f"{altitude:.1f}"}, target))

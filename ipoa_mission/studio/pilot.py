@@ -26,6 +26,7 @@ from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
 from ipoa_mission.world.frame import Geodetic
 
 SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by its own clock
+LOOK_S = 0.1
 
 
 class Pilot:
@@ -36,6 +37,8 @@ class Pilot:
 
     def fly(self, order: Order, answer: Answer) -> None:
         """Upload, wait for the second step, fly, and tell what is seen."""
+        while not self._beside.empty():
+            self._beside.get()  # said of an earlier flight
         flight, proof = _handed_over(Path(order["file"]))
         log = Path(order["log"])
         with _vehicle(order, flight, log) as vehicle:
@@ -67,15 +70,21 @@ class Pilot:
 
     def _await_start(self, loaded: Loaded) -> None:
         """Wait until the page starts this very flight."""
-        while not self._beside.empty():
-            self._beside.get()  # said of an earlier one
-        start = self._beside.get()
+        start = self._next()
         for what in ("vehicle", "mission", "proof"):
             if start.get(what) != getattr(loaded, what):
                 raise MissionError(
                     f"not started: you named {what} {start.get(what)!r}, and it is {getattr(loaded, what)!r}",
                     hint="upload again",
                 )
+
+    def _next(self) -> Order:
+        """What the page says next; looked for often, since nothing cancels a thread that waits for ever."""
+        while True:
+            try:
+                return self._beside.get(timeout=LOOK_S)
+            except queue.Empty:
+                continue
 
     def jobs(self) -> Mapping[str, tuple[Job, Subject]]:
         """What can be asked."""

@@ -32,8 +32,8 @@ def test_messages_are_what_they_were_when_they_come_back() -> None:
 
 
 def test_the_page_is_typed_by_the_schema(tmp_path: Path) -> None:
-    made_by, checked_by = (WEB / "node_modules" / ".bin" / name for name in ("json2ts", "tsc"))
-    if shutil.which("node") is None or not (made_by.exists() and checked_by.exists()):
+    made_by, checked_by = (str(WEB / "node_modules" / ".bin" / name) for name in ("json2ts", "tsc"))
+    if shutil.which("node") is None or not (Path(made_by).exists() and Path(checked_by).exists()):
         pytest.skip("needs Node.js, and npm ci in ipoa_mission/studio/web")
     for file in (*WEB.glob("*.ts"), *WEB.glob("*.tsx"), WEB / "tsconfig.json"):
         shutil.copy(file, tmp_path / file.name)
