@@ -35,6 +35,8 @@ def check_ground(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) ->
             f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
         )
     parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
+    if parameters.get("RNGFND1_TYPE", 0.0) > 0:
+        return
     reported = set[tuple[int, float]]()
     for leg in legs:
         if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:

@@ -58,9 +58,10 @@ def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | Non
 
 def in_world(mission: Mission, world: "Scenario | None", wind: "Wind | None" = None) -> tuple[Mission, "Wind"]:
     """The mission over the ground of the scenario on its vehicle, and the wind: the given one goes before its own."""
-    from ipoa_mission.tube.flown_in import flown_in
-    from ipoa_mission.wind import CALM
-
     if world is None:
+        from ipoa_mission.wind import CALM
+
         return mission, wind or CALM
+    from ipoa_mission.tube.flown_in import flown_in
+
     return flown_in(mission, world), wind or world.wind.air()

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.options import SeedOption, expect_scenario
-from ipoa_mission.cli.telling import tell
+from ipoa_mission.cli.options import JsonOption, SeedOption, expect_scenario
+from ipoa_mission.cli.telling import tell, tell_json
 
 NORTHWARDS = 0.0009  # how far from home a new scenario's first goal is [deg], about 100 m
 
@@ -24,10 +24,13 @@ def studio(
     port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any that is free.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", metavar="", help="Open the page.")] = True,
     seed: SeedOption = 0,
+    as_json: JsonOption = False,
 ) -> None:
     """Plan on a map in the browser: draw, drag, see it proved, fly it. The page is for this user on this machine alone.
 
-    Ctrl-C ends it. Example: `ipoa-mission studio missions/campus.toml`
+    Ctrl-C ends it. With `--json` one line says where it is open.
+
+    Example: `ipoa-mission studio missions/campus.toml`
     """
     from ipoa_mission.studio.extra import expect_extra
 
@@ -35,12 +38,15 @@ def studio(
     from ipoa_mission.studio.bundle import built_page
     from ipoa_mission.studio.server import serve
 
-    page = built_page(tell)
+    page = built_page((lambda words: None) if as_json else tell)
     if home is not None or not scenario.exists():
         _begin(scenario, home)
 
     def tell_address(address: str) -> None:
-        tell(f"{scenario.name} is open at {address}", "Ctrl-C ends it; whoever has this address can plan and fly")
+        if as_json:
+            tell_json({"scenario": str(scenario), "address": address}, indent=None)
+        else:
+            tell(f"{scenario.name} is open at {address}", "Ctrl-C ends it; whoever has this address can plan and fly")
         if browser:
             webbrowser.open(address)
 

@@ -19,6 +19,7 @@ SOURCES = (
     "autopilots/*.py",
     "commands.py",
     "dynamics/**/*.py",
+    "geometry.py",
     "planning/_*.py",
     "planning/chart.py",
     "world/obstacles/obstacle.py",

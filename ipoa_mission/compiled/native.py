@@ -10,6 +10,7 @@ of records "|V16 1".
 
 import ctypes
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -41,12 +42,12 @@ class Native:
             TypeError: an array is not of the type for which this was compiled.
             RuntimeError: the kernel gave up, as on an index out of range.
         """
-        room = np.empty(max(self._words, 1), np.int64)
-        error = ctypes.c_void_p()
+        room = np.empty(self._words + 1, np.int64)  # the last for what numba says of an error
+        first = _address(room)
         packed: list[Any] = []
         for k, (kind, value) in enumerate(zip(self._arguments, values, strict=True)):
             packed += self._packed(k, kind, value)
-        status = self._call(room.ctypes.data, ctypes.addressof(error), *packed)
+        status = self._call(first, first + 8 * self._words, *packed)
         if status not in {RETURNED, RETURNED_NONE}:
             raise RuntimeError(f"{self._name} ended with status {status}")
         return None if self._result is None else self._unpacked(self._result, room)[0]
@@ -56,11 +57,12 @@ class Native:
         if not hasattr(value, "_fields"):
             return _pack(kind, value)
         key = (k, id(value))
-        if key not in self._kept:
+        kept = self._kept.get(key)
+        if kept is None:
             if len(self._kept) >= PACKED:
                 self._kept.clear()
-            self._kept[key] = value, _pack(kind, value)
-        return self._kept[key][1]
+            kept = self._kept[key] = value, _pack(kind, value)
+        return kept[1]
 
     def _unpacked(self, kind: Type, words: Any) -> tuple[Any, Any]:
         """A returned value, and the words after it."""
@@ -77,7 +79,7 @@ class Native:
         dtype, dimensions = _array(kind)
         memory, size, first = int(words[0]), int(words[2]), int(words[4])
         value = np.empty(words[5 : 5 + dimensions], dtype)
-        ctypes.memmove(value.ctypes.data, first, size * dtype.itemsize)
+        ctypes.memmove(_address(value), first, size * dtype.itemsize)
         self._release(memory)
         return value, words[_words(kind) :]
 
@@ -90,20 +92,23 @@ def _pack(kind: Type, value: Any) -> list[Any]:
     if kind in _NUMBERS:
         return [int(value)]
     dtype, dimensions = _array(kind)
-    same = value.dtype == dtype or (dtype.kind == "V" and value.dtype.names and value.itemsize == dtype.itemsize)
-    if not same or value.ndim != dimensions or not value.flags.c_contiguous:
-        raise TypeError(f"expected a contiguous array of {kind}, not {value.dtype.str} {value.ndim}")
-    return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+    there = value.dtype
+    if there is not dtype and (there.itemsize != dtype.itemsize or (there.names is None and there != dtype)):
+        raise TypeError(f"expected an array of {kind}, not {there.str} {value.ndim}")
+    if value.ndim != dimensions or not value.flags.c_contiguous:
+        raise TypeError(f"expected a contiguous array of {kind}, not {there.str} {value.ndim}")
+    return [0, 0, value.size, there.itemsize, _address(value), *value.shape, *value.strides]
 
 
+def _address(array: Any) -> int:
+    """Of the first element."""
+    return int(array.ctypes.data)
+
+
+@cache
 def _array(kind: str) -> tuple[np.dtype[Any], int]:
-    dtype, dimensions = _ARRAYS.get(kind) or kind.rsplit(" ", 1)
-    if kind not in _ARRAYS:
-        _ARRAYS[kind] = np.dtype(dtype), int(dimensions)
-    return _ARRAYS[kind]
-
-
-_ARRAYS: dict[str, tuple[np.dtype[Any], int]] = {}
+    dtype, dimensions = kind.rsplit(" ", 1)
+    return np.dtype(dtype), int(dimensions)
 
 
 def _words(kind: Type) -> int:

@@ -68,8 +68,8 @@ def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Sce
     on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     height = mission.altitude_above_home(item) if placed else math.nan
     points = np.vstack([leg.points for leg in legs]) if legs else None
-    if scenario is not None and points is not None and item.command in LANDINGS:  # whatever its altitude says
-        height = float(points[-1, 2] - scenario.frame.local(mission.home)[2])
+    if scenario is not None and points is not None and item.command in LANDINGS:  # down to the ground there
+        height = scenario.frame.geodetic(points[-1]).altitude - mission.home.altitude
     return Row(
         seq=seq,
         command=command_name(item.command),

@@ -1,6 +1,7 @@
 """A log that ArduPilot itself wrote (`.bin`): where it was, what it did, which item it turned to, how it was set."""
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -50,7 +51,8 @@ def read_copter_log(path: Path) -> Log:
     """
     gathered = _Gathered()
     for kind, values in read_records(path, KINDS):
-        _note(gathered, kind, values)
+        with suppress(KeyError, TypeError, ValueError):  # a record whose layout is spoiled tells nothing
+            _note(gathered, kind, values)
     if gathered.vehicle and gathered.vehicle != "Copter":
         raise BadInput(f"{path}: expected the log of a copter, not of ArduPilot's {gathered.vehicle}")
     if len(gathered.fixes) < 2:

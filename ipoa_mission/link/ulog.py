@@ -41,6 +41,14 @@ def read_ulog(path: Path) -> Log:
         MissionError: pyulog is not installed.
     """
     log = _open(path)
+    try:
+        return _told(path, log)
+    except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:  # columns that a broken file lacks
+        raise BadInput(f"{path}: cannot be read as a PX4 log: {error}") from error
+
+
+def _told(path: Path, log: Any) -> Log:
+    """What an open log has."""
     topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance counts
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:
@@ -85,7 +93,8 @@ def _open(path: Path) -> Any:
 def _parameters(log: Any, begins: float) -> Iterator[Event]:
     changed = [(time / 1e6, name, value) for time, name, value in log.changed_parameters]
     for time, name, value in [*((begins, *pair) for pair in log.initial_parameters.items()), *changed]:
-        yield time, ParamValue(name, float(value), FLOAT, 0, 0)
+        if isinstance(value, int | float):  # of a broken file it may be anything
+            yield time, ParamValue(name, float(value), FLOAT, 0, 0)
 
 
 def _homes(home: Any | None) -> Iterator[Event]:

@@ -51,10 +51,10 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         placed = [(f"{path}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features)]
     elif kind == "Feature":
         placed = [(f"{path}: feature", document)]
-    elif kind == "GeometryCollection" or kind in SHAPES:
+    elif isinstance(kind, str) and (kind == "GeometryCollection" or kind in SHAPES):
         placed = [(f"{path}: feature", {"type": "Feature", "geometry": document})]
     else:
-        raise BadInput(f"{path}: type: expected 'FeatureCollection', not {kind!r}", hint="a map is a GeoJSON file")
+        raise BadInput(f"{path}: type: expected 'FeatureCollection', not {kind!r:.40}", hint="a map is a GeoJSON file")
     to_degrees, mistakes = _coordinate_system(document, path), Mistakes()
     made = [mistakes.attempt(_feature, place, feature, to_degrees) for place, feature in placed]
     mistakes.tell()

@@ -87,6 +87,17 @@ class Soft(NamedTuple):
     above: float  # kept in addition to the required height [m]
     flatter: float  # taken off the steepest slopes allowed
 
+    def scaled(self, scale: float) -> "Soft":
+        """The same for a scene of other size: lengths are `scale` times as long, and what they cost stays."""
+        return self._replace(
+            reach=self.reach * scale,
+            wall=self.wall / scale,
+            stiffness=self.stiffness / scale**3,
+            evenness=self.evenness / scale,
+            aside=self.aside * scale,
+            above=self.above * scale,
+        )
+
 
 def chart_of(airspace: Airspace, limits: Limits, reach: float) -> Chart:
     """The chart on which obstacles are listed wherever they are within `reach` [m], and ground within that height."""

@@ -15,6 +15,7 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario.limits import Limits
 
 FINE = 0.05  # the step at which a plan's cost is integrated [m]
+PER_SPAN = 16  # and steps that every span of the curve has at least
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,17 @@ def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
     """The cost of a curve: over `planning.samples` nodes even in its parameter, or the integral in fine steps."""
     if task.cost.form == "nodes":
         return path_cost(curve.points(np.linspace(0.0, 1.0, task.planning.samples)), task)
-    return path_cost(curve.sample(int(np.clip(curve.length / FINE, 1000, 8000))), task)
+    spans = np.linspace(0.0, 1.0, PER_SPAN * curve.spans + 1)  # lest a turn of a few millimeters goes uncounted
+    return path_cost(curve.points(np.union1d(curve.parameters(_steps(curve)), spans)), task)
+
+
+def even_cost(curve: Spline, task: PathTask) -> CostTerms:
+    """The same by steps of one length alone: less than `curve_cost` where the curve turns within a step."""
+    return path_cost(curve.sample(_steps(curve)), task) if task.cost.form != "nodes" else curve_cost(curve, task)
+
+
+def _steps(curve: Spline) -> int:
+    return int(np.clip(curve.length / FINE, 1000, 8000))
 
 
 def threats(nodes: Points, task: PathTask) -> Vector:

@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.cost import curve_cost, even_cost
 from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
@@ -29,12 +29,8 @@ __all__ = ["NoPath", "plan_path"]
 Proved: TypeAlias = tuple[Spline, Proof]
 
 
-def plan_path(
-    task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy | None = None
-) -> Plan:
+def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy = USUAL) -> Plan:
     """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
-
-    `strategy` says how hard it looks (None: as usual).
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
@@ -46,7 +42,7 @@ def plan_path(
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
     optimizer = optimizer_of(task, short=not as_printed)
-    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy or USUAL)
+    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [(curve_cost(curve, task), curve, proof) for curve, proof in curves if proof.holds]
@@ -71,12 +67,12 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
     for coarsest in range(len(strategy.lattice.refinements) - 1):
         improved = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
         for trail in improved[: strategy.max_settled]:
-            proved.append(settle(trail, problem))
+            proved.append(_settle(trail, searcher))
             if sum(proof.holds for _, proof in proved) == strategy.settled:
                 break
         if safe := [trail for trail, proof in proved if proof.holds]:
             finer = _finer(min(safe, key=problem.cost), strategy)
-            proved.append(settle(finer, problem, enough=1e-8))
+            proved.append(_settle(finer, searcher, enough=1e-8))
             break
         if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why
@@ -123,6 +119,19 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
         improved.append((problem.cost(better), better))
         improved.sort(key=lambda pair: pair[0])
     return [trail for _, trail in improved]
+
+
+def _settle(trail: Trail, searcher: Searcher, enough: float = 1e-7) -> tuple[Trail, Proof]:
+    """The curve settled; if control points that piled up hide a loop of it, once more with them evenly apart."""
+    problem, task = searcher.problem, searcher.problem.task
+    settled, proof = settle(trail, problem, enough)
+    cost = curve_cost(settled.curve, task).total
+    if cost <= searcher.strategy.hidden_loop * even_cost(settled.curve, task).total:
+        return settled, proof
+    count = len(settled.curve.control)
+    even, even_proof = settle(follow(settled.curve.sample(4 * count), count - 2, task), problem, enough)
+    cheaper = curve_cost(even.curve, task).total < cost
+    return (even, even_proof) if even_proof.holds and (cheaper or not proof.holds) else (settled, proof)
 
 
 def _finer(trail: Trail, strategy: SearchStrategy) -> Trail:

@@ -55,9 +55,9 @@ def polish(
     nodes = finer * max(problem.nodes, NODES_PER_SPAN * trail.curve.spans)
     control, bench = trail.curve.control, _prepare(trail, problem, part, nodes)
     signs = np.zeros((len(bench.first), 2))
-    for soft in stages:
-        good = enough if soft is stages[-1] else max(enough, EARLY_GAIN)
-        control, signs = _descend(control, signs, problem, bench, soft, steps, good)
+    for k, soft in enumerate(stages, 1):
+        good = enough if k == len(stages) else max(enough, EARLY_GAIN)
+        control, signs = _descend(control, signs, problem, bench, soft.scaled(problem.scale), steps, good)
     return Trail(Spline(control), trail.via_at)
 
 

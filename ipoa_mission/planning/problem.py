@@ -28,6 +28,7 @@ UNSAFE = 1e6  # a curve that costs more than this breaks a limit
 ROUGH_STEEPNESS = 1.1  # how much steeper than allowed a rough curve may be
 NARROW, MOST = 0.3, 4000  # curves are compared by legs as short as this [m], if so many are enough
 LENIENCE = 0.1  # what a rough curve may break a limit by; the fine polish mends it [m]
+FULL_SIZE = 50.0  # in a scene with less from start to goal, what is given in meters is smaller in proportion [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +63,11 @@ class PreparedProblem:
     rules: Rules
     nodes: int
 
+    @property
+    def scale(self) -> float:
+        """What is usual in meters counts so many times in this scene: 1, or less where all is small."""
+        return min(float(np.linalg.norm(self.task.places[-1] - self.task.places[0])) / FULL_SIZE, 1.0)
+
     def costs(self, encoding: Encoding) -> Callable[[Candidates], Costs]:
         """The cost function of a search: candidates (m, D) to costs (m,) of that part of the path which they change."""
         from ipoa_mission.planning._kernels import path_costs  # compiled, or loaded, when the first path is planned
@@ -85,15 +91,16 @@ class PreparedProblem:
 
         nodes = trail.curve.points(np.linspace(0.0, 1.0, COMPARING_FACTOR * self.nodes))
         legs = leg_lengths(nodes)
-        longest = max(1.5 * self.limits.obstacle_distance, NARROW)
+        lenience = LENIENCE * self.scale
+        longest = max(1.5 * self.limits.obstacle_distance, NARROW * self.scale)
         if legs.max() > longest:  # lest it skip a thin wall
             traveled = np.concatenate([[0.0], np.cumsum(legs)])
             even = np.linspace(0.0, traveled[-1], int(np.clip(traveled[-1] / longest, len(nodes), MOST)))
             nodes = np.column_stack([np.interp(even, traveled, nodes[:, k]) for k in range(3)])
-        chart = self.chart._replace(lower=self.chart.lower - LENIENCE, upper=self.chart.upper + LENIENCE)
+        chart = self.chart._replace(lower=self.chart.lower - lenience, upper=self.chart.upper + lenience)
         rules = self.rules._replace(
-            clearance=self.rules.clearance - LENIENCE,
-            height=self.rules.height - LENIENCE,
+            clearance=self.rules.clearance - lenience,
+            height=self.rules.height - lenience,
             climb=self.rules.climb * ROUGH_STEEPNESS,
             descent=self.rules.descent * ROUGH_STEEPNESS,
             collision=UNSAFE,

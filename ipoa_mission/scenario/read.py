@@ -59,7 +59,12 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
             "\n".join(lines),
             hint="`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None,
         ) from error
-    scenario.survey()
+    try:
+        scenario.survey()
+    except BadInput as error:
+        if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields:
+            raise  # a map names itself
+        raise BadInput(f"{path}: {error}", hint=error.hint) from error
     return scenario
 
 

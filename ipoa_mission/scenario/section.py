@@ -26,8 +26,8 @@ def _no_truth(value: Any) -> Any:
     return value
 
 
-Number = Annotated[float, BeforeValidator(_no_truth)]
-Positive = Annotated[Number, Field(gt=0)]
-NotNegative = Annotated[Number, Field(ge=0)]
-Latitude = Annotated[Number, Field(ge=-90, le=90)]
-Longitude = Annotated[Number, Field(ge=-180, le=180)]
+NUMBER = BeforeValidator(_no_truth)  # behind the limits, so that the schema keeps them
+Positive = Annotated[float, Field(gt=0), NUMBER]
+NotNegative = Annotated[float, Field(ge=0), NUMBER]
+Latitude = Annotated[float, Field(ge=-90, le=90), NUMBER]
+Longitude = Annotated[float, Field(ge=-180, le=180), NUMBER]

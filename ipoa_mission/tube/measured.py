@@ -35,7 +35,7 @@ PX4 = Law(
     turn=8.0,
     ending=1.5,
     growth=(0.1, 0.03, 0.1),
-    source="PX4 1.17 in its simulator (SIH): 88 flights of 17 missions, 1.5 to 18 m/s, and 16 in wind, by true place",
+    source="PX4 1.17 in its simulator (SIH): 88 flights of 17 missions, 1.5 to 18 m/s, and 22 in wind, by true place",
     not_valid=NOT_VALID,
 )
 _LAWS = MappingProxyType({Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4})

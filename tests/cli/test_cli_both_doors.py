@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import ipoa_mission as api
-from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
 from ipoa_mission.scenario import parse_scenario
 from tests.cli.conftest import Run
 
@@ -19,23 +18,6 @@ SLOW = {
     "ardupilot": "WPNAV_ACCEL = 120\nWP_JERK = 0.6\nLAND_SPEED = 30\nRTL_ALT_M = 22.5",
     "px4": "MPC_ACC_HOR = 1.5\nMPC_JERK_AUTO = 2.5\nMPC_LAND_SPEED = 0.4",
 }
-
-
-#: Both doors are to say the same of whatever path is found: it need not be a good one.
-QUICK = SearchStrategy(
-    lattice=LatticeStrategy(max_ways=4, max_ways_climbing=4),
-    straight_starts=1,
-    lattice_starts=2,
-    cheapest_starts=1,
-    max_improved=1,
-    max_rounds=2,
-    settled=1,
-)
-
-
-@pytest.fixture(autouse=True)
-def look_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ipoa_mission.planning.planner.USUAL", QUICK)
 
 
 @pytest.fixture

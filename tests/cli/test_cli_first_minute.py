@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Run
-from tools import REPOSITORY
+from tests.sources import copy_sources
 
 IN_THE_END = re.compile(
     r"estimated (\d+\.\d) s, flown (\d+\.\d) s; 99 of 100 flights keep (\d\.\d) m; QGroundControl would have said \d+ s"
@@ -30,14 +30,9 @@ def test_a_packed_scenario_is_planned_by_its_name_unless_a_file_has_it(run: Run,
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What a wheel of the committed sources installs, read-only."""
+    """What a wheel of these sources installs, read-only."""
     folder = tmp_path_factory.mktemp("wheel")
-    sources = folder / "sources"
-    sources.mkdir()
-    archive = subprocess.run(["git", "archive", "HEAD"], cwd=REPOSITORY, capture_output=True, check=False)
-    if archive.returncode:
-        pytest.skip("not a git checkout")
-    subprocess.run(["tar", "-x", "-C", str(sources)], input=archive.stdout, check=True)
+    sources = copy_sources(folder / "sources")
     build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-build-isolation", "--no-deps", "-w", str(folder)]
     subprocess.run([*build, str(sources)], check=True, timeout=500)
     (wheel,) = folder.glob("*.whl")

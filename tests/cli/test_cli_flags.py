@@ -41,7 +41,8 @@ TOGETHER = (
 )
 #: Flag -> the verbs that must take it.
 TAKEN = {
-    "--json": "demo learn new plan check estimate show export fly mock compare scan upload download set-current clear reproduce",
+    "--json": "demo new plan studio check estimate show export fly mock compare learn "
+    "scan upload download set-current clear reproduce",
     "--force": "demo learn new plan export fly compare download",
     "--scenario": "check estimate show export compare",
     "--param": "plan check estimate show fly mock compare",

@@ -94,6 +94,7 @@ def test_a_kml_and_a_geojson_of_the_same_area_agree(tmp_path: Path, write_map: C
 
 
 BROKEN = {
+    '{"type": [[]]}': "type: expected 'FeatureCollection', not [[]]",
     "[": "line 1: expecting value",
     "[]": "type: expected 'FeatureCollection', not None",
     '{"type": "Topology"}': "type: expected 'FeatureCollection', not 'Topology'",

@@ -7,8 +7,12 @@ import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.exports.table import mission_table
 from ipoa_mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.simulator.fly import fly
+from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.tube.flown_in import flown_in
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 
@@ -86,3 +90,28 @@ def test_ground_at_home_that_is_not_at_homes_altitude_shifts_the_whole_flight() 
 def test_the_remedy_is_one(remedy: dict[str, float]) -> None:
     assert told(slope(12.0, ARDUPILOT), parameters=remedy) == []
     assert told(slope(12.0, PX4), parameters={"MPC_LAND_ALT1": 22.0, "MPC_LAND_ALT2": 17.0}) == []
+
+
+def test_a_range_finder_slows_arducopter_down_in_time() -> None:
+    assert told(slope(12.0, ARDUPILOT), parameters={"RNGFND1_TYPE": 1.0}) == []
+    assert told(slope(-40.0, ARDUPILOT), parameters={"RNGFND1_TYPE": 1.0}) == []
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_three_goals_below_level_with_and_above_home_are_landed_on_in_three_times(autopilot: Autopilot) -> None:
+    totals = []
+    for height in (-40.0, 0.0, 12.0):
+        scenario = slope(height, autopilot)
+        goal = scenario.frame.geodetic(np.array([200.0, 0.0, 0.0]))
+        mission = Mission(
+            scenario.frame.home, (takeoff(scenario.frame.home, 50.0), waypoint(goal, 50.0), land(goal)), autopilot
+        )
+        flown = flown_in(mission, scenario)
+        landing = estimate(flown).items[-1].duration_s
+        here = fly(flown)
+        assert here.item_reached_s[2] - here.item_reached_s[1] == pytest.approx(landing, rel=0.1)
+        assert here.path[-1].height == pytest.approx(height, abs=1.0)
+        row = mission_table(mission, scenario)[-1]
+        assert (row.height, row.height_above_ground) == pytest.approx((height, 0.0), abs=0.05)
+        totals.append(estimate(flown).total_s)
+    assert totals[0] > totals[1] + 20.0 > totals[2] + 25.0

@@ -132,13 +132,13 @@ def test_the_path_keeps_a_fence_that_was_drawn_by_hand(read: Read) -> None:
 def test_a_fence_that_leaves_home_out_is_refused(read: Read) -> None:
     house = ("kind = 'buildings'", box(40, 25, 60, 30))
     outside = "fence = [{ center = { east = 100, north = 0 }, radius = 60 }]"
-    with pytest.raises(BadInput, match=r"^fence: expected home inside of it, not 40\.\d m outside$"):
+    with pytest.raises(BadInput, match=r"here\.toml: fence: expected home inside of it, not 40\.\d m outside$"):
         read(*house, flight=FLIGHT + outside, building="yes")
     inside = "fence = [{ center = { east = 10, north = 0 }, radius = 60, inclusion = false }]"
-    with pytest.raises(BadInput, match=r"^fence\[0\]: expected home outside of an exclusion$"):
+    with pytest.raises(BadInput, match=r"here\.toml: fence\[0\]: expected home outside of an exclusion$"):
         read(*house, flight=FLIGHT + inside, building="yes")
     crossed = "fence = [{ polygon = [[-10, -10], [10, 10], [10, -10], [-10, 10]] }]"
-    with pytest.raises(BadInput, match=r"^fence\[0\]: expected a polygon with an inside, not with a self-int"):
+    with pytest.raises(BadInput, match=r"here\.toml: fence\[0\]: expected a polygon with an inside, not"):
         read(*house, flight=FLIGHT + crossed, building="yes")
 
 

@@ -214,3 +214,22 @@ def test_a_grid_smaller_than_the_flight_is_refused(east: int, side: str | None) 
         return
     with pytest.raises(BadInput, match=side):
         parse_scenario(text, HERE)
+
+
+def test_true_is_no_number_and_a_slip_is_told_with_what_it_may_have_been(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[2] / "missions" / "sitl.toml").read_text()
+    path = tmp_path / "x.toml"
+    path.write_text(
+        text.replace("cruise_speed = 8.0", "cruise_speed = true\nspeed = 8.0")
+        + '[[obstacles]]\nkind = "prism"\nfootprint = [[10, 10], [20, 20], [20, 10], [10, 20]]\nheight = 5\n'
+    )
+    with pytest.raises(BadInput) as refused:
+        read_scenario(path)
+    told = str(refused.value).splitlines()
+    assert f"{path}: vehicle.cruise_speed: expected a number, not true" in told
+    assert f"{path}: vehicle.speed: unknown key; did you mean cruise_speed, climb_speed or descent_speed?" in told
+    assert any(".footprint: expected a ring that does not cross itself" in line for line in told)
+    path.write_text(text.replace("east = 120.0", "east = 1e308"))
+    with pytest.raises(BadInput, match=r"not 1e\+305 km") as far:
+        read_scenario(path)
+    assert far.value.hint is None

@@ -38,7 +38,7 @@ def test_the_page_is_typed_by_the_schema(tmp_path: Path) -> None:
     for file in (*WEB.glob("*.ts"), *WEB.glob("*.tsx"), WEB / "tsconfig.json"):
         shutil.copy(file, tmp_path / file.name)
     (tmp_path / "node_modules").symlink_to(WEB / "node_modules")
-    arguments = [made_by, "--unreachableDefinitions", "--bannerComment", ""]
+    arguments = [str(made_by), "--unreachableDefinitions", "--bannerComment", ""]
     made = subprocess.run(arguments, input=json.dumps(schema()), capture_output=True, text=True, check=True)
     (tmp_path / "messages.d.ts").write_text(made.stdout)
     checked = subprocess.run([checked_by, "--noEmit"], capture_output=True, text=True, cwd=tmp_path, check=False)

@@ -1,0 +1,43 @@
+"""A room of a few meters is planned as well as a town, and no loop of millimeters hides in a curve."""
+
+import numpy as np
+import pytest
+
+from ipoa_mission import Airspace, Bounds, Limits, PathProblem, plan_path
+from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.world.obstacles import Cylinder, Prism
+from ipoa_mission.world.terrain import Flat
+
+REQUIRED = 0.23
+STICKS = ((0.36, 0.29), (0.48, 0.88), (0.73, -0.17), (1.52, 1.13), (1.36, 0.22), (3.1, -0.6), (3.6, 0.4), (4.0, -0.9))
+
+
+def room() -> PathProblem:
+    """A wall with a gap five centimeters wider than what is required, among sticks."""
+    low, high = -0.47 - REQUIRED - 0.025, -0.47 + REQUIRED + 0.025
+    walls = tuple(
+        Prism(name, ((2.34, a), (2.44, a), (2.44, b), (2.34, b)), (), 0.0, 4.0)
+        for name, a, b in (("right", -8.0, low), ("left", high, 8.0))
+    )
+    sticks = tuple(Cylinder(f"stick {k}", *place, 0.08, 0.0, 3.0) for k, place in enumerate(STICKS))
+    airspace = Airspace(Bounds((-2.0, -2.5, 0.0), (6.8, 2.5, 2.5)), Flat(), (*walls, *sticks))
+    limits = Limits(obstacle_distance=REQUIRED, height_above_ground=0.3)
+    return PathProblem(airspace, limits, np.array([[0.0, 0.0, 1.0], [4.8, 0.0, 1.2]]), radius=0.1)
+
+
+def test_every_seed_finds_the_same_way_through_a_room() -> None:
+    costs = [plan_path(room(), seed).cost.total for seed in range(3)]
+    assert max(costs) <= 1.005 * min(costs)
+
+
+def test_a_loop_of_millimeters_is_counted() -> None:
+    around = np.linspace(0.0, 2 * np.pi, 13)
+    loop = np.column_stack([50 + 0.002 * np.sin(around), 0.002 * (1 - np.cos(around)), np.full(13, 30.0)])
+    before, after = ([[x, 0.0, 30.0] for x in xs] for xs in ((0.0, 20.0, 40.0), (60.0, 80.0, 100.0)))
+    airspace = Airspace(Bounds((-10.0, -50.0, 0.0), (110.0, 50.0, 60.0)), Flat(), ())
+    places = np.array([[0.0, 0.0, 30.0], [100.0, 0.0, 30.0]])
+    problem = PathProblem(airspace, Limits(obstacle_distance=1.0, height_above_ground=5.0), places)
+    looped = curve_cost(Spline(np.array([*before, *loop, *after])), problem)
+    assert looped.turning_deg == pytest.approx(360.0, abs=30.0)
+    assert curve_cost(Spline(np.array([*before, *after])), problem).turning_deg == pytest.approx(0.0, abs=1e-6)

@@ -1,0 +1,21 @@
+"""A copy of the sources, without what tools leave behind, to be built."""
+
+import shutil
+from pathlib import Path
+
+from tools import REPOSITORY
+
+PARTS = ("pyproject.toml", "README.md", "LICENSE", ".gitignore", "ipoa_mission", "missions", "tools")
+
+
+def copy_sources(there: Path) -> Path:
+    """Copy all that a wheel is built from."""
+    leftovers = shutil.ignore_patterns("__pycache__", "kernels-*", "kernels.json")
+    there.mkdir()
+    for part in PARTS:
+        source = REPOSITORY / part
+        if source.is_dir():
+            shutil.copytree(source, there / part, ignore=leftovers)
+        else:
+            shutil.copy(source, there / part)
+    return there
