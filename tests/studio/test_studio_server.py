@@ -49,15 +49,28 @@ def test_a_drag_is_answered_and_changes_nothing(studio: Studio) -> None:
 
 def test_what_makes_no_sense_is_told_to_the_window_that_asked_it(studio: Studio) -> None:
     with studio.window() as talk:
+        seen = talk.wait("document")["revision"]
         talk.wait("world")
-        talk.say(kind="edit", seen=1, label="x", changes=[{"op": "take", "path": ["obstacles", 99]}])
+        talk.say(kind="edit", seen=seen, label="x", changes=[{"op": "take", "path": ["obstacles", 99]}])
         assert "obstacles.99" in talk.wait_for_trouble("edit")["message"]
         talk.say(kind="launch the rocket")
         assert "makes no sense" in talk.wait_for_trouble("edit")["message"]
-        talk.say(kind="edit", seen=1, label="x", changes=[PUT_SPEED | {"value": -3.0}])
+        talk.say(kind="edit", seen=seen, label="x", changes=[PUT_SPEED | {"value": -3.0}])
         assert "vehicle.cruise_speed: expected" in talk.wait_for_trouble("scenario")["message"]
         talk.say(kind="do", what="undo")
         talk.wait("world")
+
+
+def test_a_change_of_lists_that_were_numbered_anew_is_refused(studio: Studio) -> None:
+    first = {"op": "take", "path": ["obstacles", 0]}
+    with studio.window() as one, studio.window() as other:
+        seen = one.wait("document")["revision"]
+        other.wait("document")
+        one.say(kind="edit", seen=seen, label="barn removed", changes=[first])
+        document = other.wait("document", lambda told: told["revision"] > seen)
+        other.say(kind="edit", seen=seen, label="barn removed", changes=[first])
+        assert "changed elsewhere" in other.wait_for_trouble("edit")["message"]
+    assert [body["name"] for body in document["scenario"]["obstacles"]] == ["silo"]
 
 
 def test_what_another_program_writes_is_taken_and_can_be_undone(studio: Studio) -> None:
