@@ -96,6 +96,7 @@ def fly(
     from ipoa_mission.cli.real_flight import RealFlight, no_flight_yet
     from ipoa_mission.cli.summary import describe, tell_routes
     from ipoa_mission.errors import BadInput
+    from ipoa_mission.flight.landed import landed_elsewhere
     from ipoa_mission.flight.summary import passed_over_as_json
     from ipoa_mission.flight.written import not_as_written
     from ipoa_mission.mission.firmware import to_wire
@@ -150,6 +151,7 @@ def fly(
                 job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=job.wind))
             flight = RealFlight(job, flown, begin - 1, anyway, set_params)
             told, record = flight.fly()
+    told += landed_elsewhere(job.mission, record, job.wind)
     remarks = told if job.flight else tuple(dict.fromkeys((*job.remarks, *told)))
     if report and job.flight is not None:
         written.append(out / f"{job.name}.html")

@@ -14,8 +14,8 @@ from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.flight.summary import summarize
-from ipoa_mission.flight.written import digest
 from ipoa_mission.items import Mission
+from ipoa_mission.mission.landing_ground import digest
 from ipoa_mission.mission.parameter_file import beside, write_with_parameters
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import left_out, waypoints_text

@@ -6,6 +6,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.maps.passed import count_passed_over
+from ipoa_mission.mission.landing_ground import KEY, landing_ground
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.routing.assemble import Option
 from ipoa_mission.scenario import Scenario
@@ -41,6 +42,7 @@ def summarize(flight: "Flight") -> dict[str, Any]:
         ],
         "control_points": [[_rounded(value) for value in point] for point in plan.curve.control],
         "items": len(mission.items),
+        **({} if (ground := landing_ground(mission)) is None else {KEY: ground}),
         "estimate": {
             "total_s": _rounded(estimate.total_s),
             "qgroundcontrol_s": _rounded(estimate.qgroundcontrol_s),

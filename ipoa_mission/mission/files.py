@@ -8,6 +8,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.document import parse_document
+from ipoa_mission.mission.landing_ground import over_known_ground
 from ipoa_mission.mission.old_mission_file import is_old_mission, parse_old_mission
 from ipoa_mission.mission.parameter_file import beside, read_parameters
 from ipoa_mission.mission.plan_file import parse_plan, plan_text, write_plan
@@ -17,6 +18,8 @@ from ipoa_mission.mission.waypoints_file import FIRST_LINE, parse_waypoints, way
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
     """Read a `.plan`, a `.waypoints` or an old `.mission` file, whatever it is called, and NAME.params beside it.
 
+    Where it lands the ground is as high as NAME.json says, if that was written with this very file.
+
     `autopilot` goes before what a `.plan` says of itself; a `.waypoints` file says nothing: without it, it is for whom
     its parameters are, else for PX4.
 
@@ -25,15 +28,16 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
     """
     lying = beside(Path(path))
     parameters = read_parameters(lying) if lying.is_file() else {}
-    mission = _read(Path(path), autopilot, firmware_of(parameters) or Autopilot.PX4)
+    text = read_text(Path(path))
+    mission = _parsed(Path(path), text, autopilot, firmware_of(parameters) or Autopilot.PX4)
+    mission = over_known_ground(mission, Path(path), text)
     try:
         return mission.with_parameters(parameters)
     except BadInput as error:
         raise BadInput(f"{lying}: {error}", hint=error.hint) from error
 
 
-def _read(path: Path, autopilot: Autopilot | None, unsaid: Autopilot) -> Mission:
-    text = read_text(path)
+def _parsed(path: Path, text: str, autopilot: Autopilot | None, unsaid: Autopilot) -> Mission:
     beginning = text.lstrip()[: len(FIRST_LINE)]
     if beginning.startswith("{") or (path.suffix.lower() == ".plan" and not beginning.startswith("QGC WPL")):
         document = parse_document(path, text)

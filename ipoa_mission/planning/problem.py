@@ -28,7 +28,7 @@ UNSAFE = 1e6  # a curve that costs more than this breaks a limit
 ROUGH_STEEPNESS = 1.1  # how much steeper than allowed a rough curve may be
 NARROW, MOST = 0.3, 4000  # curves are compared by legs as short as this [m], if so many are enough
 LENIENCE = 0.1  # what a rough curve may break a limit by; the fine polish mends it [m]
-FULL_SIZE = 50.0  # in a scene with less from start to goal, what is given in meters is smaller in proportion [m]
+FULL_SIZE = 50.0  # on a shorter way over all places, what is given in meters is smaller in proportion [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class PreparedProblem:
     @property
     def scale(self) -> float:
         """What is usual in meters counts so many times in this scene: 1, or less where all is small."""
-        return min(float(np.linalg.norm(self.task.places[-1] - self.task.places[0])) / FULL_SIZE, 1.0)
+        return min(float(leg_lengths(self.task.places).sum()) / FULL_SIZE, 1.0)
 
     def costs(self, encoding: Encoding) -> Callable[[Candidates], Costs]:
         """The cost function of a search: candidates (m, D) to costs (m,) of that part of the path which they change."""

@@ -1,0 +1,41 @@
+"""The ground where a mission lands: NAME.json keeps it, and a flight that came down elsewhere is told of."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import ipoa_mission as api
+from ipoa_mission.flight.landed import landed_elsewhere
+from ipoa_mission.items import LEVEL, land, takeoff, waypoint
+from ipoa_mission.mission.landing_ground import KEY, digest, landing_ground, landing_on
+from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.wind import CALM
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.397742, 8.545594, 488.0)
+GOAL = Geodetic(47.398642, 8.545594, 488.0)
+MISSION = api.Mission(HOME, (takeoff(HOME, 20.0), waypoint(GOAL, 20.0), land(GOAL)), api.Autopilot.ARDUPILOT)
+
+
+def test_a_file_is_read_over_the_ground_that_was_written_beside_it(tmp_path: Path) -> None:
+    uphill = landing_on(MISSION, 8.5)
+    assert landing_ground(MISSION) is None
+    text, path, about = plan_text(uphill), tmp_path / "hill.plan", tmp_path / "hill.json"
+    path.write_text(text, encoding="utf-8")
+    assert landing_ground(api.read_mission(path)) is None
+    about.write_text(json.dumps({KEY: 8.5, "sha256": {path.name: digest(text)}}), encoding="utf-8")
+    again = api.read_mission(path)
+    assert landing_ground(again) == 8.5
+    assert again.ground(0.0, 0.0) == 0.0
+    assert api.estimate(again).total_s == api.estimate(uphill).total_s < api.estimate(MISSION).total_s - 3.0
+    path.write_text(text.replace('"groundStation"', ' "groundStation"'), encoding="utf-8")  # changed by somebody
+    assert api.read_mission(path).ground is LEVEL
+
+
+def test_a_flight_over_level_ground_says_what_was_to_be_expected_there() -> None:
+    level = api.fly(replace(MISSION, ground=LEVEL))
+    uphill = landing_on(MISSION, 8.5)
+    assert landed_elsewhere(uphill, api.fly(uphill), CALM) == ()
+    (words,) = landed_elsewhere(uphill, level, CALM)
+    assert words.startswith("it landed 0.0 m above home, where the ground is 8.5 m above home: ")
+    assert f"{api.estimate(MISSION).total_s:.1f} s are estimated" in words
