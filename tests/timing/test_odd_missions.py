@@ -136,6 +136,6 @@ def test_without_a_take_off_the_vehicle_flies_already_and_that_is_said(autopilot
     ],
 )
 def test_a_slow_leg_has_its_reason(autopilot: Autopilot, leg: tuple[Item, ...], reason: str) -> None:
-    fast = {"MPC_XY_VEL_MAX": 20.0}
+    fast = {"MPC_XY_VEL_MAX": 20.0} if autopilot is Autopilot.PX4 else {}
     mission = Mission(HOME, (takeoff(HOME, 30.0), *leg), autopilot)
     assert reason in estimate(mission, fast, fast=autopilot is Autopilot.PX4).items[-1].reason
