@@ -17,7 +17,7 @@ def landed_elsewhere(mission: Mission, record: FlightRecord, wind: Wind) -> tupl
     expected = landing_ground(mission)
     if expected is None or not record.completed or not record.path:
         return ()
-    landed = record.path[-1].height
+    landed = round(record.path[-1].height, 1) + 0.0
     if abs(landed - expected) < NOTICED:
         return ()
     other = estimate(landing_on(mission, landed), wind=wind).total_s
