@@ -72,6 +72,6 @@ def _landing_place(mission: Mission) -> tuple[float, float] | None:
 def _read(about: Path) -> dict[str, object]:
     try:
         told = json.loads(read_text(about)) if about.is_file() else {}
-    except (BadInput, ValueError):
+    except (BadInput, ValueError, RecursionError):
         return {}
     return told if isinstance(told, dict) else {}

@@ -1,0 +1,71 @@
+"""What an obstacle says of itself to who looks from above: its plan, itself made larger, its roof round a court."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.world.frame import Geodetic, apart
+from ipoa_mission.world.obstacles import Cylinder, Prism, Sphere
+from tests.world.test_new_kind import CABLE
+
+SQUARE = ((0.0, 0.0), (40.0, 0.0), (40.0, 40.0), (0.0, 40.0))
+COURT = ((10.0, 10.0), (10.0, 30.0), (30.0, 30.0), (30.0, 10.0))
+HOUSE = Prism("house", SQUARE, (COURT,), 0.0, 20.0)
+BALL = Sphere("ball", (5.0, -7.0, 30.0), 6.0)
+MAST = Cylinder("mast", 5.0, -7.0, 1.0, 0.0, 30.0)
+
+
+@pytest.mark.parametrize("body", [HOUSE, BALL, MAST])
+def test_a_grown_body_is_nearer_by_so_much(body: Prism | Sphere | Cylinder) -> None:
+    """A plan that is grown has corners of few edges, inside the true round ones."""
+    aside = 3.0
+    grown = body.grown(aside, aside, aside)
+    (west, south, low), (east, north, high) = body.bounds
+    middle = 0.5 * (south + north)
+    beside = np.array([(east + 20.0, middle, 0.5 * (low + high)), (0.5 * (west + east), north + 11.0, low + 1.0)])
+    before, after = body.distance(beside), grown.distance(beside)
+    assert np.all(after >= before - aside - 1e-9)
+    assert after[0] == pytest.approx(before[0] - aside, abs=0.01)
+    assert np.all(after < before - 0.5 * aside)
+
+
+def test_a_court_shrinks_and_vanishes() -> None:
+    inside = np.array([[20.0, 20.0, 10.0]])
+    assert HOUSE.distance(inside)[0] == pytest.approx(10.0)
+    assert HOUSE.grown(4.0, 0.0, 0.0).distance(inside)[0] == pytest.approx(6.0)
+    assert HOUSE.grown(11.0, 0.0, 0.0).distance(inside)[0] < 0
+
+
+def test_plans() -> None:
+    assert BALL.plan.area == pytest.approx(np.pi * 36.0, rel=0.01)
+    assert MAST.plan.area == pytest.approx(np.pi, rel=0.01)
+    assert HOUSE.plan.area == pytest.approx(1600.0 - 400.0)
+
+
+def test_a_kind_that_says_nothing_is_its_box_and_does_not_grow() -> None:
+    (west, south, low), (east, north, high) = CABLE.bounds
+    assert CABLE.plan.equals(shapely.box(west, south, east, north))
+    assert CABLE.column is None
+    assert CABLE.grown(1.0, 1.0, 1.0) is CABLE
+    over = np.array([[-20.0, 60.0, high + 5.0]]), np.array([[200.0, 60.0, high + 5.0]])
+    beside = CABLE.passing(*over)
+    assert beside.above[0] == pytest.approx(5.0)
+    assert low < high
+
+
+@pytest.mark.parametrize(("leg", "sides"), [(((20.0, -50.0), (20.0, 90.0)), 2.0), (((-50.0, -9.0), (90.0, -9.0)), 1.0)])
+def test_who_flies_over_a_court_has_walls_on_two_sides(leg: Sequence[tuple[float, float]], sides: float) -> None:
+    a, b = (np.array([[*end, 35.0]]) for end in leg)
+    assert HOUSE.passing(a, b).sides[0] == sides
+
+
+def test_a_roof_leaves_its_court_open() -> None:
+    roof = [tile for tile in HOUSE.tiles(100.0) if np.ptp(tile[:, 2]) == 0.0]
+    area = sum(shapely.Polygon(tile[:, :2]).buffer(0).area for tile in roof)
+    assert area == pytest.approx(1200.0)
+
+
+def test_a_degree_of_latitude_is_some_111_kilometers() -> None:
+    assert apart(Geodetic(47.0, 8.0), Geodetic(48.0, 8.0)) == pytest.approx(111_200.0, rel=0.001)
