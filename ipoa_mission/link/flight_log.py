@@ -183,7 +183,9 @@ class _Stretch:
         items = self.at_arming.items or self.later.items
         if self.begun:
             total = max(begun.total for begun in self.begun.values())
-            agrees = len(items) == total and all(items[seq] == begun.item for seq, begun in self.begun.items())
+            agrees = len(items) == total and all(
+                seq < total and items[seq] == begun.item for seq, begun in self.begun.items()
+            )
             if not agrees:
                 flown = [self.begun[seq].item for seq in range(first, total) if seq in self.begun]
                 before = (home_item(home),) * first if home else ()

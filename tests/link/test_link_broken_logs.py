@@ -4,9 +4,16 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
+from ipoa_mission.items import waypoint
 from ipoa_mission.link import ulog
-from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.link.flight_log import _Known, _Stretch, read_flights
+from ipoa_mission.link.logged import Begun
+from ipoa_mission.mission.firmware import home_item
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.397742, 8.545594, 488.0)
 
 LOG = Path(__file__).parents[1] / "logs" / "sitl-px4.ulg"
 
@@ -52,3 +59,15 @@ def test_definitions_that_break_off_are_refused_at_once(tmp_path: Path) -> None:
     broken.write_bytes(LOG.read_bytes()[:16] + b"\xff\xff\x00" * 100)
     with pytest.raises(BadInput, match="its definitions break off"):
         read_flights(broken)
+
+
+def test_an_item_beyond_the_list_that_was_held_is_not_looked_for_in_it() -> None:
+    """A damaged record names item 7 of a list of three: the list that was held is not what was flown."""
+    held = (home_item(HOME), waypoint(HOME, 20.0), waypoint(HOME, 30.0))
+    known = _Known(held, HOME)
+    stretch = _Stretch(True, 0.0, known, [], begun={7: Begun(7, 3, held[1])})
+    assert stretch._mission(Autopilot.ARDUPILOT) is None
+    stretch.begun = {1: Begun(1, 3, held[1]), 2: Begun(2, 3, held[2])}
+    mission = stretch._mission(Autopilot.ARDUPILOT)
+    assert mission is not None
+    assert len(mission.items) == 2
