@@ -143,6 +143,12 @@ def _check(number: int, item: Item) -> None:
             "ground stations would read it as AMSL in a .waypoints file",
             hint="write a .plan file",
         )
+    if item.command in OTHER_LISTS:
+        raise BadInput(
+            f"{where}: expected a mission item, not one of a fence or of rally points: "
+            "a .waypoints file with it would be read as such a list",
+            hint="write a .plan file",
+        )
     if not all(map(math.isfinite, (item.latitude_deg, item.longitude_deg, item.altitude))):
         raise BadInput(f"{where}: expected a finite position, not one with {item.altitude} for an altitude")
 

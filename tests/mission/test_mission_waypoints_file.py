@@ -141,3 +141,11 @@ def test_recorded_missions_are_read_and_written_back(name: str, tmp_path: Path) 
 def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=r"^home: expected a finite position"):
         write_waypoints(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.file")
+
+
+def test_a_fence_item_among_the_items_is_not_written(tmp_path: Path) -> None:
+    """The file would be read as a fence."""
+    corner = replace(waypoint(HOME, 0.0), command=5003)
+    with pytest.raises(BadInput, match=r"item 4 \(NAV_FENCE_\w+\): expected a mission item"):
+        write_waypoints(replace(FLIGHT, items=(*FLIGHT.items, corner)), tmp_path / "fenced.waypoints")
+    assert not (tmp_path / "fenced.waypoints").exists()
