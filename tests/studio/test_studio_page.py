@@ -237,3 +237,12 @@ def test_it_fits_a_telephone(page: Any) -> None:
     proved(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert page.locator(".map").bounding_box()["height"] > 250
+
+
+def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
+    proved(page)
+    page.emulate_media(media="print")
+    assert page.get_by_text("m required").first.is_visible()
+    assert page.locator(".bindings button").first.is_visible()
+    assert page.locator("th button", has_text="fastest").is_visible()
+    assert not page.get_by_role("button", name="Save").is_visible()
