@@ -1,6 +1,5 @@
 """`vehicle.toml`: a learned vehicle as a file."""
 
-import math
 import tomllib
 from dataclasses import fields
 from pathlib import Path
@@ -93,8 +92,8 @@ def _learned(path: Path, name: str, given: Any) -> Learned:
     least, most = (0.0 if name in POSITIVE else -MOST[name]), MOST[name]
     for key in keys:
         value = given[key]
-        good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(float(value))
-        if not good or not least <= value <= most or (key == "value" and name in POSITIVE and value <= 0):
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not is_number or not least <= value <= most or (key == "value" and name in POSITIVE and value <= 0):
             raise BadInput(f"{path}: {name}.{key}: expected a number up to {most:g}, not {value!s:.40}")
     if not given["low"] <= given["value"] <= given["high"]:
         raise BadInput(f"{path}: {name}: expected low, value and high in this order")

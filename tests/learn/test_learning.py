@@ -138,6 +138,10 @@ def test_a_vehicle_file_is_read_as_it_was_written(tmp_path: Path) -> None:
         ("autopilot = 'px4'\ndrag = 3", "drag: expected value, low, high"),
         ("autopilot = 'px4'\n[drag]\nvalue = 0\nlow = 0\nhigh = 1", "drag.value: expected a number up to 50, not 0"),
         (
+            f"autopilot = 'px4'\n[drag]\nvalue = 1{'0' * 400}\nlow = 0\nhigh = 1",
+            "drag.value: expected a number up to 50, not 1000",
+        ),
+        (
             "autopilot = 'px4'\n[drag]\nvalue = nan\nlow = 0\nhigh = 1",
             "drag.value: expected a number up to 50, not nan",
         ),
