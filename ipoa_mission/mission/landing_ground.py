@@ -13,6 +13,7 @@ from ipoa_mission.items import LEVEL, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 KEY = "landing_ground_m"
+LARGEST = 10_000_000  # of a NAME.json; a larger one is somebody's map [bytes]
 
 
 def digest(text: str) -> str:
@@ -22,8 +23,7 @@ def digest(text: str) -> str:
 
 def written_with(about: Path) -> dict[str, str]:
     """The digests of the files that NAME.json was written with, by name; none if it is not one of ours."""
-    digests = _read(about).get("sha256")
-    return digests if isinstance(digests, dict) else {}
+    return _digests(_read(about))
 
 
 def landing_ground(mission: Mission) -> float | None:
@@ -35,12 +35,8 @@ def landing_ground(mission: Mission) -> float | None:
 def over_known_ground(mission: Mission, path: Path, text: str) -> Mission:
     """The mission that a file at `path` holds, over the ground that NAME.json knows of it, if that is of this text."""
     told = _read(path.with_suffix(".json"))
-    height, place = told.get(KEY), _landing_place(mission)
-    if (
-        not isinstance(height, float)
-        or place is None
-        or written_with(path.with_suffix(".json")).get(path.name) != digest(text)
-    ):
+    height = told.get(KEY)
+    if not isinstance(height, float) or not math.isfinite(height) or _digests(told).get(path.name) != digest(text):
         return mission
     return landing_on(mission, height)
 
@@ -71,7 +67,12 @@ def _landing_place(mission: Mission) -> tuple[float, float] | None:
 
 def _read(about: Path) -> dict[str, object]:
     try:
-        told = json.loads(read_text(about)) if about.is_file() else {}
-    except (BadInput, ValueError, RecursionError):
+        told = json.loads(read_text(about)) if about.is_file() and about.stat().st_size < LARGEST else {}
+    except (BadInput, OSError, ValueError, RecursionError):
         return {}
     return told if isinstance(told, dict) else {}
+
+
+def _digests(told: dict[str, object]) -> dict[str, str]:
+    digests = told.get("sha256")
+    return digests if isinstance(digests, dict) else {}
