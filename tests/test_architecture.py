@@ -41,6 +41,7 @@ MAY_IMPORT = {
         "world",
     },
     "routing": {
+        "compiled",
         "tube",
         "checks",
         "planning",
