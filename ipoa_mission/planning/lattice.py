@@ -172,7 +172,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
         before, after = (padded.take(range(k, k + slack.shape[axis]), axis) for k in (0, 2))
         between |= slack - (before + after) / 2 > GAP_SLACK * step
     doubtful = (slack < 0) & (slack > -np.linalg.norm(spacing) / 2)
-    return doubtful & ~_least_around(~(between & doubtful), 1)
+    return np.asarray(doubtful & ~_least_around(~(between & doubtful), 1))
 
 
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:

@@ -21,7 +21,7 @@ class Built(BuildHookInterface):  # type: ignore[misc]
     """Compiles the kernels once, for everyone who installs the wheel (see `ipoa_mission.compiled`)."""
 
     def dependencies(self) -> list[str]:
-        """What compiles: numba, what the kernels' modules import, `ziglang` where there is no C compiler; and pymavlink."""
+        """What compiles: numba, what the kernels import, `ziglang` where there is no C compiler; and pymavlink."""
         if self.target_name == "sdist":
             return []
         here = [name for name in self.metadata.core.dependencies if name.startswith(NEEDED)]
