@@ -59,7 +59,7 @@ def connect_to(
             raise BadInput("--timeout: MAVSDK has timers of its own", hint="leave out --backend")
         vehicle: AnyVehicle = connect_by_mavsdk(link, system, record)
     else:
-        from ipoa_mission.link.vehicle import connect
+        from ipoa_mission.link.connect import connect
 
         vehicle = connect(link, system, record or usual_record, signer, patience_of(timeout), anyway=anyway)
         if timeout is not None:

@@ -48,6 +48,13 @@ def test_a_mission_goes_up_comes_down_and_goes_away(
         assert Path(f"{log}.tlog").stat().st_size > 100
 
 
+@pytest.mark.parametrize("verb", ["pause", "resume", "rtl"])
+def test_a_vehicle_on_the_ground_is_not_told_to_fly(run: Run, autopilot: Serve, verb: str) -> None:
+    with autopilot() as link:
+        ended = run(f"{verb} --link {link} --json")
+    assert (ended.code, json.loads(ended.out)["error"]) == (1, "expected a vehicle in the air")
+
+
 def test_upload_tells_what_the_mission_was_made_for_and_the_vehicle_has_otherwise(
     run: Run, autopilot: Serve, mission: Path
 ) -> None:
