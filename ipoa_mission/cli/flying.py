@@ -92,10 +92,11 @@ def fly(
     from ipoa_mission.checks.start import begun_at
     from ipoa_mission.cli.checking import route_in_words
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
-    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.overwriting import expect_free, expect_log
     from ipoa_mission.cli.real_flight import RealFlight, no_flight_yet
     from ipoa_mission.cli.summary import describe, tell_routes
     from ipoa_mission.errors import BadInput
+    from ipoa_mission.files import unused
     from ipoa_mission.flight.landed import landed_elsewhere
     from ipoa_mission.flight.summary import passed_over_as_json
     from ipoa_mission.flight.written import not_as_written
@@ -116,6 +117,7 @@ def fly(
     if link is not None and not (faults.is_none and nak_at is None):
         raise BadInput("--link: expected without --loss, --duplicate, --delay, --reorder and --nak-at")
     expect_folder(out)
+    expect_log(log)
     air = read_wind_option(wind, wind_profile)
     parameters = read_parameter_options(param, param_file)
     if is_planned:
@@ -135,7 +137,8 @@ def fly(
             tell_routes(job.flight)
             tell(f"written: {', '.join(map(str, written))}")
     missions = len(written)
-    given_log, log = log, log or out / f"{job.name}.tlog"
+    usual = out / f"{job.name}.tlog"
+    given_log, log = log, log or (usual if link is None else unused(usual))
     told: tuple[str, ...] = ()
     if link is None:
         from ipoa_mission.simulator.fly import fly as fly_here

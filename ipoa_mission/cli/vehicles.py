@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.overwriting import expect_log
 from ipoa_mission.cli.telling import progress_bar
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def connect_to(
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.errors import BadInput
 
+    expect_log(record)
     signer, began = signer_of(key), time.monotonic()
     if backend is Backend.MAVSDK:
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk

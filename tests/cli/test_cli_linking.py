@@ -90,6 +90,23 @@ def test_fly_flies_a_vehicle_at_a_link(run: Run, autopilot: Serve, mission: Path
     assert found["written"] == ["out/sitl.tlog"]
 
 
+def test_the_log_of_an_earlier_flight_is_kept(run: Run, autopilot: Serve, mission: Path) -> None:
+    Path("out").mkdir()
+    Path("out/sitl.tlog").write_bytes(b"the flight of yesterday")
+    with autopilot() as link:
+        ended = run(f"fly {mission} --out out --link {link} --json")
+    assert json.loads(ended.out)["written"] == ["out/sitl-2.tlog"]
+    assert Path("out/sitl.tlog").read_bytes() == b"the flight of yesterday"
+
+
+@pytest.mark.parametrize("verb", ["fly {m}", "upload {m} --link udpout:127.0.0.1:9", "clear --link udpout:127.0.0.1:9"])
+def test_a_log_is_not_written_over_what_is_no_log(run: Run, mission: Path, verb: str) -> None:
+    Path("notes.txt").write_text("mine")
+    ended = run(f"{verb.format(m=mission)} --log notes.txt")
+    assert (ended.code, Path("notes.txt").read_text()) == (2, "mine")
+    assert "--log: expected a .tlog file, or one that is not there yet, not notes.txt" in ended.err
+
+
 def test_a_vehicle_that_stands_somewhere_else_is_not_sent_a_mission(run: Run, autopilot: Serve, mission: Path) -> None:
     with autopilot(Geodetic(47.397742, 8.547594, 488.0)) as link:  # 151 m to the east, by PROJ's geodesic
         ended = run(f"upload {mission} --link {link}")

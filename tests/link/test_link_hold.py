@@ -35,7 +35,8 @@ def later(vehicle: Vehicle, seconds: float) -> Position:
     until = vehicle.line.now() + seconds
     while vehicle.line.now() < until:
         for one in vehicle.line.receive(until):
-            vehicle.state.note(one.message)
+            if one.message is not None:
+                vehicle.state.note(one.message)
     assert vehicle.state.position is not None
     return vehicle.state.position
 
