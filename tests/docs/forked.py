@@ -48,12 +48,6 @@ def forked(folder: Path) -> Iterator[Path]:
 
 def serve(address: str) -> None:
     """Fork a process for every command."""
-    import ipoa_mission.cli.checking
-    import ipoa_mission.cli.flown
-    import ipoa_mission.cli.job
-    import ipoa_mission.cli.reading
-    import ipoa_mission.report.page
-    import ipoa_mission.simulator.fly
     from ipoa_mission.cli.app import main
 
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for them but their clients
@@ -81,7 +75,7 @@ def _run(client: socket.socket, main: object) -> None:
         for number, stream in enumerate(streams):
             os.dup2(stream, number)
             os.close(stream)
-        sys.stdin, sys.stdout, sys.stderr = open(0), open(1, "w"), open(2, "w")  # noqa: PTH123, SIM115
+        sys.stdin, sys.stdout, sys.stderr = open(0), open(1, "w"), open(2, "w")  # noqa: SIM115
         os.chdir(here)
         os.environ.clear()
         os.environ.update(environment)
