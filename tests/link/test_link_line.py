@@ -112,7 +112,7 @@ def test_a_whole_session_over_real_sockets(
 ) -> None:
     log = tmp_path / "session.tlog"
     with (
-        run_mock(family, 50.0, transport) as running,  # type: ignore[attr-defined]
+        run_mock(family, 100.0, transport) as running,  # type: ignore[attr-defined]
         connect(url.format(running.port), log=str(log)) as vehicle,
     ):
         assert vehicle.autopilot is family
@@ -425,7 +425,7 @@ def test_a_log_is_read_back_and_a_torn_record_is_passed_over(tmp_path: Path) -> 
 
 
 def test_a_garbled_peer_does_not_disturb_a_session(run_mock: Callable[..., object]) -> None:
-    with run_mock(Autopilot.PX4, 20.0) as running:  # type: ignore[attr-defined]
+    with run_mock(Autopilot.PX4, 60.0) as running:  # type: ignore[attr-defined]
         noise = UdpChannel(parse_address(f"udpout:127.0.0.1:{running.port}"))
         stop = threading.Event()
 

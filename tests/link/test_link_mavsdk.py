@@ -27,7 +27,7 @@ HOME = Geodetic(47.4, 8.5, 400.0)
 
 @pytest.mark.parametrize("family", Autopilot)
 def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, run_mock: Callable[..., object]) -> None:
-    with run_mock(family, speedup=15.0) as running:  # type: ignore[attr-defined]
+    with run_mock(family, speedup=40.0) as running:  # type: ignore[attr-defined]
         done = subprocess.run(
             [sys.executable, str(HERE / "mavsdk_client.py"), f"udpout:127.0.0.1:{running.port}"],
             capture_output=True,
