@@ -1,6 +1,7 @@
 """Linear equations whose symmetric matrix has elements near its diagonal only, solved by compiled code.
 
-SciPy's, by LAPACK, says the same to the last bit; to import it takes longer than all equations of a plan.
+LAPACK, which SciPy asks, adds in the same order where the band is narrow, as without via points: the same to the last
+bit on the CPU where that was tried. To import SciPy takes longer than all equations of a plan.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
