@@ -8,7 +8,8 @@ import numpy as np
 from ipoa_mission.autopilots.slow_landing import DECIDED_BY, slow_stretch
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.ground import landings, touches_down
-from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.positions import refusals
+from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.homes import compare_homes
 from ipoa_mission.geometry import Points, Vector
@@ -75,4 +76,8 @@ def _compare_home(mission: Mission, vehicle: Vehicle, anyway: bool) -> tuple[str
     if there is None:
         return ("the vehicle does not say where its home is: nobody compared it with the mission's",)
     log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
-    return compare_homes(mission, there, anyway)
+    remarks = compare_homes(mission, there, anyway)
+    wrong = refusals(replace(mission, home=replace(there, altitude=mission.home.altitude)))
+    if wrong and not anyway:
+        raise Unsafe("\n".join(f"from where the vehicle stands: {words}" for words in wrong))
+    return (*remarks, *wrong)
