@@ -10,6 +10,7 @@ from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.reading import read_with_parameters
@@ -52,6 +53,7 @@ def read_job(
     mission, remarks = read_with_parameters(source, autopilot, parameters, vehicle)
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
+    refuse_unsound(mission)
     remarks += tuple(finding.message for finding in warnings)
     air = wind or CALM
     return Job(source.stem, mission, estimate(mission, wind=air), remarks, wind=air)

@@ -210,4 +210,6 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     local = topics.get("vehicle_local_position")
     if local is None:
         return np.zeros(len(times))
-    return np.asarray(np.interp(times, np.asarray(local["timestamp"], float) / 1e6, np.asarray(local[axis], float)))
+    at, speed = np.asarray(local["timestamp"], float) / 1e6, np.asarray(local[axis], float)
+    sound = np.isfinite(speed)  # of a damaged log they may be anything
+    return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))

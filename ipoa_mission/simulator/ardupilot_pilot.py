@@ -102,7 +102,7 @@ class ArduPilotPilot:
             case Command.NAV_RETURN_TO_LAUNCH:
                 self._come_down(self._copter.return_home())
             case Command.NAV_LAND:
-                self._come_down(self._copter.land(self._place(index)[:2] if item.has_position else None))
+                self._come_down(self._copter.land(self._place(index) if item.has_position else None))
             case Command.NAV_DELAY:
                 self._copter.hold(self._copter.wait_at(item))
                 self._then = self._done

@@ -101,7 +101,7 @@ class _Flight:
         elif command == Command.NAV_RETURN_TO_LAUNCH:
             self.come_down(self.copter.return_home())
         elif command == Command.NAV_LAND:
-            self.come_down(self.copter.land(self.target(n)[:2] if visit.item.has_position else None))
+            self.come_down(self.copter.land(self.target(n) if visit.item.has_position else None))
         elif command == Command.NAV_PAYLOAD_PLACE:
             self.copter.fly_to(Stop(self.target(n)))
             self.run()
