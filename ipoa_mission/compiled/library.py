@@ -21,7 +21,9 @@ SOURCES = (
     "dynamics/**/*.py",
     "geometry.py",
     "planning/_*.py",
+    "planning/banded.py",
     "planning/chart.py",
+    "routing/_*.py",
     "world/obstacles/obstacle.py",
 )
 INDEX = "kernels.json"

@@ -17,7 +17,8 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry, wire
-from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames, message_name, message_number
+from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
+from ipoa_mission.link.definitions import message_name, message_number
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
