@@ -91,8 +91,9 @@ def fly(
     """
     from ipoa_mission.cli.flown import tell_flown, tell_flown_as_json
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
-    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.overwriting import expect_free, expect_log
     from ipoa_mission.cli.real_flight import RealFlight, begun_with, no_flight_yet
+    from ipoa_mission.files import unused
     from ipoa_mission.flight.landed import landed_elsewhere
     from ipoa_mission.flight.written import not_as_written
     from ipoa_mission.simulator.faults import Faults
@@ -103,6 +104,7 @@ def fly(
     faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
     _expect_together(link, faults, begin != 1 or set_params)
     expect_folder(out)
+    expect_log(log)
     air, parameters = read_wind_option(wind, wind_profile), read_parameter_options(param, param_file)
     if is_planned:
         scenario = adapt_scenario(source, optimizer, planner, polish, autopilot, parameters, vehicle)
@@ -114,7 +116,8 @@ def fly(
     make_folder(out)
     planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
     remarks: tuple[str, ...] = ()
-    given_log, log = log, log or out / f"{job.name}.tlog"
+    usual = out / f"{job.name}.tlog"
+    given_log, log = log, log or (usual if link is None else unused(usual))
     if link is None:
         with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
             record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=job.wind)

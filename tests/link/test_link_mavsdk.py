@@ -15,9 +15,9 @@ from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import UdpChannel
 from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
-from ipoa_mission.link.vehicle import meet
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.world.frame import Geodetic
 

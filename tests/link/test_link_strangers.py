@@ -10,11 +10,11 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
+from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import SPECIFIED
 from ipoa_mission.link.line import Contested, Line, SpeaksMavlink1
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Result
-from ipoa_mission.link.vehicle import connect, meet
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.station import Station
