@@ -10,9 +10,11 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.link import vehicle as client
+from ipoa_mission.link import connect as connecting
+from ipoa_mission.link import vehicle as verbs
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.departure import NotReady
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
@@ -20,7 +22,7 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MOST_SIGNERS, persistent_signer
 from ipoa_mission.link.tlog import TlogWriter
-from ipoa_mission.link.vehicle import Vehicle, connect, meet
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
@@ -84,8 +86,8 @@ def test_what_is_under_way_ends_when_it_has_been_given_its_time() -> None:
 
 def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = met(Autopilot.ARDUPILOT)
-    monkeypatch.setattr(client, "STARTUP_S", 2.0)
-    monkeypatch.setattr(client, "autopilots_in", lambda heard: {})
+    monkeypatch.setattr(verbs, "STARTUP_S", 2.0)
+    monkeypatch.setattr(verbs, "autopilots_in", lambda heard: {})
     vehicle.state.booted = False
     with pytest.raises(NoAnswer, match="has not finished its start-up"):
         vehicle.download()
@@ -99,7 +101,7 @@ def test_whatever_ends_the_search_for_a_vehicle_closes_the_line(monkeypatch: pyt
             self.is_closed = True
 
     line = Open(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190))
-    monkeypatch.setattr(client, "open_line", lambda *_: line)
+    monkeypatch.setattr(connecting, "open_line", lambda *_: line)
     with pytest.raises(NoAnswer, match="no autopilot with system id 9"):
         connect("udpin:127.0.0.1:0", system=9)
     assert line.is_closed
