@@ -11,7 +11,7 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link import ulog
-from ipoa_mission.link.codec import EVERYONE, Codec
+from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.flight_log import read_flights
 from ipoa_mission.link.logged import Fixes, Log, told
 from ipoa_mission.link.messages import (
@@ -28,7 +28,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.link.telemetry_log import read_telemetry_log
 from ipoa_mission.link.tlog import TlogWriter
-from ipoa_mission.link.vehicle_clock import vehicle_times
+from ipoa_mission.link.vehicle_clock import unwrapped, vehicle_times
 
 LOG = Path(__file__).parents[1] / "logs" / "sitl-px4.ulg"
 Break = Callable[[dict[str, Any]], None]
@@ -49,7 +49,11 @@ def spoiled(monkeypatch: pytest.MonkeyPatch, spoil: Break) -> None:
 
 
 def without(*names: str) -> Break:
-    return lambda topics: [topics.pop(name) for name in names if name in topics] and None
+    def spoil(topics: dict[str, Any]) -> None:
+        for name in names:
+            topics.pop(name, None)
+
+    return spoil
 
 
 def column(topic: str, name: str, value: float) -> Break:
@@ -180,7 +184,18 @@ def test_a_clock_that_was_told_once_in_a_while_goes_as_fast_as_over_the_whole_lo
     assert vehicle_times(stamps, at[:0], clock[:0]) is stamps
 
 
-def test_a_position_far_behind_is_a_position(tmp_path: Path) -> None:
+def test_a_log_that_began_anew_twice_at_once_goes_on_over_both() -> None:
+    stamps = np.array([0.0, 1.0, 2.0, 3.0])
+    assert unwrapped(stamps, np.array([100.0, 60.0, 20.0, 21.0])) == pytest.approx([100.0, 101.0, 102.0, 103.0])
+
+
+def test_arming_is_dated_back_to_the_agreement_and_an_order_to_another_vehicle_is_none(tmp_path: Path) -> None:
+    order, agreed = CommandLong(400, (1.0, *(0.0,) * 6)), CommandAck(400, CommandResult.ACCEPTED)
     place = Position(5.0, 47.4, 8.5, 420.0, 20.0, (0.0, 0.0, 0.0))
-    log = read_telemetry_log(written(tmp_path, (0.0, heartbeat(True)), (1.0, place)))
-    assert len(log.fixes.times) == 1
+    path = written(tmp_path, (0.0, heartbeat(False)), (0.5, order), (0.6, agreed), (0.7, place), (1.0, heartbeat(True)))
+    stray = Codec(245, 190).encode(CommandLong(400, (0.0,) * 7), Target(9, 1), 1.8e9 + 2.0)
+    with path.open("ab") as log:
+        log.write(round((1.8e9 + 2.0) * 1e6).to_bytes(8, "big") + stray)
+    events = [(at, event.armed) for at, event in read_telemetry_log(path).events if isinstance(event, Heartbeat)]
+    assert [armed for _, armed in events] == [False, True, True]  # agreed to, and shown
+    assert events[1][0] - events[0][0] == pytest.approx(0.6, abs=0.01)

@@ -11,16 +11,18 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link import connect as connecting
+from ipoa_mission.link import orders
 from ipoa_mission.link import vehicle as verbs
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import connect, meet
-from ipoa_mission.link.departure import NotReady
-from ipoa_mission.link.dialogue import NoAnswer, TimeUp
+from ipoa_mission.link.dialogue import Ask, NoAnswer, Pause, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import ParamValue
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MOST_SIGNERS, persistent_signer
+from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
@@ -110,6 +112,17 @@ def test_whatever_ends_the_search_for_a_vehicle_closes_the_line(monkeypatch: pyt
     with pytest.raises(LinkDown, match="gone"):
         connect("udpin:127.0.0.1:0")
     assert line.is_closed
+
+
+def test_the_other_values_that_a_vehicle_tells_meanwhile_are_no_answer() -> None:
+    """A ParamValue of another name comes between the order and its answer."""
+    dialogue = orders.set_parameter("MPC_XY_CRUISE", 3.0, Autopilot.PX4)
+    step = next(dialogue)
+    while not isinstance(step, Ask):
+        step = dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0) if isinstance(step, Pause) else None)
+    assert dialogue.send(ParamValue("MPC_Z_P", 1.0, 9, 1, 0)) is None
+    with pytest.raises(StopIteration):
+        dialogue.send(ParamValue("MPC_XY_CRUISE", 3.0, 9, 1, 0))
 
 
 def test_two_ends_that_wait_for_each_other_for_ever_are_an_error() -> None:
