@@ -172,15 +172,15 @@ def _useless(rows: list[_Row], log: Path) -> str:
 def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]:
     """What of the flights could not be done."""
     several = len(rows) > 1
-    said = [
+    remarks = [
         f"{f'flight {row.number}: ' if several else ''}{_no_mission(row.flight, log)}: it has no estimate"
         for row in rows
         if row.held is None and row.flight.in_mission
     ]
     if world is not None:
-        said += list(world.remarks)
-        said += [f"flight {row.number}: no path near {world.name}'s home" for row in rows if row.clearance is None]
-    return said
+        remarks += list(world.remarks)
+        remarks += [f"flight {row.number}: no path near {world.name}'s home" for row in rows if row.clearance is None]
+    return remarks
 
 
 def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
@@ -213,21 +213,21 @@ def _as_json(row: _Row) -> dict[str, Any]:
     return about
 
 
-def _clearance_as_json(found: "FlownClearance") -> dict[str, Any]:
-    east, north, up = found.least.place
-    given = {"required": found.required, "planned": found.planned, "promised": found.promised, "strayed": found.strayed}
+def _clearance_as_json(flown: "FlownClearance") -> dict[str, Any]:
+    east, north, up = flown.least.place
+    given = {"required": flown.required, "planned": flown.planned, "promised": flown.promised, "strayed": flown.strayed}
     return {
-        "least": round(found.least.distance, 3),
-        "to": found.least.what,
+        "least": round(flown.least.distance, 3),
+        "to": flown.least.what,
         "place": {
-            "latitude_deg": round(found.place.latitude_deg, 7),
-            "longitude_deg": round(found.place.longitude_deg, 7),
+            "latitude_deg": round(flown.place.latitude_deg, 7),
+            "longitude_deg": round(flown.place.longitude_deg, 7),
             "east": round(east, 3),
             "north": round(north, 3),
             "up": round(up, 3),
         },
-        "time_s": round(found.time_s, 3),
-        "kept": found.kept,
+        "time_s": round(flown.time_s, 3),
+        "kept": flown.kept,
         **{key: value if value is None else round(value, 3) for key, value in given.items()},
     }
 

@@ -55,10 +55,10 @@ def upload(
         others, missing = other_values(vehicle, mission.parameters)
         remarks += (*map(str, others), *(f"the vehicle has no parameter {name}" for name in missing))
         name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
-        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:
         tell_json(
-            told | {"items": len(mission.items), "remarks": list(remarks), "written": _frames(log or usual, backend)}
+            about | {"items": len(mission.items), "remarks": list(remarks), "written": _frames(log or usual, backend)}
         )
     else:
         tell(
@@ -97,11 +97,11 @@ def download(
         connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle,
     ):
         mission = get(vehicle)
-        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     remarks = write_mission(mission, file)
     if as_json:
         counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
-        tell_json(told | counts | {"written": [str(file), *_frames(log or usual, backend)], "remarks": list(remarks)})
+        tell_json(about | counts | {"written": [str(file), *_frames(log or usual, backend)], "remarks": list(remarks)})
     else:
         tell(f"{len(mission.items)} items written to {file}", *notes(remarks), *_written(log or usual, backend))
 
@@ -129,8 +129,8 @@ def clear(
     ):
         vehicle.clear(MissionType.ALL)
     if as_json:
-        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-        tell_json(told | {"cleared": ["mission", "fence", "rally"], "written": _frames(log or usual, backend)})
+        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        tell_json(about | {"cleared": ["mission", "fence", "rally"], "written": _frames(log or usual, backend)})
     else:
         tell(
             f"vehicle {vehicle.system} ({vehicle.autopilot}) has no mission, fence or rally points now",
@@ -159,9 +159,9 @@ def set_current(
     with connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle:
         with left_behind("the vehicle may go on with either item"):
             vehicle.set_current(item - 1)
-        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:
-        tell_json(told | {"current": item, "written": _frames(log or usual, backend)})
+        tell_json(about | {"current": item, "written": _frames(log or usual, backend)})
     else:
         tell(
             f"vehicle {vehicle.system} ({vehicle.autopilot}) goes on with item {item}", *_written(log or usual, backend)

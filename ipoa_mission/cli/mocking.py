@@ -81,13 +81,19 @@ def mock(
     expect_own(parameters, autopilot)
     signer = signer_of(key, "mock")
     place = {"latitude_deg": latitude_deg, "longitude_deg": longitude_deg, "altitude_amsl": altitude}
-    told = {"autopilot": str(autopilot), "link": str(address), "system": system or 1, "home": place, "speedup": speedup}
+    about = {
+        "autopilot": str(autopilot),
+        "link": str(address),
+        "system": system or 1,
+        "home": place,
+        "speedup": speedup,
+    }
     is_told = False
 
     def tell_once() -> bool:
         nonlocal is_told
         if not is_told and as_json:
-            tell_json(told, indent=None)
+            tell_json(about, indent=None)
         elif not is_told:
             tell(f"{autopilot} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
         is_told = True
