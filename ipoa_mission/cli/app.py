@@ -55,6 +55,7 @@ VERBS = {
         linking.set_current,
         linking.clear,
     ),
+    "A vehicle in flight": (linking.pause, linking.resume, linking.rtl),
     "More": (reproducing.reproduce, planning.schema),
 }
 for heading, verbs in VERBS.items():

@@ -1,5 +1,6 @@
-"""`scan`, `upload`, `download`, `clear` and `set-current`: the mission on a vehicle at the other end of a link."""
+"""The verbs for a vehicle at the other end of a link: its mission, and what it does with it."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -20,7 +21,7 @@ from ipoa_mission.cli.options import (
     TimeoutOption,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.cli.vehicles import Backend, connect_to, get, put, states_firmware
+from ipoa_mission.cli.vehicles import AnyVehicle, Backend, connect_to, get, put, states_firmware
 
 
 def upload(
@@ -167,6 +168,60 @@ def set_current(
         )
 
 
+def pause(
+    link: LinkOption,
+    system: SystemOption = None,
+    log: LogOption = None,
+    key: KeyOption = None,
+    timeout: TimeoutOption = None,
+    backend: BackendOption = Backend.BUILTIN,
+    anyway: AnywayOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Have a flying vehicle stop and hold its place; `resume` or `rtl` ends that.
+
+    Example: `ipoa-mission pause --link udpin:127.0.0.1:14550`
+    """
+    with connect_to(link, system, key, backend, log, Path("pause.tlog"), timeout, anyway) as vehicle:
+        _order(vehicle, vehicle.pause, "holds its place", log or Path("pause.tlog"), backend, as_json)
+
+
+def resume(
+    link: LinkOption,
+    system: SystemOption = None,
+    log: LogOption = None,
+    key: KeyOption = None,
+    timeout: TimeoutOption = None,
+    backend: BackendOption = Backend.BUILTIN,
+    anyway: AnywayOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Have a flying vehicle go on with its mission where it left it.
+
+    Example: `ipoa-mission resume --link udpin:127.0.0.1:14550`
+    """
+    with connect_to(link, system, key, backend, log, Path("resume.tlog"), timeout, anyway) as vehicle:
+        _order(vehicle, vehicle.resume, "goes on with its mission", log or Path("resume.tlog"), backend, as_json)
+
+
+def rtl(
+    link: LinkOption,
+    system: SystemOption = None,
+    log: LogOption = None,
+    key: KeyOption = None,
+    timeout: TimeoutOption = None,
+    backend: BackendOption = Backend.BUILTIN,
+    anyway: AnywayOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Have a flying vehicle come home and land, as its own parameters say: no obstacle is known to it on that way.
+
+    Example: `ipoa-mission rtl --link udpin:127.0.0.1:14550`
+    """
+    with connect_to(link, system, key, backend, log, Path("rtl.tlog"), timeout, anyway) as vehicle:
+        _order(vehicle, vehicle.return_to_launch, "comes home", log or Path("rtl.tlog"), backend, as_json)
+
+
 def scan(
     link: LinkOption,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="How long to listen.")] = 3.0,
@@ -176,8 +231,8 @@ def scan(
 
     Example: `ipoa-mission scan --link udpin:127.0.0.1:14550`
     """
+    from ipoa_mission.link.connect import open_line
     from ipoa_mission.link.presence import scan as listen
-    from ipoa_mission.link.vehicle import open_line
 
     with open_line(link) as line:
         rows = [
@@ -197,6 +252,19 @@ def scan(
         tell(f"nobody is heard on {link} within {seconds:g} s")
     if not rows:
         raise typer.Exit(1)
+
+
+def _order(
+    vehicle: AnyVehicle, order: Callable[[], None], done: str, log: Path, backend: Backend, as_json: bool
+) -> None:
+    """Give a flying vehicle an order, and say what it does now."""
+    with left_behind("the vehicle may have heard it"):
+        order()
+    if as_json:
+        state = {"system": vehicle.system, "autopilot": str(vehicle.autopilot), "does": done}
+        tell_json(state | {"mode": vehicle.mode, "written": _frames(log, backend)})
+    else:
+        tell(f"vehicle {vehicle.system} ({vehicle.autopilot}) {done}, in {vehicle.mode}", *_written(log, backend))
 
 
 def _frames(log: Path, backend: Backend) -> list[str]:

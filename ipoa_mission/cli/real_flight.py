@@ -2,21 +2,20 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
-from ipoa_mission.checks.start import NotAtStart, check_start
+from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
+from ipoa_mission.cli.flown import flight_as_json
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import AnyVehicle, put
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.boarding import expect_slow_landing
+from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.set_up import other_values
+from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.world.frame import Geodetic
-
-if TYPE_CHECKING:
-    from ipoa_mission.link.logbook import FlightRecord
 
 
 @contextmanager
@@ -27,6 +26,16 @@ def no_flight_yet() -> Iterator[None]:
     except MissionError as error:
         error.known = {"completed": False, "armed": None, "in_air": None} | error.known
         raise
+
+
+def begun_with(job: Job, item: int) -> Job:
+    """The job as it is estimated where it begins with another item than the first, as a file numbers them.
+
+    Raises:
+        BadInput: there is no such item, or it has no place to fly to.
+    """
+    begun = begun_at(job.mission, item - 1)
+    return job if item == 1 else replace(job, estimate=estimate(begun, wind=job.wind))
 
 
 @dataclass
@@ -40,7 +49,7 @@ class RealFlight:
     set_params: bool = False
     remarks: tuple[str, ...] = ()
 
-    def fly(self) -> tuple[tuple[str, ...], "FlightRecord"]:
+    def fly(self) -> tuple[tuple[str, ...], FlightRecord]:
         """Upload, make ready, arm, start, watch: what the user should know, and the flight.
 
         Raises:
@@ -58,8 +67,6 @@ class RealFlight:
             with left_behind("nobody watches, and the vehicle flies on"), progress_bar("flying") as bar:
                 return self.remarks, vehicle.watch(bar)
         except MissionError as error:
-            from ipoa_mission.cli.flying import flight_as_json
-
             state = vehicle.state
             error.known = flight_as_json(job.estimate, vehicle.record())
             error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.overwriting import expect_log
 from ipoa_mission.cli.telling import progress_bar
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def connect_to(
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.errors import BadInput
 
+    expect_log(record)
     signer, began = signer_of(key), time.monotonic()
     if backend is Backend.MAVSDK:
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
@@ -59,7 +61,7 @@ def connect_to(
             raise BadInput("--timeout: MAVSDK has timers of its own", hint="leave out --backend")
         vehicle: AnyVehicle = connect_by_mavsdk(link, system, record)
     else:
-        from ipoa_mission.link.vehicle import connect
+        from ipoa_mission.link.connect import connect
 
         vehicle = connect(link, system, record or usual_record, signer, patience_of(timeout), anyway=anyway)
         if timeout is not None:

@@ -6,21 +6,21 @@ mode in which it is armed; and what is refused after that disarms it again.
 
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE, mode_name
+from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
-from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandResult, Current
+from ipoa_mission.link.hold import SHOWN_S, change_mode
+from ipoa_mission.link.messages import CommandResult, Current
 from ipoa_mission.link.orders import (
     COMPONENT_ARM_DISARM,
-    DO_SET_MODE,
     MISSION_START,
     CommandRefused,
     command,
     set_current,
     stream,
 )
-from ipoa_mission.link.state import VehicleState
+from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.progress import Progress, silent
 
@@ -34,18 +34,14 @@ STREAMS_S = {
     "EXTENDED_SYS_STATE": 0.2,
 }
 NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
-#: How long to wait for a stream that was asked for, for a mode to be shown, and between two looks at what hinders.
-STREAM_S, SHOWN_S, LOOK_S = 8.0, 5.0, 3.0
+#: How long to wait for a stream that was asked for, and between two looks at what hinders [s].
+STREAM_S, LOOK_S = 8.0, 3.0
 #: A vehicle that says it could be armed may still need a moment.
 ARMING_ATTEMPTS = 5
 ARMING = "arm"
 READY_S = 180.0
 #: A climb counts as done so far below its height [m], and is waited for so long [s].
 CLIMBED, CLIMB_S = 0.5, 120.0
-
-
-class NotReady(MissionError):
-    """The vehicle is not in a state from which the flight can begin; the message says what hinders."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +115,7 @@ def prepare(departure: Departure, ready_s: float = READY_S) -> Dialogue[None]:
     waited_s = 0.0
     while True:
         state.warnings.clear()
-        hinders = yield from _set_mode(state, mode)
+        hinders = yield from change_mode(state, mode)
         if not hinders:
             if (yield from until(lambda: state.may_arm is not False and _has_position(state), LOOK_S)):
                 break
@@ -173,19 +169,6 @@ def _set_first(departure: Departure) -> Dialogue[None]:
     if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
         stands = "it does not tell where" if state.current is None else f"at item {state.current.seq}"
         raise NotReady(f"the mission was set to begin at item {first}, but it stands {stands}")
-
-
-def _set_mode(state: VehicleState, mode: int) -> Dialogue[str]:
-    """Ask for a mode and see it in the heartbeat; what hinders, or nothing."""
-    if state.custom_mode == mode:
-        return ""
-    numbers = (mode,) if state.autopilot is Autopilot.ARDUPILOT else (mode >> 16 & 0xFF, mode >> 24)
-    result, words = yield from command(DO_SET_MODE, CUSTOM_MODE_FLAG, *numbers)
-    if result != CommandResult.ACCEPTED:
-        return words or str(CommandRefused(f"change to {mode_name(state.autopilot, mode)}", result))
-    if (yield from until(lambda: state.custom_mode == mode, SHOWN_S)):
-        return ""
-    return f"it accepted {mode_name(state.autopilot, mode)} but does not show it"
 
 
 def _has_position(state: VehicleState) -> bool:

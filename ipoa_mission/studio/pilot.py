@@ -15,11 +15,12 @@ from ipoa_mission.checks.start import check_start
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.boarding import expect_fit, expect_slow_landing
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.link.connect import connect
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.set_up import idle_fence, other_values
 from ipoa_mission.link.telemetry import Position
-from ipoa_mission.link.vehicle import Vehicle, connect
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.studio.answers import Landed, Loaded, Seen, State
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work

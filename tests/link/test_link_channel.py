@@ -13,10 +13,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import MOST_UNSENT, LinkDown, SerialChannel, UdpChannel, open_channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Firmware, Heartbeat, Text
-from ipoa_mission.link.vehicle import meet
 
 pytest.importorskip("serial")
 AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, Firmware.PX4), EVERYONE, 0.0)
