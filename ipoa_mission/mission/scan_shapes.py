@@ -10,7 +10,7 @@ from ipoa_mission.mission.document import Node
 FARTHEST = 100_000.0  # any length of a scan [m]
 
 
-def metres(node: Node) -> float:
+def length_of(node: Node) -> float:
     """A length; one that no vehicle could fly is refused, before it is multiplied with others."""
     length = node.number("metres")
     if abs(length) > FARTHEST:

@@ -179,7 +179,7 @@ class _Flight:
             self.run()
         if self.copter.this.kind == DESCENT:
             delay = self.airframe.landing_delay
-            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.limits.spool_up + delay, 0.0))
+            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
             self.airborne = False
 
     def run(self) -> float:

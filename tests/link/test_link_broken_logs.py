@@ -55,7 +55,7 @@ def test_speeds_that_are_no_numbers_are_passed_over(monkeypatch: pytest.MonkeyPa
         for topic in log.data_list:
             if topic.name == "vehicle_local_position":
                 topic.data["vx"] = np.where(np.arange(len(topic.data["vx"])) % 2, np.inf, topic.data["vx"])
-                topic.data["vy"] = np.full(len(topic.data["vy"]), np.nan)
+                topic.data["vy"] = np.full(len(topic.data["vy"]), 0x7FA00000, "u4").view("f4")  # NaNs that signal
         return log
 
     sound = [sample.speed for sample in read_flights(LOG).flights[0].record().path]

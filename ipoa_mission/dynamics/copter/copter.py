@@ -295,6 +295,11 @@ class Copter:
         self._before, self.state.clock = NO_LEG, 0.0
         self._begin(leg)
 
+    @property
+    def spool_down(self) -> float:
+        """For so long the motors run down once it has landed, before it disarms [s]."""
+        return self.limits.spool_up
+
     def land(self, place: Place | None) -> Iterator[None]:
         """LAND: fly over its place, or the centimetre that rounding leaves to it, and come down; None: come down.
 
