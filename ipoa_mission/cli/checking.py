@@ -4,18 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import (
-    AutopilotOption,
     FileArgument,
     JsonOption,
-    LearnedOption,
-    ParameterFileOption,
-    ParameterOption,
     ScenarioOption,
-    WindOption,
-    WindProfileOption,
-    read_parameter_options,
-    read_wind_option,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 
@@ -25,13 +18,8 @@ if TYPE_CHECKING:
 
 def check(
     file: FileArgument,
+    flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
@@ -44,8 +32,8 @@ def check(
     from ipoa_mission.cli.reading import read_with_parameters, read_world
     from ipoa_mission.errors import BadInput
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
-    air = read_wind_option(wind, wind_profile)
+    mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
+    air = flown_by.air
     if air is not None and scenario is None:
         raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
     world, promise = read_world(scenario, air), None
@@ -81,13 +69,8 @@ def check(
 
 def estimate(
     file: FileArgument,
+    flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
@@ -102,11 +85,11 @@ def estimate(
     from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
-    world = read_world(scenario, read_wind_option(wind, wind_profile))
+    mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
+    world = read_world(scenario, flown_by.air)
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
-    mission, air = in_world(mission, world, read_wind_option(wind, wind_profile))
+    mission, air = in_world(mission, world, flown_by.air)
     prediction = predict(mission, wind=air)
     remarks += prediction.remarks
     if as_json:
