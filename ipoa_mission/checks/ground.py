@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,8 +14,10 @@ from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.commands import Command, command_name
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import LocalFrame
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 DEEP = 5.0  # ground that is lower than home by less than this makes no long landing [m]
 HOME_AGREES = 0.5  # ground at home may differ from home's altitude by so much [m]
@@ -60,7 +63,7 @@ def landings(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iter
             yield Landing(leg.seq, item.command, east, north, height, counted)
 
 
-def check_ground(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) -> Iterator[Finding]:
     """Warnings where the vehicle touches down too fast, comes down slowly from far up, or stands at another height."""
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
     if abs(at_home) > HOME_AGREES:
@@ -88,7 +91,7 @@ def check_ground(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) ->
             yield Finding(Severity.WARNING, landing.seq, f"{landing.words}: without a rangefinder {words}", hint)
 
 
-def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
+def slow_landings(mission: Mission, scenario: "Scenario") -> Mission:
     """The mission for a vehicle that slows down as high above the ground where it lands as it else does above home.
 
     Its parameters stay where the slow stretch is long enough, where the scenario names one of them, and where
@@ -118,7 +121,7 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     return replace(mission, parameters={**mission.parameters, **wanted})
 
 
-def slowed_for_ground(mission: Mission, scenario: Scenario) -> Iterator[str]:
+def slowed_for_ground(mission: Mission, scenario: "Scenario") -> Iterator[str]:
     """That its vehicle needs other parameters to land slowly, where it does."""
     given = scenario.vehicle.autopilot_parameters()
     wanted = {name: value for name, value in mission.parameters.items() if name not in given}

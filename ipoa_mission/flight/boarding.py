@@ -46,7 +46,8 @@ def expect_slow_landing(mission: Mission, vehicle: Vehicle) -> None:
         if own is not None and own.is_fast(landing.counted) and not planned.is_fast(landing.counted):
             raise FastLanding(
                 f"{landing.words}: with the vehicle's own parameters, {touches_down(own, landing)}",
-                hint="--set-params writes those that the mission was made for; --anyway flies with the vehicle's own",
+                hint="give it those that the mission was made for (NAME.params): `fly --set-params` does; "
+                "--anyway flies with its own",
             )
 
 

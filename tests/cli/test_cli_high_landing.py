@@ -17,7 +17,7 @@ def test_fly_refuses_a_vehicle_that_would_touch_down_fast(run: Run, autopilot: S
             "error: item 4 (NAV_LAND): at east 200.0, north 0.0 the ground is 12.0 m above home: with the vehicle's "
             "own parameters, without a rangefinder the vehicle touches down at up to 1.5 m/s, not at 0.7" in ended.err
         )
-        assert "hint: --set-params writes those" in ended.err
+        assert "hint: give it those that the mission was made for (NAME.params): `fly --set-params` does" in ended.err
         assert "not complete" not in ended.out
         ended = run(f"fly {tmp_path / 'slope.plan'} --link {link} --out {tmp_path} --set-params")
         assert "MPC_LAND_ALT2 set to 17 (it was 5)" in ended.out
