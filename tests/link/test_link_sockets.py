@@ -122,7 +122,7 @@ class Stubborn(socket.socket):
 
     left = b""
 
-    def recv(self, *_: object) -> bytes:  # type: ignore[override]
+    def recv(self, *_: object) -> bytes:
         raise BlockingIOError
 
     def send(self, data: bytes, *_: object) -> int:  # type: ignore[override]
