@@ -115,3 +115,33 @@ def test_a_serial_link_without_pyserial_names_the_extra(monkeypatch: pytest.Monk
     with pytest.raises(LinkDown, match="serial links need pyserial") as down:
         open_channel("serial:/dev/null")
     assert down.value.hint == "pip install 'ipoa-mission[serial]'"
+
+
+class Stubborn(socket.socket):
+    """A connection that reads nothing although it was announced, and of which one byte goes out at once."""
+
+    left = b""
+
+    def recv(self, *_: object) -> bytes:
+        raise BlockingIOError
+
+    def send(self, data: bytes, *_: object) -> int:  # type: ignore[override]
+        if not data:
+            raise BlockingIOError
+        return 1
+
+    def sendall(self, data: bytes, *_: object) -> None:  # type: ignore[override]
+        self.left = data
+
+
+def test_what_is_not_ready_after_all_is_waited_for_and_the_rest_of_a_frame_follows(served: TcpChannel) -> None:
+    with joined(served) as client:
+        (connection,) = served._connections
+        stubborn = Stubborn(fileno=connection.detach())
+        served._connections[:] = [stubborn]
+        client.send(b"x")
+        assert served.receive(served.now() + 0.2) == []
+        served.send(b"frame", None)
+        assert stubborn.left == b"rame"
+        served.send(b"", None)
+        assert served._connections == [stubborn]
