@@ -11,6 +11,7 @@ from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import AnyVehicle, put
 from ipoa_mission.errors import MissionError
+from ipoa_mission.flight.boarding import expect_slow_landing
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.set_up import other_values
 from ipoa_mission.timing.estimate import estimate
@@ -83,10 +84,16 @@ class RealFlight:
             self.remarks += (str(elsewhere),)
 
     def _parameters(self) -> tuple[str, ...]:
-        """Hold the vehicle's parameters against those that the mission was made for, and set them if that is wished."""
+        """Hold the vehicle's parameters against those that the mission was made for, and set them if that is wished.
+
+        Raises:
+            FastLanding: it is not wished, and the vehicle would touch down fast.
+        """
         others, missing = other_values(self.vehicle, self.job.mission.parameters)
         remarks = tuple(f"the vehicle has no parameter {name}" for name in missing)
         if not self.set_params:
+            if not self.anyway:
+                expect_slow_landing(self.job.mission, self.vehicle)
             return remarks + tuple(f"{other}: --set-params writes it" for other in others)
         for other in others:
             self.vehicle.set_parameter(other.name, other.wanted)

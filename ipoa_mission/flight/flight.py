@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Finding
+from ipoa_mission.checks.ground import slowed_for_ground
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.checks.way_home import climb_for_way_home
 from ipoa_mission.energy.flight import Consumption
@@ -177,6 +178,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
     expect_to_come_home(scenario, energy)
     messages = (finding.message for finding in findings)
-    remarks = (*messages, *climb_for_way_home(mission), *scenario.remarks, *left_out(mission))
+    planned = (*climb_for_way_home(mission), *slowed_for_ground(mission, scenario))
+    remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     proof = prove_mission(mission, scenario)
     return Flight(scenario, plan, options, mission, proof, promise, findings, predicted, energy, remarks)

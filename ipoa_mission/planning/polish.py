@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import Soft
 from ipoa_mission.planning.problem import ALL, Matrix, PreparedProblem, Trail, freedom
-from ipoa_mission.planning.proof import Proof, prove_curve
+from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
 if TYPE_CHECKING:
@@ -64,18 +64,22 @@ def polish(
     return Trail(Spline(control), trail.via_at)
 
 
-def settle(trail: Trail, problem: PreparedProblem, enough: float = 1e-7) -> tuple[Trail, Proof]:
+def settle(
+    trail: Trail, problem: PreparedProblem, enough: float = 1e-7, stages: Sequence[Soft] = FINE, finer: int = 2
+) -> tuple[Trail, Proof]:
     """The curve polished until its proof holds, or as near to that as it comes; or as it was, if only that holds.
 
     Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
-    to keep more than is required.
+    to keep more than is required. Where climbs are limited it then begins anew: a curve that must become longer at
+    once, to be higher somewhere, does so by loops.
     """
     rough, more = trail, dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(ATTEMPTS):
-        stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
-        trail = polish(trail, problem, stages, steps=60, finer=2, enough=enough)
+        wider = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in stages]
+        base = rough if problem.climbs_limited else trail
+        trail = polish(base, problem, wider, steps=60, finer=finer, enough=enough)
         proof = prove_curve(trail.curve, problem.task)
-        if proof.worst.slack >= 0 or any(check.slack < HOPELESS[check.unit] for check in proof.checks):
+        if proof.worst.slack >= 0 or any(check.slack < _hopeless(check, problem) for check in proof.checks):
             break
         for check in proof.checks:
             short = max(-1.2 * check.slack, 0.0)
@@ -85,6 +89,15 @@ def settle(trail: Trail, problem: PreparedProblem, enough: float = 1e-7) -> tupl
     if not proof.holds and (unpolished := prove_curve(rough.curve, problem.task)).holds:
         return rough, unpolished
     return trail, proof
+
+
+def _hopeless(check: Check, problem: PreparedProblem) -> float:
+    """The slack of a limit that a little more room, or a flatter climb, does not mend.
+
+    Over steep ground what a curve cuts between two nodes may be more, and where climbs are limited that is usual.
+    """
+    ground = check.limit == "ground" and problem.climbs_limited
+    return HOPELESS[check.unit] * (1 + problem.task.airspace.terrain.steepness if ground else 1)
 
 
 _REMEDY = {

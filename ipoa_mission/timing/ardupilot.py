@@ -103,7 +103,7 @@ class _Flight:
         elif command == Command.NAV_RETURN_TO_LAUNCH:
             self.come_down(self.copter.return_home())
         elif command == Command.NAV_LAND:
-            self.come_down(self.copter.land(self.target(n)[:2] if visit.item.has_position else None))
+            self.come_down(self.copter.land(self.target(n) if visit.item.has_position else None))
         elif command == Command.NAV_PAYLOAD_PLACE:
             self.copter.fly_to(Stop(self.target(n)))
             self.run()
@@ -179,7 +179,7 @@ class _Flight:
             self.run()
         if self.copter.this.kind == DESCENT:
             delay = self.airframe.landing_delay
-            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.limits.spool_up + delay, 0.0))
+            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
             self.airborne = False
 
     def run(self) -> float:
