@@ -1,5 +1,6 @@
 """Gaps between neighbors: where a lattice must have nodes lest it miss one that is narrower than its cells."""
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -13,12 +14,14 @@ from ipoa_mission.world.polygon import Plane
 
 REACH_BEYOND = 1.5  # how far the places go on before and behind a gap, in cells
 LONGEST_GAP = 20.0  # a gap goes no farther than this from where it is narrowest, in cells
+AT_A_TIME = 100_000  # about so many places are made
 TOUCHING = 1e-6  # what stands nearer together than this leaves no gap [m]
 
 
-def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Points:
+def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Iterator[Points]:
     """Places (k, 3) before, in and behind the gaps up to `widest` [m], at those of the heights at which they are gaps.
 
+    They come some at a time, lest those of ten thousand obstacles fill the memory.
     On the line through a gap they are half a cell apart. Gaps are looked for between the outlines of upright obstacles,
     and between these and the sides of the flight area; their middle is where both sides leave as much more than is
     required.
@@ -41,10 +44,12 @@ def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Ve
     low, high = np.maximum(levels[one, 0], levels[other, 0]), np.minimum(levels[one, 1], levels[other, 1])
     gap, level = np.nonzero((low[:, None] <= heights) & (heights <= high[:, None]))
     count = 2 * places_either_way[gap] + 1
-    place = np.repeat(np.arange(len(gap)), count)
-    along = np.arange(len(place)) - np.repeat(np.cumsum(count) - count + places_either_way[gap], count)
-    flat = middle[gap[place]] + 0.5 * cell * along[:, None] * ahead[gap[place]]
-    return np.column_stack([flat, heights[level[place]]])
+    for some in np.split(np.arange(len(gap)), np.nonzero(np.diff(np.cumsum(count) // AT_A_TIME))[0] + 1):
+        place = np.repeat(some, count[some])
+        before = np.cumsum(count[some]) - count[some]
+        along = np.arange(len(place)) - np.repeat(before + places_either_way[gap[some]], count[some])
+        flat = middle[gap[place]] + 0.5 * cell * along[:, None] * ahead[gap[place]]
+        yield np.column_stack([flat, heights[level[place]]])
 
 
 def _extent(shapes: NDArray[np.object_], ahead: Plane, radii: Vector) -> Vector:

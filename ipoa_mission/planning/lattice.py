@@ -32,6 +32,7 @@ STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) 
 GAP_SLACK = 0.05  # how much less slack than a node its neighbors on both sides have, in steps, if it is in a gap
 WIDEST_GAP = 1.5  # how much wider than required a gap may be, in steps, to have nodes of its own
 CENTERING_ROUNDS = 6  # each looks three times as closely for the best place in a cell
+CENTERED_AT_A_TIME = 5000  # nodes, each looked at with 26 places around
 END_NODES, LOOKS_TO_END = 64, 8  # nodes that may be an end's, and points at which the leg to each is looked at
 
 
@@ -193,12 +194,15 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
     """The places with the most slack in the cells round nodes (n, 3)."""
     lower, upper = _region(problem)
-    for closer in range(1, CENTERING_ROUNDS + 1):
-        offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / 3**closer
-        trials = np.clip(nodes[:, None] + offsets, lower, upper)
-        slack = _survey(trials.reshape(-1, 3), problem)[0].reshape(trials.shape[:2])
-        nodes = trials[np.arange(len(nodes)), np.argmax(slack, axis=1)]
-    return nodes
+    centered = [nodes[:0]]
+    for some in (nodes[k : k + CENTERED_AT_A_TIME] for k in range(0, len(nodes), CENTERED_AT_A_TIME)):
+        for closer in range(1, CENTERING_ROUNDS + 1):
+            offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / 3**closer
+            trials = np.clip(some[:, None] + offsets, lower, upper)
+            slack = _survey(trials.reshape(-1, 3), problem)[0].reshape(trials.shape[:2])
+            some = trials[np.arange(len(some)), np.argmax(slack, axis=1)]
+        centered.append(some)
+    return np.concatenate(centered)
 
 
 def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
@@ -242,15 +246,17 @@ def _occupy_gaps(
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
     widest = 2 * problem.limits.obstacle_distance + WIDEST_GAP * float(spacing[:2].max())
-    places = gap_places(problem, widest, float(spacing[:2].max()), heights)
-    number = np.round((places - lower) / spacing).astype(int)
-    inside = ((number >= 0) & (number < count)).all(axis=1)
-    places, node = places[inside], np.ravel_multi_index(tuple(number[inside].T), tuple(count))
-    room, danger = _survey(places, problem)
-    better = np.nonzero((room >= 0) | (room > slack[node]))[0]
-    better = better[np.argsort(room[better], kind="stable")]  # of several in a cell the one with the most room stays
-    node = node[better]
-    nodes[node], slack[node], threat[node] = places[better], room[better], danger[better]
+    slack_before, most = slack.copy(), np.full(len(slack), -np.inf)
+    for places in gap_places(problem, widest, float(spacing[:2].max()), heights):
+        number = np.round((places - lower) / spacing).astype(int)
+        inside = ((number >= 0) & (number < count)).all(axis=1)
+        places, node = places[inside], np.ravel_multi_index(tuple(number[inside].T), tuple(count))
+        room, danger = _survey(places, problem)
+        better = np.nonzero(((room >= 0) | (room > slack_before[node])) & (room >= most[node]))[0]
+        better = better[np.argsort(room[better], kind="stable")]  # of several in a cell that with the most room stays
+        node = node[better]
+        nodes[node], slack[node], threat[node] = places[better], room[better], danger[better]
+        most[node] = room[better]
 
 
 def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
