@@ -142,6 +142,7 @@ def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path
     for place in ((0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
         page.mouse.click(*at(page, *place))
     page.keyboard.press("Enter")
+    until(page, "document.querySelector('textarea').value.split('[[obstacles]]').length === 4")  # it has come back
     field = page.locator("label", has_text="Name").locator("input")
     field.fill(name)
     field.press("Tab")
