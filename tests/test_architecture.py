@@ -43,6 +43,7 @@ MAY_IMPORT = {
         "world",
     },
     "routing": {
+        "compiled",
         "tube",
         "checks",
         "planning",
@@ -76,7 +77,7 @@ MAY_IMPORT["cli"] = set(MAY_IMPORT)
 IMPURE = {
     "socket": {"link/channel.py", "studio/server.py"},
     "serial": {"link/channel.py"},
-    "pymavlink": {"link/codec.py", "link/dataflash.py"},  # messages on the wire, and the format of a log
+    "pymavlink": {"link/definitions.py"},
 }
 NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
     "link",
@@ -179,6 +180,7 @@ MANY_PARAMETERS = {
     "ipoa_mission/planning/_places.py:_look",
 }
 LINES_OF_A_FILE, LINES_OF_A_FUNCTION, PARAMETERS = 400, 80, 8
+OF_A_VERB = 12  # options, or groups of them, that a verb of the command line takes
 
 
 def functions(files: list[Path]) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
@@ -212,7 +214,8 @@ def test_functions_take_what_one_can_keep_in_mind() -> None:
     many = set()
     for name, node in functions(FILES + TOOLS):
         given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
-        if len([one for one in given if one.arg not in {"self", "cls"}]) > PARAMETERS and not is_verb(name):
+        most = OF_A_VERB if is_verb(name) else PARAMETERS
+        if len([one for one in given if one.arg not in {"self", "cls"}]) > most:
             many.add(name)
     assert many == MANY_PARAMETERS
 

@@ -1,4 +1,4 @@
-"""What is told of a flight that was flown: to machines, and to people in a table."""
+"""What is outcome of a flight that was flown: to machines, and to people in a table."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -31,15 +31,15 @@ def flight_as_json(estimate: Estimate, record: FlightRecord) -> dict[str, Any]:
 def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
     """Print all that is known of the flight, for machines; `remarks` are those that came with the flight."""
     all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
-    told: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
+    outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
-        told["passed_over"] = passed_over_as_json(job.flight.scenario)
-    tell_json(flight_as_json(job.estimate, record) | told | ({"error": record.why_not} if record.why_not else {}))
+        outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
+    tell_json(flight_as_json(job.estimate, record) | outcome | ({"error": record.why_not} if record.why_not else {}))
 
 
 def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
     """Print the flight beside its estimate; `remarks` are those that came with the flight."""
-    before = () if job.flight else job.remarks  # those of a plan have been told with it
+    before = () if job.flight else job.remarks  # those of a plan have been outcome with it
     tell(*notes(tuple(dict.fromkeys((*before, *remarks)))), *(() if record.completed else record.messages))
     columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
     tell_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))

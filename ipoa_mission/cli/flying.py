@@ -6,42 +6,20 @@ from typing import TYPE_CHECKING
 import typer
 
 from ipoa_mission.cli.folders import expect_folder, make_folder
+from ipoa_mission.cli.groups import FaultOptions, FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
-    AnywayOption,
-    AutopilotOption,
-    BackendOption,
-    DelayOption,
-    DuplicateOption,
     FileOrScenario,
     ForceOption,
     FromOption,
     JsonOption,
-    KeyOption,
-    LearnedOption,
-    LogOption,
-    LossOption,
-    NakOption,
-    OptimizerOption,
     OutOption,
-    ParameterFileOption,
-    ParameterOption,
-    PlannerOption,
-    PolishOption,
-    ReorderOption,
     ReportOption,
-    SeedOption,
     SetParametersOption,
-    SystemOption,
-    TimeoutOption,
     VehicleOption,
-    WindOption,
-    WindProfileOption,
-    read_parameter_options,
-    read_wind_option,
 )
 from ipoa_mission.cli.telling import progress_bar, tell
-from ipoa_mission.cli.vehicles import Backend, connect_to, states_firmware
+from ipoa_mission.cli.vehicles import connect_to, states_firmware
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
@@ -52,34 +30,17 @@ if TYPE_CHECKING:
 
 def fly(
     source: FileOrScenario,
+    search: SearchOptions,
+    flown_by: FlownByOptions,
+    on_link: LinkOptions,
+    worse: FaultOptions,
     out: OutOption = Path(),
-    seed: SeedOption = 0,
-    optimizer: OptimizerOption = None,
-    planner: PlannerOption = None,
-    polish: PolishOption = True,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     report: ReportOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
     link: VehicleOption = None,
-    system: SystemOption = None,
-    log: LogOption = None,
-    key: KeyOption = None,
-    timeout: TimeoutOption = None,
-    backend: BackendOption = Backend.BUILTIN,
-    anyway: AnywayOption = False,
     begin: FromOption = 1,
     set_params: SetParametersOption = False,
-    loss: LossOption = 0.0,
-    duplicate: DuplicateOption = 0.0,
-    delay: DelayOption = 0.0,
-    reorder: ReorderOption = 0.0,
-    nak_at: NakOption = None,
 ) -> None:
     """Fly a mission from upload to landing, and hold the flown time against the estimate.
 
@@ -96,40 +57,40 @@ def fly(
     from ipoa_mission.files import unused
     from ipoa_mission.flight.landed import landed_elsewhere
     from ipoa_mission.flight.written import not_as_written
-    from ipoa_mission.simulator.faults import Faults
     from ipoa_mission.simulator.fly import fly as fly_here
 
     is_planned = source.suffix.lower() == ".toml"
-    _expect_planned(source, is_planned, {"--report": report, "--optimizer": optimizer, "--planner": planner})
-    faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
+    if not is_planned:
+        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer, "--planner": search.planner})
+    faults = worse.faults()
     _expect_together(link, faults, begin != 1 or set_params)
     expect_folder(out)
-    expect_log(log)
-    air, parameters = read_wind_option(wind, wind_profile), read_parameter_options(param, param_file)
+    expect_log(on_link.log)
+    air = flown_by.air
     if is_planned:
-        scenario = adapt_scenario(source, optimizer, planner, polish, autopilot, parameters, vehicle)
+        scenario = adapt_scenario(source, search, flown_by)
         expect_free(not_as_written(out, scenario.name, report), force, ask=not as_json)
-        job = planned(plan(scenario, seed, air))
+        job = planned(plan(scenario, search.seed, air))
     else:
-        job = read_job(source, autopilot, parameters, air, vehicle)
-    _expect_sent(nak_at, job.mission)
+        job = read_job(source, flown_by)
+    _expect_sent(worse.nak_at, job.mission)
     make_folder(out)
     planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
     remarks: tuple[str, ...] = ()
     usual = out / f"{job.name}.tlog"
-    given_log, log = log, log or (usual if link is None else unused(usual))
+    log = on_link.log or (usual if link is None else unused(usual))
     if link is None:
         with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
-            record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=job.wind)
+            record = fly_here(job.mission, {}, search.seed, faults, log, flying=bar, wind=job.wind)
     else:
         begun_with(job, begin)  # or there is no such item: that is told before anybody is called
-        with no_flight_yet(), connect_to(link, system, key, backend, given_log, log, timeout, anyway) as there:
-            if not states_firmware(source, autopilot):
-                job = read_job(source, there.autopilot, parameters, air, vehicle)
+        with no_flight_yet(), connect_to(link, on_link, log) as there:
+            if not states_firmware(source, flown_by.autopilot):
+                job = read_job(source, flown_by, there.autopilot)
             job = begun_with(job, begin)
-            remarks, record = RealFlight(job, there, begin - 1, anyway, set_params).fly()
+            remarks, record = RealFlight(job, there, begin - 1, on_link.anyway, set_params).fly()
     remarks += landed_elsewhere(job.mission, record, job.wind)
-    written = [] if backend is Backend.MAVSDK else [log]
+    written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)
         written.insert(0, page)
@@ -141,10 +102,10 @@ def fly(
         raise typer.Exit(1)
 
 
-def _expect_planned(source: Path, is_planned: bool, options: dict[str, object]) -> None:
+def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
     """That what only a scenario can be told to do was not asked of a mission file."""
     for option, value in options.items():
-        if value and not is_planned:
+        if value:
             raise BadInput(f"{option}: expected a scenario, not {source}", hint="a mission is flown as it is")
 
 

@@ -7,6 +7,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from threadpoolctl import threadpool_limits
+
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Finding
 from ipoa_mission.checks.ground import slowed_for_ground
@@ -159,7 +161,11 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
         Unsafe: the mission fails a check.
         NotEnoughBattery: it would not come home with its reserve.
     """
-    scenario = scenario if wind is None else scenario.in_wind(wind)
+    with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
+        return _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+
+
+def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     plan, options = plan_with_room(scenario, seed, progress)

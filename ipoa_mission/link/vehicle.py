@@ -22,7 +22,7 @@ from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.departure import (
-    READY_S,
+    LIMITS,
     Departure,
     depart,
     expect_on_ground,
@@ -195,7 +195,7 @@ class Vehicle:
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
-            self._hold(prepare(self._departure, min(READY_S, self._patience.total_s)))
+            self._hold(prepare(self._departure, min(LIMITS.ready_s, self._patience.total_s)))
         if permit is None and mission is not None:
             permit = partial(check_start, mission, first, scenario=None)
         if permit is not None and (at := self.state.position) is not None:

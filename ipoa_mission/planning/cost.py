@@ -4,7 +4,7 @@ By default the threat is integrated over arc length, so that cost does not depen
 `form = "nodes"` sums over nodes as the paper does. Angles count in degrees, as in the paper's tables.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario.limits import Limits
 
 FINE = 0.05  # the step at which a plan's cost is integrated [m]
+FULL_TURN_DEG = 360.0
 PER_SPAN = 16  # and steps that every span of the curve has at least
 
 
@@ -49,7 +50,27 @@ def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
     if task.cost.form == "nodes":
         return path_cost(curve.points(np.linspace(0.0, 1.0, task.planning.samples)), task)
     spans = np.linspace(0.0, 1.0, PER_SPAN * curve.spans + 1)  # lest a turn of a few millimeters goes uncounted
-    return path_cost(curve.points(np.union1d(curve.parameters(_steps(curve)), spans)), task)
+    u = np.union1d(curve.parameters(_steps(curve)), spans)
+    cost, turned = path_cost(curve.points(u), task), FULL_TURN_DEG * _doublings(curve, u)
+    total = cost.total + task.cost.omega[1] * task.cost.a1 * turned
+    return replace(cost, turning_deg=cost.turning_deg + turned, total=total) if turned else cost
+
+
+def _doublings(curve: Spline, u: Vector) -> int:
+    """How often a curve doubles back within the legs between parameters u (k,) that go on ahead, no span's end between.
+
+    There its velocity, a parabola on each leg, is against the leg.
+    """
+    legs = np.diff(curve.points(u), axis=0)
+    along = [np.einsum("kj,kj->k", curve.points(at, 1), legs) for at in (u[:-1], (u[:-1] + u[1:]) / 2, u[1:])]
+    start, middle, end = along
+    slope, bend = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end)
+    lowest = np.clip(np.divide(-slope, 2 * bend, out=np.zeros_like(bend), where=bend > 0), 0.0, 1.0)
+    back = np.minimum(np.minimum(start, end), start + (slope + bend * lowest) * lowest) < 0
+    back_at = np.nonzero(back)[0]
+    runs = np.split(back_at, np.nonzero(np.diff(back_at) > 1)[0] + 1) if len(back_at) else []
+    turned = np.append(np.einsum("kj,kj->k", legs[:-1], legs[1:]) < 0, False)  # seen in the legs, and so counted
+    return sum(not turned[max(run[0] - 1, 0) : run[-1] + 1].any() for run in runs)
 
 
 def even_cost(curve: Spline, task: PathTask) -> CostTerms:

@@ -9,23 +9,24 @@ the best place in its cell.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, minimum_filter
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import STEEP
 from ipoa_mission.planning.gaps import gap_places
 from ipoa_mission.planning.problem import PreparedProblem, Trail, follow
 from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
-from ipoa_mission.planning.winding import wind
+from ipoa_mission.planning.winding import lift, wind
 
 MAX_CONTROL_POINTS = 500  # control points of a guess
 LOOP_RADIUS = 20.0  # of a usual loop [m]
 LEAST_PRICE = 0.1  # of a metre, by which that of turns is divided
 LOOP_DISCOUNT = 0.98  # what loops cost of going to and fro
+LONG_DETOUR = 0.5  # for a climb, as a share of the way up to where it must have been made
 LOOKS_PER_LEG = 10  # points at which a leg between two nodes is looked at
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbors
 GAP_SLACK = 0.05  # how much less slack than a node its neighbors on both sides have, in steps, if it is in a gap
@@ -94,8 +95,7 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
     straight = task.places
     inner = max(task.planning.control_points, 3, 5 * (len(straight) - 1))
     routes: list[Points] = []
-    climbing = min(problem.rules.climb, problem.rules.descent) < STEEP
-    most = strategy.max_ways_climbing if climbing else strategy.max_ways
+    most = strategy.max_ways_climbing if problem.climbs_limited else strategy.max_ways
     for fineness in strategy.refinements[coarsest:]:
         lattice = lay(problem, fineness, strategy)
         if routes := ways(lattice, problem, most):
@@ -105,10 +105,25 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
     tolerance = min(2 * lattice.spacing[0], max(lattice.spacing[0], problem.rules.d_safe))
     turns = max((_turns(way, tolerance) for way in routes), default=0)
     inner = int(max(inner, min(4 + strategy.control_points_per_turn * turns, strategy.max_control_points)))
-    return [
-        Guess(straight, None, inner),
-        *(Guess(*wind(way, inner, problem, float(lattice.spacing[2])), inner) for way in routes),
-    ]
+    return [Guess(straight, None, inner), *_climbing(routes, inner, problem, lattice, both=coarsest > 0)]
+
+
+def _climbing(
+    routes: list[Points], inner: int, problem: PreparedProblem, lattice: Lattice, both: bool
+) -> Iterator[Guess]:
+    """Guesses that follow lattice ways and climb as they may: sooner, in detours that the polish makes, or in loops.
+
+    A way gets loops where a detour would be long, or is not free; or in any case, if `both` are wanted.
+    """
+    step = float(lattice.spacing[2])
+    for way in routes:
+        detour = np.inf
+        if problem.climbs_limited:
+            lifted, detour = lift(way, problem, step)
+            if detour < LONG_DETOUR:
+                yield Guess(lifted, None, inner)
+        if both or detour >= LONG_DETOUR:
+            yield Guess(*wind(way, inner, problem, step), inner)
 
 
 def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL.lattice) -> Lattice:
@@ -172,7 +187,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
         before, after = (padded.take(range(k, k + slack.shape[axis]), axis) for k in (0, 2))
         between |= slack - (before + after) / 2 > GAP_SLACK * step
     doubtful = (slack < 0) & (slack > -np.linalg.norm(spacing) / 2)
-    return np.asarray(doubtful & binary_dilation(between & doubtful, np.ones((3, 3, 3))))
+    return np.asarray(doubtful & ~_least_around(~(between & doubtful), 1))
 
 
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
@@ -292,9 +307,17 @@ def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]
     for middle in (0.25, 0.5, 0.75):
         on_surface = (np.abs(share - middle) < 0.04) & (through < lattice.strategy.max_cost_ratio * best)
         surface = np.where(on_surface, through, np.inf).reshape(lattice.price.shape)
-        least = (surface == minimum_filter(surface, size=5, mode="nearest")) & np.isfinite(surface)
+        least = (surface == _least_around(surface, 2)) & np.isfinite(surface)
         chosen += [(float(through[node]), int(node)) for node in np.nonzero(least.ravel())[0]]
     return (node for _, node in sorted(chosen))
+
+
+def _least_around(values: NDArray[Any], reach: int) -> NDArray[Any]:
+    """For each node (nx, ny, nz) the least of the values up to so many steps away along each axis."""
+    for axis, count in enumerate(values.shape):
+        padded = np.pad(values, [(reach * (k == axis),) * 2 for k in range(3)], constant_values=np.inf)
+        values = np.minimum.reduce([padded.take(range(k, k + count), axis) for k in range(2 * reach + 1)])
+    return values
 
 
 def _trace(before: NDArray[np.int64], node: int) -> list[int]:

@@ -16,8 +16,8 @@ from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.polish import FIRM, polish, settle
-from ipoa_mission.planning.problem import UNSAFE, Trail, follow, pose, refine
+from ipoa_mission.planning.polish import FIRM, ROUGH, polish, settle
+from ipoa_mission.planning.problem import UNSAFE, PreparedProblem, Trail, follow, pose, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.search import Searcher, optimizer_of
 from ipoa_mission.planning.spline import Spline
@@ -86,10 +86,10 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     trails, polished = [straight.trail(problem)], [polish(straight.trail(problem), problem)]
     for way in ways:
         trails.append(way.trail(problem))
-        polished.append(polish(trails[-1], problem))
+        polished.append(_approach(trails[-1], problem))
         if len(trails[-1].curve.control) < strategy.coarse_control_points and problem.cost(polished[-1]) > UNSAFE:
             trails[-1] = refine(trails[-1])
-            polished[-1] = polish(trails[-1], problem)
+            polished[-1] = _approach(trails[-1], problem)
     costs = [problem.cost(trail) for trail in polished]
     best = 1 + np.argsort(costs[1:])
     cheapest = range(1, len(polished))[: strategy.cheapest_starts]
@@ -102,6 +102,11 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
         progress(0.5 * i / len(starts), f"passage {i + 1} of {len(starts)}")
         polished.append(polish(searcher.search(guess, width), problem))
     return sorted(polished, key=problem.cost)[: strategy.max_improved]
+
+
+def _approach(trail: Trail, problem: PreparedProblem) -> Trail:
+    """A guess polished roughly; where climbs are limited until it keeps all limits, for what is cut must be climbed."""
+    return settle(trail, problem, 5e-6, ROUGH, finer=1)[0] if problem.climbs_limited else polish(trail, problem)
 
 
 def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> list[Trail]:

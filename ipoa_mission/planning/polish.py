@@ -8,17 +8,19 @@ at d_safe, are walls that a path feels from a distance, at first from far (a log
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpbsv
-from scipy.sparse import csr_array, dia_array, diags_array, eye_array, kron
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import Soft
 from ipoa_mission.planning.problem import ALL, Matrix, PreparedProblem, Trail, freedom
-from ipoa_mission.planning.proof import Proof, prove_curve
+from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
 EARLY_GAIN = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
@@ -62,18 +64,22 @@ def polish(
     return Trail(Spline(control), trail.via_at)
 
 
-def settle(trail: Trail, problem: PreparedProblem, enough: float = 1e-7) -> tuple[Trail, Proof]:
+def settle(
+    trail: Trail, problem: PreparedProblem, enough: float = 1e-7, stages: Sequence[Soft] = FINE, finer: int = 2
+) -> tuple[Trail, Proof]:
     """The curve polished until its proof holds, or as near to that as it comes; or as it was, if only that holds.
 
     Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
-    to keep more than is required.
+    to keep more than is required. Where climbs are limited it then begins anew: a curve that must become longer at
+    once, to be higher somewhere, does so by loops.
     """
     rough, more = trail, dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(ATTEMPTS):
-        stages = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in FINE]
-        trail = polish(trail, problem, stages, steps=60, finer=2, enough=enough)
+        wider = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in stages]
+        base = rough if problem.climbs_limited else trail
+        trail = polish(base, problem, wider, steps=60, finer=finer, enough=enough)
         proof = prove_curve(trail.curve, problem.task)
-        if proof.worst.slack >= 0 or any(check.slack < HOPELESS[check.unit] for check in proof.checks):
+        if proof.worst.slack >= 0 or any(check.slack < _hopeless(check, problem) for check in proof.checks):
             break
         for check in proof.checks:
             short = max(-1.2 * check.slack, 0.0)
@@ -83,6 +89,15 @@ def settle(trail: Trail, problem: PreparedProblem, enough: float = 1e-7) -> tupl
     if not proof.holds and (unpolished := prove_curve(rough.curve, problem.task)).holds:
         return rough, unpolished
     return trail, proof
+
+
+def _hopeless(check: Check, problem: PreparedProblem) -> float:
+    """The slack of a limit that a little more room, or a flatter climb, does not mend.
+
+    Over steep ground what a curve cuts between two nodes may be more, and where climbs are limited that is usual.
+    """
+    ground = check.limit == "ground" and problem.climbs_limited
+    return HOPELESS[check.unit] * (1 + problem.task.airspace.terrain.steepness if ground else 1)
 
 
 _REMEDY = {
@@ -110,7 +125,7 @@ class _Bench:
     window: NDArray[np.float64]
     even: float
     free: slice
-    spread: csr_array | None
+    spread: "csr_array | None"
     reach: int
 
     def moved(self, control: Points, step: Vector) -> Points:
@@ -127,6 +142,8 @@ class _Bench:
         """Gradient and lower band of the Hessian by what is free, from those by all coordinates of `some`."""
         if self.spread is None:
             return gradient[self.free], band[:, self.free]
+        from scipy.sparse import dia_array
+
         halves = band.copy()
         halves[0] /= 2.0  # the Hessian is this triangle and its transpose
         size, free = self.spread.shape
@@ -146,6 +163,8 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
     if len(trail.via_at):
+        from scipy.sparse import csr_array, diags_array, eye_array, kron
+
         ways = freedom(trail, problem.task, part)[low:high]
         spread = csr_array(kron(csr_array(ways), eye_array(3)))
         near = diags_array(np.ones(2 * BAND + 1), offsets=np.arange(-BAND, BAND + 1), shape=(len(ways) * 3,) * 2)
@@ -161,6 +180,7 @@ def _descend(
 ) -> tuple[Points, Matrix]:
     """Levenberg and Marquardt: the less damped the better the model has been right."""
     from ipoa_mission.planning._path_model import path_model
+    from ipoa_mission.planning.banded import solve_banded
 
     count, airspace = bench.some.stop - bench.some.start, (problem.chart, problem.rules)
 
@@ -175,10 +195,10 @@ def _descend(
         for _ in range(6):
             damped = band.copy()
             damped[0] += damping * band[0] + 1e-6 * band[0].mean()
-            _, step, failed = dpbsv(damped, gradient, lower=1)
+            step, solved = solve_banded(damped, gradient)
             trial = bench.moved(control, -step)
             trial_value, trial_gradient, trial_band, trial_angles = model(trial)
-            if not failed and trial_value < value:
+            if solved and trial_value < value:
                 break
             damping = max(8 * damping, 1e-4)
         else:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.optimize.search import Box, Candidates, Costs
-from ipoa_mission.planning.chart import Chart, Rules, chart_of
+from ipoa_mission.planning.chart import STEEP, Chart, Rules, chart_of
 from ipoa_mission.planning.cost import rules_of
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis
@@ -25,7 +25,7 @@ ALL = slice(None)
 MIN_SPANS_BETWEEN_VIA = 2.0  # spans of the spline between two via points, at least
 COMPARING_FACTOR = 4  # times as many nodes when curves are compared
 UNSAFE = 1e6  # a curve that costs more than this breaks a limit
-ROUGH_STEEPNESS = 1.1  # how much steeper than allowed a rough curve may be
+ROUGH_STEEPNESS = 1.02  # how much steeper than allowed a rough curve may be
 NARROW, MOST = 0.3, 4000  # curves are compared by legs as short as this [m], if so many are enough
 LENIENCE = 0.1  # what a rough curve may break a limit by; the fine polish mends it [m]
 FULL_SIZE = 50.0  # on a shorter way over all places, what is given in meters is smaller in proportion [m]
@@ -67,6 +67,11 @@ class PreparedProblem:
     def scale(self) -> float:
         """What is usual in meters counts so many times in this scene: 1, or less where all is small."""
         return min(float(leg_lengths(self.task.places).sum()) / FULL_SIZE, 1.0)
+
+    @property
+    def climbs_limited(self) -> bool:
+        """Whether climb or descent are limited."""
+        return min(self.rules.climb, self.rules.descent) < STEEP
 
     def costs(self, encoding: Encoding) -> Callable[[Candidates], Costs]:
         """The cost function of a search: candidates (m, D) to costs (m,) of that part of the path which they change."""
@@ -122,7 +127,7 @@ def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = No
     They are evenly apart along it, or as many on each leg as its share (k-1,) of the sum.
     """
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
-    stops = [0, *_corners(guide, task.places[1:-1]), len(guide) - 1]
+    stops = [0, *corners(guide, task.places[1:-1]), len(guide) - 1]
     legs = np.diff(traveled[stops]) / traveled[-1]
     least = min(MIN_SPANS_BETWEEN_VIA / (inner - 1), 0.5 / len(legs))  # or via points would share control points
     legs = np.maximum(legs, least)
@@ -226,7 +231,7 @@ def _waves(inner: int) -> Matrix:
     return np.asarray(np.sin(np.pi * k * _greville(inner + 2)[1:-1]) / k)
 
 
-def _corners(guide: Points, via: Points) -> list[int]:
+def corners(guide: Points, via: Points) -> list[int]:
     """At which corners a guide passes the via points, in order."""
     corners, after = list[int](), 1
     for place in via:

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.planning.problem import PreparedProblem
+from ipoa_mission.planning.problem import PreparedProblem, corners
 
 TURNS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
 AXIS_RATIOS = (1.0, 2.0, 4.0, 8.0, 16.0)  # the ellipse's axes over each other
 ELLIPSE_SIDES = 16  # of the polygon that stands for the ellipse
 LOOP_LEVELS = 9  # at which the ellipse is looked at
+LIFT_SLOPE_SHARE = 0.97  # of the steepest slope, on a way that is lifted
 LOOP_SLOPE_SHARE = 0.85  # how much flatter than allowed the loops are
 CONTROL_PER_TURN = 12  # control points a turn
 TOO_STEEP = 1.3  # times the limit: what is steeper needs loops, what is not the polish mends
@@ -58,6 +59,31 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
     legs = leg_lengths(guide)
     straight = max(float(legs[~turning].sum()), SHORTEST_DETOUR)
     return guide, np.where(turning, CONTROL_PER_TURN / ELLIPSE_SIDES, inner * legs / straight)
+
+
+def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, float]:
+    """The way (k, 3), higher where it must be lest it climb or descend too steeply, and the longest detour it needs.
+
+    Between places to pass, at which heights are given, it may still be too short for its climbs: a detour is the level
+    distance missing as a share of the distance within which the climb must be made. What is no more than two steps [m]
+    high is left to the polish. It is infinite if the way is not free when it is lifted.
+    """
+    lifted, rules, longest = way.copy(), problem.rules, 0.0
+    traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
+    stops = [0, *corners(way, problem.task.places[1:-1]), len(way) - 1]
+    for first, last in pairwise(stops):
+        along, height = traveled[first : last + 1] - traveled[first], way[first : last + 1, 2]
+        climb, descent = LIFT_SLOPE_SHARE * rules.climb * along, LIFT_SLOPE_SHARE * rules.descent * along
+        after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from what is behind
+        before = np.maximum.accumulate((after - climb)[::-1])[::-1]  # and a climb to what is ahead
+        lifted[first + 1 : last, 2] = (before + climb)[1:-1]
+        for missing, slope, within in (
+            (before[0] - height[0], rules.climb, along[np.argmax(after - climb)]),
+            (after[-1] - height[-1], rules.descent, along[-1] - along[np.argmax(height + descent)]),
+        ):
+            if missing > 2 * step:
+                longest = max(longest, float(missing / slope / max(within, SHORTEST_DETOUR)))
+    return lifted, longest if _free(lifted, problem) else np.inf
 
 
 def _without_detours(way: Points, problem: PreparedProblem) -> Points:

@@ -4,6 +4,7 @@ import difflib
 import re
 import tomllib
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -154,9 +155,14 @@ def _place(location: Sequence[int | str], table: Any) -> str:
     return place
 
 
+@cache
+def _schema() -> dict[str, Any]:
+    return Scenario.model_json_schema()
+
+
 def _known_keys(location: Sequence[int | str]) -> list[str]:
     """Keys that the table at this place may have, from the schema."""
-    schema = Scenario.model_json_schema()
+    schema = _schema()
     here: Any = schema
     for step in location[:-1]:
         here = here.get("items", here) if isinstance(step, int) else here.get("properties", {}).get(step, here)

@@ -73,7 +73,8 @@ def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
     while data := (os.read(cable.vehicle, 100_000) if _is_readable(cable.vehicle) else b""):
         got += framer.feed(data)
         serial.receive(serial.now())
-    assert got == sent[: len(got)]
+    order = [sent.index(frame) for frame in got]  # a busy kernel may take a few more once it has moved some on
+    assert order == sorted(set(order))
     assert 20 < len(got) < len(sent)
 
 
