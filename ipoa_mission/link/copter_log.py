@@ -148,7 +148,11 @@ def _fixes(rows: Points, velocities: Points) -> Fixes:
 
 
 def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:
-    """Velocity north, east, down out of positions, where the log has no estimate of it."""
+    """Velocity north, east, down out of positions, where the log has no estimate of it; zero off the Earth."""
     start = Geodetic(float(latitude[0]), float(longitude[0]), float(altitude[0]))
-    east, north, up = np.gradient(LocalFrame(start).to_local(latitude, longitude, altitude), times, axis=0).T
+    places, speeds = LocalFrame(start).to_local(latitude, longitude, altitude), np.zeros((len(times), 3))
+    sound = np.isfinite(places).all(axis=1)
+    if sound.sum() > 1:
+        speeds[sound] = np.gradient(places[sound], times[sound], axis=0)
+    east, north, up = speeds.T
     return np.column_stack([north, east, -up])

@@ -10,6 +10,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import waypoint
 from ipoa_mission.link import ulog
+from ipoa_mission.link.copter_log import _differences
 from ipoa_mission.link.flight_log import _Known, _Stretch, read_flights
 from ipoa_mission.link.logged import Begun
 from ipoa_mission.mission.firmware import home_item
@@ -63,6 +64,13 @@ def test_speeds_that_are_no_numbers_are_passed_over(monkeypatch: pytest.MonkeyPa
     speeds = [sample.speed for sample in read_flights(LOG).flights[0].record().path]
     assert np.isfinite(speeds).all()
     assert 0.0 < max(speeds) <= max(sound) + 0.1
+
+
+def test_places_off_the_earth_have_no_speed() -> None:
+    """What is no place makes neither a speed nor a warning."""
+    latitude = np.array([47.0, 47.00001, 4700.0, 47.00003, 47.00004])
+    speeds = _differences(np.arange(5.0), latitude, np.full(5, 8.0), np.full(5, 500.0))
+    assert speeds[:, 0] == pytest.approx([1.11, 1.11, 0.0, 1.11, 1.11], rel=0.01)
 
 
 def test_a_record_of_arducopter_without_its_fields_is_passed_over(tmp_path: Path) -> None:
