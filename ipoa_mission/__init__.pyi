@@ -22,8 +22,8 @@ from ipoa_mission.items import FencePolygon as FencePolygon
 from ipoa_mission.items import Item as Item
 from ipoa_mission.items import Mission as Mission
 from ipoa_mission.link.channel import LinkDown as LinkDown
+from ipoa_mission.link.connect import connect as connect
 from ipoa_mission.link.conversations import MissionRefused as MissionRefused
-from ipoa_mission.link.departure import NotReady as NotReady
 from ipoa_mission.link.dialogue import Cancelled as Cancelled
 from ipoa_mission.link.dialogue import NoAnswer as NoAnswer
 from ipoa_mission.link.dialogue import TimeUp as TimeUp
@@ -31,11 +31,11 @@ from ipoa_mission.link.flight_log import read_flight as read_flight
 from ipoa_mission.link.line import Contested as Contested
 from ipoa_mission.link.logbook import FlightRecord as FlightRecord
 from ipoa_mission.link.orders import CommandRefused as CommandRefused
+from ipoa_mission.link.state import NotReady as NotReady
 from ipoa_mission.link.upload import ReadBackDiffers as ReadBackDiffers
 from ipoa_mission.link.upload import Replaced as Replaced
 from ipoa_mission.link.upload import Unflyable as Unflyable
 from ipoa_mission.link.vehicle import Vehicle as Vehicle
-from ipoa_mission.link.vehicle import connect as connect
 from ipoa_mission.mission.files import read_mission as read_mission
 from ipoa_mission.mission.files import write_mission as write_mission
 from ipoa_mission.mission.plan_file import write_plan as write_plan

@@ -49,6 +49,20 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
             left.unlink(missing_ok=True)
 
 
+def unused(path: Path) -> Path:
+    """This path, or NAME-2, NAME-3, ... beside it, if there is such a file already: for logs, which nobody can repeat.
+
+    >>> unused(Path("nowhere/flight.tlog")).name
+    'flight.tlog'
+    """
+    number = 1
+    free = path
+    while free.exists():
+        number += 1
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free
+
+
 def read_text(path: Path) -> str:
     """The text of a file that a user named; a byte order mark is dropped, line ends are kept.
 

@@ -3,9 +3,11 @@
 import ast
 from collections.abc import Iterator
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 import ipoa_mission
+from ipoa_mission.cli.app import VERBS
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
@@ -41,6 +43,7 @@ MAY_IMPORT = {
         "world",
     },
     "routing": {
+        "compiled",
         "tube",
         "checks",
         "planning",
@@ -74,7 +77,7 @@ MAY_IMPORT["cli"] = set(MAY_IMPORT)
 IMPURE = {
     "socket": {"link/channel.py", "studio/server.py"},
     "serial": {"link/channel.py"},
-    "pymavlink": {"link/codec.py", "link/dataflash.py"},  # messages on the wire, and the format of a log
+    "pymavlink": {"link/definitions.py"},
 }
 NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
     "link",
@@ -87,17 +90,28 @@ NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
     "exports",
 }
 
+REPOSITORY = PACKAGE.parent
 FILES = sorted(PACKAGE.rglob("*.py"))
+TOOLS = sorted((REPOSITORY / "tools").rglob("*.py"))
 
 
 def room(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
+def module(path: Path) -> str:
+    return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+
+
+@cache
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 @cache
 def imports(path: Path) -> set[str]:
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree(path)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -132,6 +146,16 @@ def test_the_rooms_stand_in_order() -> None:
         listed.append(name)
 
 
+def test_no_files_import_each_other_in_a_circle() -> None:
+    """Not even inside a function, or for types only."""
+    modules = {module(path): path for path in FILES}
+    onward = {name: (imports(path) & modules.keys()) - {name} for name, path in modules.items()}
+    while settled := {name for name, others in onward.items() if not others & onward.keys()}:
+        for name in settled:
+            del onward[name]
+    assert not onward
+
+
 def test_sockets_serial_ports_and_pymavlink_live_in_one_module_each() -> None:
     owners = {path: path.relative_to(PACKAGE).as_posix() for path in FILES}
     wrong = {
@@ -152,42 +176,50 @@ def test_the_pure_rooms_have_no_clock_and_no_global_randomness() -> None:
 
 #: What is larger than it should be, by name: the list may only shrink.
 MANY_PARAMETERS = {
-    "planning/_dijkstra.py:spread",
-    "planning/_places.py:_look",
+    "ipoa_mission/planning/_dijkstra.py:spread",
+    "ipoa_mission/planning/_places.py:_look",
 }
 LINES_OF_A_FILE, LINES_OF_A_FUNCTION, PARAMETERS = 400, 80, 8
+OF_A_VERB = 12  # options, or groups of them, that a verb of the command line takes
 
 
-def functions() -> Iterator[tuple[str, ast.FunctionDef]]:
-    """Every function but the verbs of the command line, whose parameters are its options."""
-    for path in FILES:
-        if room(path) != "cli":
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.FunctionDef):
-                    yield f"{path.relative_to(PACKAGE).as_posix()}:{node.name}", node
+def functions(files: list[Path]) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
+    """Every function by file and name."""
+    for path in files:
+        for node in ast.walk(tree(path)):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                yield f"{path.relative_to(REPOSITORY).as_posix()}:{node.name}", node
+
+
+def is_verb(name: str) -> bool:
+    """Whether it is a verb of the command line: its parameters are its options, its docstring is its help."""
+    return any(f"{verb.__code__.co_filename}:{verb.__name__}".endswith(f"/{name}") for verb in chain(*VERBS.values()))
 
 
 def test_files_are_of_a_size_that_one_reads() -> None:
-    long = {path for path in FILES if len(path.read_text(encoding="utf-8").splitlines()) > LINES_OF_A_FILE}
-    assert {path.relative_to(PACKAGE).as_posix() for path in long} == set()
+    long = {path for path in FILES + TOOLS if len(path.read_text(encoding="utf-8").splitlines()) > LINES_OF_A_FILE}
+    assert long == set()
 
 
 def test_functions_are_of_a_size_that_one_sees() -> None:
-    long = {name for name, node in functions() if (node.end_lineno or 0) - node.lineno >= LINES_OF_A_FUNCTION}
+    long = set()
+    for name, node in functions(FILES + TOOLS):
+        first = node.body[1].lineno if is_verb(name) else node.lineno
+        if (node.end_lineno or 0) - first >= LINES_OF_A_FUNCTION:
+            long.add(name)
     assert long == set()
 
 
 def test_functions_take_what_one_can_keep_in_mind() -> None:
-    found = set()
-    for name, node in functions():
+    many = set()
+    for name, node in functions(FILES + TOOLS):
         given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
-        if len([one for one in given if one.arg not in {"self", "cls"}]) > PARAMETERS:
-            found.add(name)
-    assert found == MANY_PARAMETERS
+        most = OF_A_VERB if is_verb(name) else PARAMETERS
+        if len([one for one in given if one.arg not in {"self", "cls"}]) > most:
+            many.add(name)
+    assert many == MANY_PARAMETERS
 
 
-REPOSITORY = PACKAGE.parent
-TOOLS = sorted((REPOSITORY / "tools").rglob("*.py"))
 #: Tools that look behind a room's door; the list may only shrink.
 BEHIND_DOORS = {
     "benchmarks/planning_benchmark/ompl_peers.py: ipoa_mission.planning._kernels",

@@ -16,6 +16,9 @@ MISSION_MODE: Mapping[Autopilot, int] = MappingProxyType({Autopilot.ARDUPILOT: 3
 #: The mode in which a vehicle is armed for it: ArduCopter refuses to be armed in AUTO (AUTO_OPTIONS 0), and takes
 #: GUIDED only with a position; PX4, armed in its mission mode, takes off at once.
 ARMING_MODE: Mapping[Autopilot, int] = MappingProxyType({Autopilot.ARDUPILOT: 4, Autopilot.PX4: px4_mode(4, 4)})
+#: The mode that holds its place without a pilot: ArduCopter's LOITER would follow the throttle stick.
+HOLD_MODE: Mapping[Autopilot, int] = MappingProxyType({Autopilot.ARDUPILOT: 17, Autopilot.PX4: px4_mode(4, 3)})
+RETURN_MODE: Mapping[Autopilot, int] = MappingProxyType({Autopilot.ARDUPILOT: 6, Autopilot.PX4: px4_mode(4, 5)})
 #: The modes in which it comes home: PX4 leaves its mission mode for them at an RTL item.
 RETURN_MODES: Mapping[Autopilot, frozenset[int]] = MappingProxyType(
     {Autopilot.ARDUPILOT: frozenset({6, 21, 27}), Autopilot.PX4: frozenset({px4_mode(4, 5)})}

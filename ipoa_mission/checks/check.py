@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.firmware import check_firmware
-from ipoa_mission.checks.positions import check_positions
+from ipoa_mission.checks.positions import check_positions, refusals
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, flown_legs
 from ipoa_mission.world.frame import LocalFrame
@@ -35,7 +35,7 @@ def check_mission(
     if mission.other_vehicle:
         message = f"the mission is for {mission.other_vehicle}: its legs are judged as a multicopter flies them"
         findings.append(Finding(Severity.WARNING, None, message))
-    if not any(finding.severity is Severity.ERROR for finding in positions):
+    if not refusals(mission):
         if scenario is None:
             frame = LocalFrame(mission.home)
             findings += _check_fence(mission, frame, flown_legs(mission, frame))

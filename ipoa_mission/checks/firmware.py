@@ -7,7 +7,7 @@ from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
-from ipoa_mission.commands import ENDINGS, HOLDING, TAKEOFFS, Command, Frame, command_name
+from ipoa_mission.commands import ENDINGS, HOLDING, TAKEOFFS, Command, Frame, command_name, plain_frame
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import to_wire
@@ -27,6 +27,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
             yield from _jump(seq, item, len(mission.items))
     yield from _takeoff(mission)
     yield from _ending(mission)
+    yield from _terrain(mission)
 
 
 def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
@@ -114,6 +115,17 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
                 yield warning(seq, item, f"a take-off to {height:g} m above home: ArduCopter climbs 1 m all the same")
             else:  # PX4 finds such a mission infeasible
                 yield error(seq, item, f"expected a take-off to more than {least:g} m above home, not to {height:g} m")
+
+
+def _terrain(mission: Mission) -> Iterator[Finding]:
+    over = [seq for seq, item in enumerate(mission.items, 1) if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT]
+    if over and mission.autopilot is Autopilot.ARDUPILOT and not mission.parameters.get("RNGFND1_TYPE"):
+        items = f"item{'s' if len(over) > 1 else ''} {', '.join(map(str, over))}"
+        message = (
+            f"{items}: above terrain: ArduCopter is armed only with terrain data, which a ground station sends or its "
+            "card holds, or with a range finder (RNGFND1_TYPE)"
+        )
+        yield Finding(Severity.WARNING, over[0], message)
 
 
 def _ending(mission: Mission) -> Iterator[Finding]:

@@ -1,29 +1,69 @@
-"""Landings on ground that is not as high as home: many autopilots slow down by their height over home.
-
-ArduCopter asks a rangefinder, then its terrain data, then the height above home; PX4 the distance to the ground where
-a sensor gives it, else the height above home.
-"""
+"""Landings on ground that is not as high as home: planned for where that can be, else told."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.renamed import by_old_names
+from ipoa_mission.autopilots.slow_landing import SLOWED_BY, SURE, SlowStretch, raised, slow_stretch
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.checks.finding import Finding, Severity
-from ipoa_mission.commands import command_name
+from ipoa_mission.checks.unsafe import Unsafe
+from ipoa_mission.commands import Command, command_name
 from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg, Phase
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
+from ipoa_mission.world.frame import LocalFrame
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 DEEP = 5.0  # ground that is lower than home by less than this makes no long landing [m]
-FASTER = 0.05  # a touchdown faster than the landing speed by less than this is none [m/s]
-SLOWEST = 0.05  # [m/s]
 HOME_AGREES = 0.5  # ground at home may differ from home's altitude by so much [m]
 
 
-def check_ground(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+@dataclass(frozen=True)
+class Landing:
+    """Where item `seq` comes down: east and north of home, how high above home the ground is, all in m.
+
+    `counted`: as high as the autopilot takes the ground to be at worst, had it no sensor.
+    """
+
+    seq: int
+    command: int
+    east: float
+    north: float
+    height: float
+    counted: float
+
+    @property
+    def words(self) -> str:
+        """Which item, where, and how high."""
+        return (
+            f"item {self.seq} ({command_name(self.command)}): at east {self.east:.1f}, north {self.north:.1f} "
+            f"the ground is {_apart(self.height)} home"
+        )
+
+
+def landings(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iterator[Landing]:
+    """Where a mission comes down, at its end and at its rally points, each place once."""
+    reported = set[tuple[int, float]]()
+    for leg in legs:
+        if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
+            continue
+        height = frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
+        if (leg.seq, round(height, 1)) not in reported:
+            reported.add((leg.seq, round(height, 1)))
+            item = mission.items[leg.seq - 1]
+            lands_at = item.command == Command.NAV_LAND and item.has_position
+            below = min(item.height(mission.home), 0.0) if lands_at else 0.0  # ArduCopter 4.7 counts from there
+            counted = height - (below if mission.autopilot is Autopilot.ARDUPILOT else 0.0)
+            east, north = (float(value) for value in leg.points[-1, :2])
+            yield Landing(leg.seq, item.command, east, north, height, counted)
+
+
+def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) -> Iterator[Finding]:
     """Warnings where the vehicle touches down too fast, comes down slowly from far up, or stands at another height."""
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
     if abs(at_home) > HOME_AGREES:
@@ -34,56 +74,76 @@ def check_ground(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) ->
             f"stands, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
             f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
         )
-    parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
-    if parameters.get("RNGFND1_TYPE", 0.0) > 0:
+    stretch = slow_stretch(mission.autopilot, mission.parameters)
+    if stretch is None:
         return
-    reported = set[tuple[int, float]]()
-    for leg in legs:
-        if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
-            continue
-        height = scenario.frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
-        descent = _landing(mission.autopilot, parameters, height)
-        if descent is not None and (leg.seq, round(height, 1)) not in reported:
-            reported.add((leg.seq, round(height, 1)))
-            words, hint = descent
-            item = f"item {leg.seq} ({command_name(mission.items[leg.seq - 1].command)})"
-            east, north = leg.points[-1, :2]
-            where = f"at east {east:.1f}, north {north:.1f} the ground is {_apart(height)} home"
-            yield Finding(Severity.WARNING, leg.seq, f"{item}: {where}: {words}", hint)
+    for landing in landings(mission, scenario.frame, legs):
+        if stretch.is_fast(landing.counted):
+            wanted = _in_words(raised(mission.autopilot, mission.parameters, landing.counted))
+            hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
+            yield Finding(Severity.WARNING, landing.seq, f"{landing.words}: {touches_down(stretch, landing)}", hint)
+        elif landing.height < -DEEP:
+            way = stretch.ends - landing.height
+            words = (
+                f"the last {way:.0f} m are flown at {stretch.landing:.1f} m/s and take {way / stretch.landing:.0f} s"
+            )
+            hint = "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
+            yield Finding(Severity.WARNING, landing.seq, f"{landing.words}: without a rangefinder {words}", hint)
 
 
-def _landing(autopilot: Autopilot, parameters: Parameters, height: float) -> tuple[str, str] | None:
-    """What a landing on ground so high above home comes to without a rangefinder, and what helps; None if nothing."""
-    slow, fast, first, last, names = _SLOWING[autopilot](parameters)
-    speed = float(np.interp(height, (last, first), (slow, fast)))
-    if speed > slow + FASTER:
-        words = f"without a rangefinder the vehicle touches down at up to {speed:.1f} m/s, not at {slow:.1f}"
-        raised = " and ".join(f"{name} = {value + height / unit:.0f}" for name, value, unit in names)
-        return words, f"{raised} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
-    if height < -DEEP:
-        way = last - height
-        words = f"without a rangefinder the last {way:.0f} m are flown at {slow:.1f} m/s and take {way / slow:.0f} s"
-        return words, "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
-    return None
+def slow_landings(mission: Mission, scenario: "Scenario") -> Mission:
+    """The mission for a vehicle that slows down as high above the ground where it lands as it else does above home.
+
+    Its parameters stay where the slow stretch is long enough, where the scenario names one of them, and where
+    ArduCopter has a range finder.
+
+    Raises:
+        Unsafe: the ground is so high that no value that the firmware documents helps.
+    """
+    stretch = slow_stretch(mission.autopilot, mission.parameters)
+    names = SLOWED_BY[mission.autopilot].names
+    if stretch is None or not by_old_names(mission.parameters).keys().isdisjoint(names):
+        return mission
+    legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
+    highest = max(landings(mission, scenario.frame, legs), key=lambda landing: landing.counted, default=None)
+    if highest is None or not stretch.is_fast(highest.counted + SURE):
+        return mission
+    wanted, most = raised(mission.autopilot, mission.parameters, highest.counted), SLOWED_BY[mission.autopilot].most
+    slowed = slow_stretch(mission.autopilot, {**mission.parameters, **wanted})
+    if slowed is not None and slowed.is_fast(highest.counted):
+        raise Unsafe(
+            f"{highest.words}, and {' and '.join(names)} reach to {most:.0f} m above home: "
+            f"{touches_down(slowed, highest)}",
+            hint=f"land elsewhere, descend no faster than {slowed.landing:g} m/s (vehicle.descent_speed), or name "
+            f"{'RNGFND1_TYPE or ' if mission.autopilot is Autopilot.ARDUPILOT else ''}{names[0]} under "
+            "[vehicle.parameters]: then it is yours to see to",
+        )
+    return replace(mission, parameters={**mission.parameters, **wanted})
 
 
-_Slowing = tuple[float, float, float, float, tuple[tuple[str, float, float], ...]]
+def slowed_for_ground(mission: Mission, scenario: "Scenario") -> Iterator[str]:
+    """That its vehicle needs other parameters to land slowly, where it does."""
+    given = scenario.vehicle.autopilot_parameters()
+    wanted = {name: value for name, value in mission.parameters.items() if name not in given}
+    if wanted:
+        legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
+        highest = max(landings(mission, scenario.frame, legs), key=lambda landing: landing.counted)
+        yield (
+            f"{highest.words}: {_in_words(wanted)} in the vehicle, so that it slows down as high above it as it else "
+            f"does above home ({scenario.name}.params; `fly --set-params` writes it)"
+        )
 
 
-def _ardupilot(p: Parameters) -> _Slowing:
-    """Landing and descent speed [m/s], heights at which slowing begins and ends [m], and the parameters for them."""
-    low = max(p["LAND_ALT_LOW"] / 100, 1.0)
-    fast = (p["LAND_SPEED_HIGH"] or p["WPNAV_SPEED_DN"]) / 100
-    return max(p["LAND_SPEED"] / 100, SLOWEST), fast, low + 1e-6, low, (("LAND_ALT_LOW", p["LAND_ALT_LOW"], 0.01),)
+def touches_down(stretch: SlowStretch, landing: Landing) -> str:
+    """How fast, in words."""
+    return (
+        f"without a rangefinder the vehicle touches down at up to {stretch.touchdown(landing.counted):.1f} m/s, "
+        f"not at {stretch.landing:.1f}"
+    )
 
 
-def _px4(p: Parameters) -> _Slowing:
-    first, last = max(p["MPC_LAND_ALT1"], p["MPC_LAND_ALT2"] + 1e-6), p["MPC_LAND_ALT2"]
-    names = (("MPC_LAND_ALT1", p["MPC_LAND_ALT1"], 1.0), ("MPC_LAND_ALT2", p["MPC_LAND_ALT2"], 1.0))
-    return max(p["MPC_LAND_SPEED"], SLOWEST), p["MPC_Z_V_AUTO_DN"], first, last, names
-
-
-_SLOWING = {Autopilot.ARDUPILOT: _ardupilot, Autopilot.PX4: _px4}
+def _in_words(parameters: Parameters) -> str:
+    return " and ".join(f"{name} = {value:g}" for name, value in parameters.items())
 
 
 def _apart(height: float) -> str:

@@ -24,11 +24,14 @@ MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
 def check_positions(mission: Mission) -> Iterator[Finding]:
     """Findings about home, the positions and heights of items and rally points, and where the fence lies."""
     yield from _home(mission)
+    elsewhere = home_elsewhere(mission)
+    if elsewhere:
+        yield Finding(Severity.WARNING, 0, elsewhere)
     for seq, item in enumerate(mission.items, start=1):
         if item.command in FLOWN_TO | FIRMWARE[mission.autopilot].placed.keys() and item.frame != Frame.MISSION:
             findings = list(_position(seq, item, mission))
             yield from findings
-            if not findings:
+            if not findings and not elsewhere:
                 yield from _far(seq, item, mission.home)
             yield from _height(seq, item, mission)
     yield from _fence(mission)
@@ -60,19 +63,36 @@ def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> 
     return None if metres <= TOO_FAR else f"expected a position within 100 km of home, not {metres / 1000:.0f} km"
 
 
+def home_elsewhere(mission: Mission) -> str | None:
+    """That the home in an ArduPilot file is not where its mission is flown, in words.
+
+    ArduCopter puts where it is armed in its place and takes the rest as it is.
+    """
+    placed = [item for item in mission.items if item.has_position and item.command != Command.NAV_TAKEOFF]
+    places = [(item.latitude_deg, item.longitude_deg) for item in placed]
+    home = (mission.home.latitude_deg, mission.home.longitude_deg)
+    if not places or mission.autopilot is not Autopilot.ARDUPILOT or any(out_of_range(*p) for p in (home, *places)):
+        return None
+    nearest = min(distance(mission.home, *place) for place in places)
+    if nearest <= TOO_FAR or any(distance(Geodetic(*places[0]), *place) > TOO_FAR for place in places):
+        return None
+    return f"home: it lies {nearest / 1000:.0f} km from all places of the mission, so it must be armed elsewhere"
+
+
 def refuse_unsound(mission: Mission) -> None:
     """Refuse a mission that cannot be drawn.
 
     Raises:
-        BadInput: in the words of the first error of `check_positions`.
+        BadInput: in the first words of `refusals`.
     """
     for message in refusals(mission):
         raise BadInput(message)
 
 
 def refusals(mission: Mission) -> tuple[str, ...]:
-    """The errors of `check_positions`, in words."""
-    return tuple(finding.message for finding in check_positions(mission) if finding.severity is Severity.ERROR)
+    """Why a mission can neither be drawn nor timed: the errors of `check_positions`, in words, or a home elsewhere."""
+    errors = (finding.message for finding in check_positions(mission) if finding.severity is Severity.ERROR)
+    return (*errors, *filter(None, [home_elsewhere(mission)]))
 
 
 def _home(mission: Mission) -> Iterator[Finding]:

@@ -24,6 +24,7 @@ from ipoa_mission.cli import (
     telling,
     verbosity,
 )
+from ipoa_mission.cli.groups import grouped
 from ipoa_mission.cli.interrupting import Interrupted
 from ipoa_mission.errors import MissionError
 
@@ -55,11 +56,12 @@ VERBS = {
         linking.set_current,
         linking.clear,
     ),
+    "A vehicle in flight": (linking.pause, linking.resume, linking.rtl),
     "More": (reproducing.reproduce, planning.schema),
 }
 for heading, verbs in VERBS.items():
     for verb in verbs:
-        app.command(rich_help_panel=heading)(verb)
+        app.command(rich_help_panel=heading)(grouped(verb))
 
 
 def main() -> None:

@@ -4,18 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import (
-    AutopilotOption,
     FileArgument,
     JsonOption,
-    LearnedOption,
-    ParameterFileOption,
-    ParameterOption,
     ScenarioOption,
-    WindOption,
-    WindProfileOption,
-    read_parameter_options,
-    read_wind_option,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 
@@ -25,13 +18,8 @@ if TYPE_CHECKING:
 
 def check(
     file: FileArgument,
+    flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
@@ -44,8 +32,8 @@ def check(
     from ipoa_mission.cli.reading import read_with_parameters, read_world
     from ipoa_mission.errors import BadInput
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
-    air = read_wind_option(wind, wind_profile)
+    mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
+    air = flown_by.air
     if air is not None and scenario is None:
         raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
     world, promise = read_world(scenario, air), None
@@ -55,8 +43,8 @@ def check(
 
         promise = promise_if_known(flown_in(mission, world), world)
     findings = check_mission(mission, world, promise)
-    found = {finding.message for finding in findings}
-    remarks = tuple(remark for remark in remarks if remark not in found) + (() if world is None else world.remarks)
+    messages = {finding.message for finding in findings}
+    remarks = tuple(remark for remark in remarks if remark not in messages) + (() if world is None else world.remarks)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
@@ -81,13 +69,8 @@ def check(
 
 def estimate(
     file: FileArgument,
+    flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
@@ -102,15 +85,15 @@ def estimate(
     from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
-    world = read_world(scenario, read_wind_option(wind, wind_profile))
+    mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
+    world = read_world(scenario, flown_by.air)
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
-    mission, air = in_world(mission, world, read_wind_option(wind, wind_profile))
-    found = predict(mission, wind=air)
-    remarks += found.remarks
+    mission, air = in_world(mission, world, flown_by.air)
+    prediction = predict(mission, wind=air)
+    remarks += prediction.remarks
     if as_json:
-        tell_json(estimate_as_json(found) | {"remarks": list(remarks)})
+        tell_json(estimate_as_json(prediction) | {"remarks": list(remarks)})
         return
     rows = [
         (
@@ -124,22 +107,22 @@ def estimate(
             _risk(item.missed.share, item.missed.cost_s),
             item.reason,
         )
-        for item in found.items
+        for item in prediction.items
     ]
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "what keeps it slow"]
     title = f"{file.name} on {mission.autopilot}, from arming"
     tell_table(title, columns, rows)
     tell(*notes(remarks))
     tell(
-        *route_in_words(found),
-        f"estimated {found.total_s:.1f} s (between {found.low_s:.0f} and {found.high_s:.0f}); "
-        f"QGroundControl would say {found.qgroundcontrol_s:.0f} s",
+        *route_in_words(prediction),
+        f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f}); "
+        f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
     )
 
 
-def route_in_words(found: "Estimate") -> list[str]:
+def route_in_words(estimate: "Estimate") -> list[str]:
     """How the route compares with the lower bound of its time; nothing where there is no route."""
-    route = found.route
+    route = estimate.route
     if not route.seconds > 0:
         return []
     return [
@@ -149,16 +132,16 @@ def route_in_words(found: "Estimate") -> list[str]:
     ]
 
 
-def estimate_as_json(found: "Estimate") -> dict[str, Any]:
+def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     """An estimate for machines; items are numbered as in the file, where home is 0."""
     from ipoa_mission.flight.summary import route_summary
 
     return {
-        "total_s": round(found.total_s, 3),
-        "low_s": round(found.low_s, 3),
-        "high_s": round(found.high_s, 3),
-        "qgroundcontrol_s": round(found.qgroundcontrol_s, 3),
-        "route": route_summary(found),
+        "total_s": round(estimate.total_s, 3),
+        "low_s": round(estimate.low_s, 3),
+        "high_s": round(estimate.high_s, 3),
+        "qgroundcontrol_s": round(estimate.qgroundcontrol_s, 3),
+        "route": route_summary(estimate),
         "items": [
             {
                 "seq": item.seq,
@@ -168,9 +151,9 @@ def estimate_as_json(found: "Estimate") -> dict[str, Any]:
                 "reason": item.reason,
                 "missed": {"share": round(item.missed.share, 3), "cost_s": round(item.missed.cost_s, 3)},
             }
-            for item in found.items
+            for item in estimate.items
         ],
-        "remarks": list(found.remarks),
+        "remarks": list(estimate.remarks),
     }
 
 

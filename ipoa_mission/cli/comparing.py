@@ -9,19 +9,12 @@ import typer
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import (
-    AutopilotOption,
     ForceOption,
     JsonOption,
-    LearnedOption,
-    ParameterFileOption,
-    ParameterOption,
     ScenarioOption,
-    WindOption,
-    WindProfileOption,
     expect_mission,
-    read_parameter_options,
-    read_wind_option,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
@@ -54,16 +47,11 @@ def compare(
             help="The log: .tlog, ArduPilot .bin or PX4 .ulg; first the mission, unless the log has it.",
         ),
     ],
+    flown_by: FlownByOptions,
     number: Annotated[
         int | None, typer.Option("--flight", metavar="N", min=1, help="Only the N-th flight in the log.")
     ] = None,
     scenario: ScenarioOption = None,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Also draw it: .png or .svg.")
     ] = None,
@@ -92,9 +80,9 @@ def compare(
     *missions, log = files
     file = expect_mission(missions[0]) if missions else None
     flown = read_flights(log)
-    if autopilot not in (None, flown.autopilot):
-        raise BadInput(f"{log}: expected a log of {autopilot}, not of {flown.autopilot}")
-    own = () if file is None else _read_mission(file, log, flown.autopilot, autopilot is None)
+    if flown_by.autopilot not in (None, flown.autopilot):
+        raise BadInput(f"{log}: expected a log of {flown_by.autopilot}, not of {flown.autopilot}")
+    own = () if file is None else _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
     mission, beside = own or (None, ())
     if number is not None and number > len(flown.flights):
         raise BadInput(f"--flight {number}: expected a number up to {len(flown.flights)}, so many are in {log}")
@@ -103,10 +91,10 @@ def compare(
         raise BadInput(f"--picture: expected --flight N too: {log} has {len(numbers)} flights")
     if picture is not None:
         expect_free([picture], force, ask=not as_json)
-    given = read_parameter_options(param, param_file)
-    air = read_wind_option(wind, wind_profile)
+    given = flown_by.parameters
+    air = flown_by.air
     world = read_world(scenario, air)
-    learned = None if vehicle is None else read_vehicle(vehicle, flown.autopilot)
+    learned = None if flown_by.vehicle is None else read_vehicle(flown_by.vehicle, flown.autopilot)
     rows = []
     for n in numbers:
         flight = flown.flights[n - 1]
@@ -172,15 +160,15 @@ def _useless(rows: list[_Row], log: Path) -> str:
 def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]:
     """What of the flights could not be done."""
     several = len(rows) > 1
-    said = [
+    remarks = [
         f"{f'flight {row.number}: ' if several else ''}{_no_mission(row.flight, log)}: it has no estimate"
         for row in rows
         if row.held is None and row.flight.in_mission
     ]
     if world is not None:
-        said += list(world.remarks)
-        said += [f"flight {row.number}: no path near {world.name}'s home" for row in rows if row.clearance is None]
-    return said
+        remarks += list(world.remarks)
+        remarks += [f"flight {row.number}: no path near {world.name}'s home" for row in rows if row.clearance is None]
+    return remarks
 
 
 def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
@@ -213,21 +201,21 @@ def _as_json(row: _Row) -> dict[str, Any]:
     return about
 
 
-def _clearance_as_json(found: "FlownClearance") -> dict[str, Any]:
-    east, north, up = found.least.place
-    given = {"required": found.required, "planned": found.planned, "promised": found.promised, "strayed": found.strayed}
+def _clearance_as_json(flown: "FlownClearance") -> dict[str, Any]:
+    east, north, up = flown.least.place
+    given = {"required": flown.required, "planned": flown.planned, "promised": flown.promised, "strayed": flown.strayed}
     return {
-        "least": round(found.least.distance, 3),
-        "to": found.least.what,
+        "least": round(flown.least.distance, 3),
+        "to": flown.least.what,
         "place": {
-            "latitude_deg": round(found.place.latitude_deg, 7),
-            "longitude_deg": round(found.place.longitude_deg, 7),
+            "latitude_deg": round(flown.place.latitude_deg, 7),
+            "longitude_deg": round(flown.place.longitude_deg, 7),
             "east": round(east, 3),
             "north": round(north, 3),
             "up": round(up, 3),
         },
-        "time_s": round(found.time_s, 3),
-        "kept": found.kept,
+        "time_s": round(flown.time_s, 3),
+        "kept": flown.kept,
         **{key: value if value is None else round(value, 3) for key, value in given.items()},
     }
 

@@ -81,11 +81,11 @@ def _ask(question: "Question", answers: dict[str, str]) -> str:
 
     while True:
         suggested = answers.get(question.key, question.default)
-        said = str(typer.prompt(f"{question.words} ({question.form})", default=suggested, err=True))
+        given = str(typer.prompt(f"{question.words} ({question.form})", default=suggested, err=True))
         try:
-            question.check(question.key, said)
-            check_goal({**answers, question.key: said})
+            question.check(question.key, given)
+            check_goal({**answers, question.key: given})
         except BadInput as error:
             typer.echo(error, err=True)
         else:
-            return said
+            return given

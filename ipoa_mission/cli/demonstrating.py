@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ipoa_mission.cli.groups import FaultOptions, FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, SeedOption
 
 
@@ -18,4 +19,5 @@ def demo(
     from ipoa_mission.cli.flying import fly
     from ipoa_mission.cli.packed import NAMES, or_packed
 
-    fly(or_packed(Path(NAMES[0])), out=out, seed=seed, report=True, force=force, as_json=as_json)
+    ways = SearchOptions(seed=seed), FlownByOptions(), LinkOptions(), FaultOptions()
+    fly(or_packed(Path(NAMES[0])), *ways, out=out, report=True, force=force, as_json=as_json)

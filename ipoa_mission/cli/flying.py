@@ -1,85 +1,46 @@
 """`fly`: a mission in the air, on a real vehicle or on the built-in autopilot."""
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
 from ipoa_mission.cli.folders import expect_folder, make_folder
+from ipoa_mission.cli.groups import FaultOptions, FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
-    AnywayOption,
-    AutopilotOption,
-    BackendOption,
-    DelayOption,
-    DuplicateOption,
     FileOrScenario,
     ForceOption,
     FromOption,
     JsonOption,
-    KeyOption,
-    LearnedOption,
-    LogOption,
-    LossOption,
-    NakOption,
-    OptimizerOption,
     OutOption,
-    ParameterFileOption,
-    ParameterOption,
-    PlannerOption,
-    PolishOption,
-    ReorderOption,
     ReportOption,
-    SeedOption,
     SetParametersOption,
-    SystemOption,
-    TimeoutOption,
     VehicleOption,
-    WindOption,
-    WindProfileOption,
-    read_parameter_options,
-    read_wind_option,
 )
-from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_table
-from ipoa_mission.cli.vehicles import Backend, connect_to, states_firmware
+from ipoa_mission.cli.telling import progress_bar, tell
+from ipoa_mission.cli.vehicles import connect_to, states_firmware
+from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flight import Flight
-    from ipoa_mission.link.logbook import FlightRecord
-    from ipoa_mission.timing.estimate import Estimate
+    from ipoa_mission.items import Mission
+    from ipoa_mission.simulator.faults import Faults
 
 
 def fly(
     source: FileOrScenario,
+    search: SearchOptions,
+    flown_by: FlownByOptions,
+    on_link: LinkOptions,
+    worse: FaultOptions,
     out: OutOption = Path(),
-    seed: SeedOption = 0,
-    optimizer: OptimizerOption = None,
-    planner: PlannerOption = None,
-    polish: PolishOption = True,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     report: ReportOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
     link: VehicleOption = None,
-    system: SystemOption = None,
-    log: LogOption = None,
-    key: KeyOption = None,
-    timeout: TimeoutOption = None,
-    backend: BackendOption = Backend.BUILTIN,
-    anyway: AnywayOption = False,
     begin: FromOption = 1,
     set_params: SetParametersOption = False,
-    loss: LossOption = 0.0,
-    duplicate: DuplicateOption = 0.0,
-    delay: DelayOption = 0.0,
-    reorder: ReorderOption = 0.0,
-    nak_at: NakOption = None,
 ) -> None:
     """Fly a mission from upload to landing, and hold the flown time against the estimate.
 
@@ -89,129 +50,90 @@ def fly(
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
-    from ipoa_mission.checks.start import begun_at
-    from ipoa_mission.cli.checking import route_in_words
+    from ipoa_mission.cli.flown import tell_flown, tell_flown_as_json
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
-    from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.cli.real_flight import RealFlight, no_flight_yet
-    from ipoa_mission.cli.summary import describe, tell_routes
-    from ipoa_mission.errors import BadInput
+    from ipoa_mission.cli.overwriting import expect_free, expect_log
+    from ipoa_mission.cli.real_flight import RealFlight, begun_with, no_flight_yet
+    from ipoa_mission.files import unused
     from ipoa_mission.flight.landed import landed_elsewhere
-    from ipoa_mission.flight.summary import passed_over_as_json
     from ipoa_mission.flight.written import not_as_written
-    from ipoa_mission.mission.firmware import to_wire
-    from ipoa_mission.simulator.faults import Faults
-    from ipoa_mission.timing.estimate import estimate
+    from ipoa_mission.simulator.fly import fly as fly_here
 
-    faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
     is_planned = source.suffix.lower() == ".toml"
     if not is_planned:
-        for option, is_given in {"--report": report, "--optimizer": optimizer, "--planner": planner}.items():
-            if is_given:
-                raise BadInput(f"{option}: expected a scenario, not {source}", hint="a mission is flown as it is")
-    if link is None and (begin != 1 or set_params):
-        raise BadInput(
-            "--from, --set-params: expected with --link", hint="the built-in autopilot begins at the first item"
-        )
-    if link is not None and not (faults.is_none and nak_at is None):
-        raise BadInput("--link: expected without --loss, --duplicate, --delay, --reorder and --nak-at")
+        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer, "--planner": search.planner})
+    faults = worse.faults()
+    _expect_together(link, faults, begin != 1 or set_params)
     expect_folder(out)
-    air = read_wind_option(wind, wind_profile)
-    parameters = read_parameter_options(param, param_file)
+    expect_log(on_link.log)
+    air = flown_by.air
     if is_planned:
-        scenario = adapt_scenario(source, optimizer, planner, polish, autopilot, parameters, vehicle)
+        scenario = adapt_scenario(source, search, flown_by)
         expect_free(not_as_written(out, scenario.name, report), force, ask=not as_json)
-        job = planned(plan(scenario, seed, air))
+        job = planned(plan(scenario, search.seed, air))
     else:
-        job = read_job(source, autopilot, parameters, air, vehicle)
-    if nak_at is not None and nak_at >= (sent := len(to_wire(job.mission))):
-        raise BadInput(f"--nak-at: expected a number from 0 to {sent - 1}, not {nak_at}: {sent} items are sent")
+        job = read_job(source, flown_by)
+    _expect_sent(worse.nak_at, job.mission)
     make_folder(out)
-    written: list[Path] = []
-    if job.flight is not None:
-        written += job.flight.write(out)
-        if not as_json:
-            tell(*describe(job.flight))
-            tell_routes(job.flight)
-            tell(f"written: {', '.join(map(str, written))}")
-    missions = len(written)
-    given_log, log = log, log or out / f"{job.name}.tlog"
-    told: tuple[str, ...] = ()
+    planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
+    remarks: tuple[str, ...] = ()
+    usual = out / f"{job.name}.tlog"
+    log = on_link.log or (usual if link is None else unused(usual))
     if link is None:
-        from ipoa_mission.simulator.fly import fly as fly_here
-
         with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
-            record = fly_here(job.mission, {}, seed, faults, log, flying=bar, wind=job.wind)
+            record = fly_here(job.mission, {}, search.seed, faults, log, flying=bar, wind=job.wind)
     else:
-        begun_at(job.mission, begin - 1)
-        with no_flight_yet(), connect_to(link, system, key, backend, given_log, log, timeout, anyway) as flown:
-            if not states_firmware(source, autopilot):
-                job = read_job(source, flown.autopilot, parameters, air, vehicle)
-            if begin != 1:
-                job = replace(job, estimate=estimate(begun_at(job.mission, begin - 1), wind=job.wind))
-            flight = RealFlight(job, flown, begin - 1, anyway, set_params)
-            told, record = flight.fly()
-    told += landed_elsewhere(job.mission, record, job.wind)
-    remarks = told if job.flight else tuple(dict.fromkeys((*job.remarks, *told)))
+        begun_with(job, begin)  # or there is no such item: that is told before anybody is called
+        with no_flight_yet(), connect_to(link, on_link, log) as there:
+            if not states_firmware(source, flown_by.autopilot):
+                job = read_job(source, flown_by, there.autopilot)
+            job = begun_with(job, begin)
+            remarks, record = RealFlight(job, there, begin - 1, on_link.anyway, set_params).fly()
+    remarks += landed_elsewhere(job.mission, record, job.wind)
+    written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
-        written.append(out / f"{job.name}.html")
-        job.flight.report(written[-1], record)
-    if backend is Backend.BUILTIN:
-        written.append(log)
+        job.flight.report(page := out / f"{job.name}.html", record)
+        written.insert(0, page)
     if as_json:
-        said = list(dict.fromkeys((*job.remarks, *remarks)))
-        known = flight_as_json(job.estimate, record) | {"remarks": said, "written": [str(path) for path in written]}
-        if job.flight is not None:
-            known["passed_over"] = passed_over_as_json(job.flight.scenario)
-        tell_json(known | ({"error": record.why_not} if record.why_not else {}))
+        tell_flown_as_json(job, record, remarks, [*planned_files, *written])
     else:
-        tell(*notes(remarks), *(() if record.completed else record.messages))
-        columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
-        tell_table(
-            f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record)
-        )
-        tell(
-            *([] if job.flight else route_in_words(job.estimate)),
-            f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s; "
-            f"{_kept(job.flight)}QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
-        )
-        tell(f"written: {', '.join(map(str, written[missions:]))}")
+        tell_flown(job, record, remarks, written)
     if record.why_not:
-        if not as_json:
-            tell(f"not complete: {record.why_not}")
         raise typer.Exit(1)
 
 
-def flight_as_json(found: "Estimate", record: "FlightRecord") -> dict[str, Any]:
-    """Estimate and flight for machines; items are numbered as in the file, where home is 0."""
-    from ipoa_mission.cli.checking import estimate_as_json
-
-    return {
-        "completed": record.completed,
-        "armed": record.armed,
-        "in_air": record.in_air,
-        "flown_s": round(record.total_s, 3),
-        "time_zero": "armed",
-        "items": [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())],
-        "estimate": estimate_as_json(found),
-        "messages": list(record.messages),
-    }
+def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
+    """That what only a scenario can be told to do was not asked of a mission file."""
+    for option, value in options.items():
+        if value:
+            raise BadInput(f"{option}: expected a scenario, not {source}", hint="a mission is flown as it is")
 
 
-def _kept(flight: "Flight | None") -> str:
-    """The clearance that flights keep, for the last line; nothing where none is known."""
-    kept = None if flight is None else flight.promise.clearance
-    if flight is None or kept is None or flight.promise.confidence is None:
-        return ""
-    return f"{100 * flight.promise.confidence:g} of 100 flights keep {kept.kept:.1f} m; "
+def _expect_together(link: str | None, faults: "Faults", is_for_a_vehicle: bool) -> None:
+    """That a vehicle's options came with a link, and the built-in autopilot's without."""
+    if link is None and is_for_a_vehicle:
+        raise BadInput(
+            "--from, --set-params: expected with --link", hint="the built-in autopilot begins at the first item"
+        )
+    if link is not None and not (faults.is_none and faults.nak_at is None):
+        raise BadInput("--link: expected without --loss, --duplicate, --delay, --reorder and --nak-at")
 
 
-def _legs(found: "Estimate", record: "FlightRecord") -> list[tuple[str, ...]]:
-    from ipoa_mission.commands import command_name
+def _expect_sent(nak_at: int | None, mission: "Mission") -> None:
+    """That the item to be refused is one that is sent."""
+    from ipoa_mission.mission.firmware import to_wire
 
-    rows: list[tuple[str, ...]] = []
-    for item in found.items:
-        flown = record.item_reached_s.get(item.seq - 1)
-        told = ("", "") if flown is None else (f"{flown:.1f}", f"{item.done_s - flown:+.1f}")
-        rows.append((str(item.seq), command_name(item.command), f"{item.done_s:.1f}", *told))
-    return rows
+    if nak_at is not None and nak_at >= (sent := len(to_wire(mission))):
+        raise BadInput(f"--nak-at: expected a number from 0 to {sent - 1}, not {nak_at}: {sent} items are sent")
+
+
+def _write(flight: "Flight", folder: Path, as_json: bool) -> list[Path]:
+    """Write the files of a flight that was planned here, and tell of it."""
+    from ipoa_mission.cli.summary import describe, tell_routes
+
+    written = [*flight.write(folder)]
+    if not as_json:
+        tell(*describe(flight))
+        tell_routes(flight)
+        tell(f"written: {', '.join(map(str, written))}")
+    return written

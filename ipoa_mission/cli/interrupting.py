@@ -24,5 +24,5 @@ def left_behind(words: str, hint: str | None = None) -> Iterator[None]:
 
         if not isinstance(error, Cancelled):
             raise
-        told = str(error) if ":" in str(error) else f"stopped: {words}"
-        raise Interrupted(told, error.hint or hint) from None
+        message = str(error) if ":" in str(error) else f"stopped: {words}"
+        raise Interrupted(message, error.hint or hint) from None

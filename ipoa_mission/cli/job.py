@@ -1,7 +1,6 @@
 """What the command line was given to fly: a scenario that was planned here, or a mission file."""
 
 import logging
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,9 @@ from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.reading import read_with_parameters
 from ipoa_mission.cli.telling import progress_bar
@@ -36,24 +37,21 @@ class Job:
     wind: Wind = CALM
 
 
-def read_job(
-    source: Path,
-    autopilot: Autopilot | None = None,
-    parameters: Mapping[str, float] | None = None,
-    wind: Wind | None = None,
-    vehicle: Path | None = None,
-) -> Job:
-    """A job from a mission file.
+def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None) -> Job:
+    """A job from a mission file; `autopilot` flies it where nobody says another.
 
     Raises:
         BadInput: the file is wrong.
         Unsafe: the mission fails a check.
     """
-    mission, remarks = read_with_parameters(source, autopilot, parameters, vehicle)
+    mission, remarks = read_with_parameters(
+        source, flown_by.autopilot or autopilot, flown_by.parameters, flown_by.vehicle
+    )
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
+    refuse_unsound(mission)
     remarks += tuple(finding.message for finding in warnings)
-    air = wind or CALM
+    air = flown_by.air or CALM
     return Job(source.stem, mission, estimate(mission, wind=air), remarks, wind=air)
 
 
@@ -68,26 +66,19 @@ def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
         return plan_flight(scenario, seed, wind, show)
 
 
-def adapt_scenario(
-    path: Path,
-    optimizer: str | None = None,
-    planner: str | None = None,
-    polish: bool = True,
-    autopilot: Autopilot | None = None,
-    parameters: Mapping[str, float] | None = None,
-    vehicle: Path | None = None,
-) -> Scenario:
+def adapt_scenario(path: Path, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:
     """The scenario in a file, with what the command line says in its place."""
+    optimizer, planner, autopilot, vehicle = search.optimizer, search.planner, flown_by.autopilot, flown_by.vehicle
     scenario = read_scenario(path)
     changes: dict[str, Any] = {}
-    planning = ({"planner": planner} if planner else {}) | ({} if polish else {"polish": False})
+    planning = ({"planner": planner} if planner else {}) | ({} if search.polish else {"polish": False})
     if planning:
         changes["planning"] = scenario.planning.model_copy(update=planning)
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
     changed: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
-    if parameters:
-        changed["parameters"] = overridden(scenario.vehicle.parameters, parameters)
+    if flown_by.parameters:
+        changed["parameters"] = overridden(scenario.vehicle.parameters, flown_by.parameters)
     if changed or vehicle:
         expect_own(changed.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
         changes["vehicle"] = scenario.vehicle.model_copy(update=changed)

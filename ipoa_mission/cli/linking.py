@@ -1,38 +1,29 @@
-"""`scan`, `upload`, `download`, `clear` and `set-current`: the mission on a vehicle at the other end of a link."""
+"""The verbs for a vehicle at the other end of a link: its mission, and what it does with it."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
-    AnywayOption,
     AutopilotOption,
-    BackendOption,
     FileArgument,
     ForceOption,
     JsonOption,
-    KeyOption,
     LinkOption,
-    LogOption,
-    SystemOption,
-    TimeoutOption,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.cli.vehicles import Backend, connect_to, get, put, states_firmware
+from ipoa_mission.cli.vehicles import AnyVehicle, connect_to, get, put, states_firmware
 
 
 def upload(
     file: FileArgument,
     link: LinkOption,
-    system: SystemOption = None,
+    on_link: LinkOptions,
     autopilot: AutopilotOption = None,
-    log: LogOption = None,
-    key: KeyOption = None,
-    timeout: TimeoutOption = None,
-    backend: BackendOption = Backend.BUILTIN,
-    anyway: AnywayOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Put a mission on a vehicle, read it back and compare every item; fence and rally points go with it.
@@ -47,35 +38,28 @@ def upload(
 
     mission, beside = read_with_parameters(file, autopilot)
     usual = file.with_name(f"{file.stem}-upload.tlog")
-    with connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle:
+    with connect_to(link, on_link, usual) as vehicle:
         if not states_firmware(file, autopilot):
             mission, beside = read_with_parameters(file, vehicle.autopilot)
-        remarks = (*beside, *put(mission, vehicle, anyway))
+        remarks = (*beside, *put(mission, vehicle, on_link.anyway))
         others, missing = other_values(vehicle, mission.parameters)
         remarks += (*map(str, others), *(f"the vehicle has no parameter {name}" for name in missing))
         name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
-        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:
-        tell_json(
-            told | {"items": len(mission.items), "remarks": list(remarks), "written": _frames(log or usual, backend)}
-        )
+        tell_json(about | {"items": len(mission.items), "remarks": list(remarks), "written": on_link.written(usual)})
     else:
         tell(
             f"{len(mission.items)} items are on {name}, read back and equal",
             *notes(remarks),
-            *_written(log or usual, backend),
+            *_lines(on_link.written(usual)),
         )
 
 
 def download(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .plan or .waypoints.")],
     link: LinkOption,
-    system: SystemOption = None,
-    log: LogOption = None,
-    key: KeyOption = None,
-    timeout: TimeoutOption = None,
-    backend: BackendOption = Backend.BUILTIN,
-    anyway: AnywayOption = False,
+    on_link: LinkOptions,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -93,26 +77,21 @@ def download(
     usual = file.with_name(f"{file.stem}-download.tlog")
     with (
         left_behind("nothing was written"),
-        connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle,
+        connect_to(link, on_link, usual) as vehicle,
     ):
         mission = get(vehicle)
-        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     remarks = write_mission(mission, file)
     if as_json:
         counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
-        tell_json(told | counts | {"written": [str(file), *_frames(log or usual, backend)], "remarks": list(remarks)})
+        tell_json(about | counts | {"written": [str(file), *on_link.written(usual)], "remarks": list(remarks)})
     else:
-        tell(f"{len(mission.items)} items written to {file}", *notes(remarks), *_written(log or usual, backend))
+        tell(f"{len(mission.items)} items written to {file}", *notes(remarks), *_lines(on_link.written(usual)))
 
 
 def clear(
     link: LinkOption,
-    system: SystemOption = None,
-    log: LogOption = None,
-    key: KeyOption = None,
-    timeout: TimeoutOption = None,
-    backend: BackendOption = Backend.BUILTIN,
-    anyway: AnywayOption = False,
+    on_link: LinkOptions,
     as_json: JsonOption = False,
 ) -> None:
     """Have a vehicle forget its mission, fence and rally points.
@@ -124,28 +103,23 @@ def clear(
     usual = Path("clear.tlog")
     with (
         left_behind("the vehicle may have forgotten some of its lists", hint="the same command goes on"),
-        connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle,
+        connect_to(link, on_link, usual) as vehicle,
     ):
         vehicle.clear(MissionType.ALL)
     if as_json:
-        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-        tell_json(told | {"cleared": ["mission", "fence", "rally"], "written": _frames(log or usual, backend)})
+        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        tell_json(about | {"cleared": ["mission", "fence", "rally"], "written": on_link.written(usual)})
     else:
         tell(
             f"vehicle {vehicle.system} ({vehicle.autopilot}) has no mission, fence or rally points now",
-            *_written(log or usual, backend),
+            *_lines(on_link.written(usual)),
         )
 
 
 def set_current(
     item: Annotated[int, typer.Argument(metavar="N", min=1, help="The item to go on with, as `show` numbers it.")],
     link: LinkOption,
-    system: SystemOption = None,
-    log: LogOption = None,
-    key: KeyOption = None,
-    timeout: TimeoutOption = None,
-    backend: BackendOption = Backend.BUILTIN,
-    anyway: AnywayOption = False,
+    on_link: LinkOptions,
     as_json: JsonOption = False,
 ) -> None:
     """Have a vehicle go on with another item of its mission.
@@ -155,16 +129,55 @@ def set_current(
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
     usual = Path("set-current.tlog")
-    with connect_to(link, system, key, backend, log, usual, timeout, anyway) as vehicle:
+    with connect_to(link, on_link, usual) as vehicle:
         with left_behind("the vehicle may go on with either item"):
             vehicle.set_current(item - 1)
-        told = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
     if as_json:
-        tell_json(told | {"current": item, "written": _frames(log or usual, backend)})
+        tell_json(about | {"current": item, "written": on_link.written(usual)})
     else:
         tell(
-            f"vehicle {vehicle.system} ({vehicle.autopilot}) goes on with item {item}", *_written(log or usual, backend)
+            f"vehicle {vehicle.system} ({vehicle.autopilot}) goes on with item {item}", *_lines(on_link.written(usual))
         )
+
+
+def pause(
+    link: LinkOption,
+    on_link: LinkOptions,
+    as_json: JsonOption = False,
+) -> None:
+    """Have a flying vehicle stop and hold its place; `resume` or `rtl` ends that.
+
+    Example: `ipoa-mission pause --link udpin:127.0.0.1:14550`
+    """
+    with connect_to(link, on_link, Path("pause.tlog")) as vehicle:
+        _order(vehicle, vehicle.pause, "holds its place", on_link.written(Path("pause.tlog")), as_json)
+
+
+def resume(
+    link: LinkOption,
+    on_link: LinkOptions,
+    as_json: JsonOption = False,
+) -> None:
+    """Have a flying vehicle go on with its mission where it left it.
+
+    Example: `ipoa-mission resume --link udpin:127.0.0.1:14550`
+    """
+    with connect_to(link, on_link, Path("resume.tlog")) as vehicle:
+        _order(vehicle, vehicle.resume, "goes on with its mission", on_link.written(Path("resume.tlog")), as_json)
+
+
+def rtl(
+    link: LinkOption,
+    on_link: LinkOptions,
+    as_json: JsonOption = False,
+) -> None:
+    """Have a flying vehicle come home and land, as its own parameters say: no obstacle is known to it on that way.
+
+    Example: `ipoa-mission rtl --link udpin:127.0.0.1:14550`
+    """
+    with connect_to(link, on_link, Path("rtl.tlog")) as vehicle:
+        _order(vehicle, vehicle.return_to_launch, "comes home", on_link.written(Path("rtl.tlog")), as_json)
 
 
 def scan(
@@ -176,8 +189,8 @@ def scan(
 
     Example: `ipoa-mission scan --link udpin:127.0.0.1:14550`
     """
+    from ipoa_mission.link.connect import open_line
     from ipoa_mission.link.presence import scan as listen
-    from ipoa_mission.link.vehicle import open_line
 
     with open_line(link) as line:
         rows = [
@@ -199,13 +212,19 @@ def scan(
         raise typer.Exit(1)
 
 
-def _frames(log: Path, backend: Backend) -> list[str]:
-    """The file with every frame; MAVSDK keeps none."""
-    return [] if backend is Backend.MAVSDK else [str(log)]
+def _order(vehicle: AnyVehicle, order: Callable[[], None], done: str, written: list[str], as_json: bool) -> None:
+    """Give a flying vehicle an order, and say what it does now."""
+    with left_behind("the vehicle may have heard it"):
+        order()
+    if as_json:
+        state = {"system": vehicle.system, "autopilot": str(vehicle.autopilot), "does": done}
+        tell_json(state | {"mode": vehicle.mode, "written": written})
+    else:
+        tell(f"vehicle {vehicle.system} ({vehicle.autopilot}) {done}, in {vehicle.mode}", *_lines(written))
 
 
-def _written(log: Path, backend: Backend) -> list[str]:
-    return [f"written: {path}" for path in _frames(log, backend)]
+def _lines(written: list[str]) -> list[str]:
+    return [f"written: {path}" for path in written]
 
 
 def _in_words(row: dict[str, object]) -> str:

@@ -5,18 +5,14 @@ from typing import Annotated
 import typer
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.cli.groups import FaultOptions
 from ipoa_mission.cli.options import (
     BAD_LINK,
     ON_THE_LINK,
-    DelayOption,
-    DuplicateOption,
     JsonOption,
     KeyOption,
-    LossOption,
-    NakOption,
     ParameterFileOption,
     ParameterOption,
-    ReorderOption,
     SystemOption,
     read_parameter_options,
 )
@@ -26,6 +22,7 @@ ZURICH = (47.397742, 8.545594, 488.0)
 
 
 def mock(
+    worse: FaultOptions,
     autopilot: Annotated[Autopilot, typer.Option("--autopilot", help="Whom to answer as.")] = Autopilot.PX4,
     link: Annotated[
         str,
@@ -47,14 +44,9 @@ def mock(
     param_file: ParameterFileOption = None,
     system: SystemOption = None,
     key: KeyOption = None,
-    loss: LossOption = 0.0,
-    duplicate: DuplicateOption = 0.0,
-    delay: DelayOption = 0.0,
-    reorder: ReorderOption = 0.0,
     seed: Annotated[
         int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=BAD_LINK, help="Same seed, same losses.")
     ] = 0,
-    nak_at: NakOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Be an autopilot: answer and fly as PX4 or as ArduPilot until Ctrl-C, for any ground station.
@@ -68,7 +60,6 @@ def mock(
     from ipoa_mission.errors import BadInput
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.autopilot import Autopilot as Mock
-    from ipoa_mission.simulator.faults import Faults
     from ipoa_mission.simulator.server import serve
     from ipoa_mission.world.frame import Geodetic
 
@@ -76,18 +67,23 @@ def mock(
     if not (-90 <= latitude_deg <= 90 and -180 <= longitude_deg <= 180):
         raise BadInput(f"--home: expected latitude and longitude in degrees, not {latitude_deg} {longitude_deg}")
     address = parse_address(link)
-    faults = Faults(loss, duplicate, delay, reorder, nak_at=nak_at)
     parameters = read_parameter_options(param, param_file)
     expect_own(parameters, autopilot)
     signer = signer_of(key, "mock")
     place = {"latitude_deg": latitude_deg, "longitude_deg": longitude_deg, "altitude_amsl": altitude}
-    told = {"autopilot": str(autopilot), "link": str(address), "system": system or 1, "home": place, "speedup": speedup}
+    about = {
+        "autopilot": str(autopilot),
+        "link": str(address),
+        "system": system or 1,
+        "home": place,
+        "speedup": speedup,
+    }
     is_told = False
 
     def tell_once() -> bool:
         nonlocal is_told
         if not is_told and as_json:
-            tell_json(told, indent=None)
+            tell_json(about, indent=None)
         elif not is_told:
             tell(f"{autopilot} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
         is_told = True
@@ -96,9 +92,9 @@ def mock(
     try:
         serve(
             link,
-            Mock(autopilot, Geodetic(*home), parameters, cold=True, nak_at=nak_at),
+            Mock(autopilot, Geodetic(*home), parameters, cold=True, nak_at=worse.nak_at),
             speedup,
-            faults,
+            worse.faults(),
             system or 1,
             seed,
             signer,

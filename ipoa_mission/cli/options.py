@@ -10,7 +10,6 @@ import typer
 
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
 from ipoa_mission.cli.packed import or_packed
-from ipoa_mission.cli.vehicles import Backend
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
@@ -19,6 +18,13 @@ if TYPE_CHECKING:
 #: Headings under which `--help` gathers options.
 ON_THE_LINK = "The link"
 BAD_LINK = "A worse link than there is, to see what happens"
+
+
+class Backend(StrEnum):
+    """Who speaks MAVLink for us."""
+
+    BUILTIN = "builtin"
+    MAVSDK = "mavsdk"
 
 
 class Planner(StrEnum):

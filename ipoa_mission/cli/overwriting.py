@@ -20,3 +20,13 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
             may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
             if not (may_ask and typer.confirm(f"{path} is there already: write over it?", err=True)):
                 raise BadInput(f"{path}: there is such a file already", hint="--force writes over it")
+
+
+def expect_log(path: Path | None) -> None:
+    """See that `--log` does not write over a file that is no log.
+
+    Raises:
+        BadInput: there is a file of another kind.
+    """
+    if path is not None and path.is_file() and path.suffix.lower() != ".tlog":
+        raise BadInput(f"--log: expected a .tlog file, or one that is not there yet, not {path}")

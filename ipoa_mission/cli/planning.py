@@ -2,41 +2,22 @@
 
 from pathlib import Path
 
+from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.options import (
-    AutopilotOption,
     ForceOption,
     JsonOption,
-    LearnedOption,
-    OptimizerOption,
     OutOption,
-    ParameterFileOption,
-    ParameterOption,
-    PlannerOption,
-    PolishOption,
     ReportOption,
     ScenarioArgument,
-    SeedOption,
-    WindOption,
-    WindProfileOption,
-    read_parameter_options,
-    read_wind_option,
 )
 from ipoa_mission.cli.telling import tell, tell_json
 
 
 def plan(
     scenario: ScenarioArgument,
+    search: SearchOptions,
+    flown_by: FlownByOptions,
     out: OutOption = Path(),
-    seed: SeedOption = 0,
-    optimizer: OptimizerOption = None,
-    planner: PlannerOption = None,
-    polish: PolishOption = True,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     report: ReportOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
@@ -55,10 +36,10 @@ def plan(
     from ipoa_mission.flight.written import not_as_written
 
     expect_folder(out)
-    parameters, air = read_parameter_options(param, param_file), read_wind_option(wind, wind_profile)
-    adapted = adapt_scenario(scenario, optimizer, planner, polish, autopilot, parameters, vehicle)
+    air = flown_by.air
+    adapted = adapt_scenario(scenario, search, flown_by)
     expect_free(not_as_written(out, adapted.name, report), force, ask=not as_json)
-    flight = plan_it(adapted, seed, air)
+    flight = plan_it(adapted, search.seed, air)
     files = [*flight.write(out)]
     if report:
         files.append(out / f"{flight.name}.html")

@@ -2,20 +2,20 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
-from ipoa_mission.checks.start import NotAtStart, check_start
+from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
+from ipoa_mission.cli.flown import flight_as_json
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import AnyVehicle, put
 from ipoa_mission.errors import MissionError
+from ipoa_mission.flight.boarding import expect_slow_landing
+from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.set_up import other_values
+from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.world.frame import Geodetic
-
-if TYPE_CHECKING:
-    from ipoa_mission.link.logbook import FlightRecord
 
 
 @contextmanager
@@ -26,6 +26,16 @@ def no_flight_yet() -> Iterator[None]:
     except MissionError as error:
         error.known = {"completed": False, "armed": None, "in_air": None} | error.known
         raise
+
+
+def begun_with(job: Job, item: int) -> Job:
+    """The job as it is estimated where it begins with another item than the first, as a file numbers them.
+
+    Raises:
+        BadInput: there is no such item, or it has no place to fly to.
+    """
+    begun = begun_at(job.mission, item - 1)
+    return job if item == 1 else replace(job, estimate=estimate(begun, wind=job.wind))
 
 
 @dataclass
@@ -39,7 +49,7 @@ class RealFlight:
     set_params: bool = False
     remarks: tuple[str, ...] = ()
 
-    def fly(self) -> tuple[tuple[str, ...], "FlightRecord"]:
+    def fly(self) -> tuple[tuple[str, ...], FlightRecord]:
         """Upload, make ready, arm, start, watch: what the user should know, and the flight.
 
         Raises:
@@ -57,8 +67,6 @@ class RealFlight:
             with left_behind("nobody watches, and the vehicle flies on"), progress_bar("flying") as bar:
                 return self.remarks, vehicle.watch(bar)
         except MissionError as error:
-            from ipoa_mission.cli.flying import flight_as_json
-
             state = vehicle.state
             error.known = flight_as_json(job.estimate, vehicle.record())
             error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air}
@@ -76,10 +84,16 @@ class RealFlight:
             self.remarks += (str(elsewhere),)
 
     def _parameters(self) -> tuple[str, ...]:
-        """Hold the vehicle's parameters against those that the mission was made for, and set them if that is wished."""
+        """Hold the vehicle's parameters against those that the mission was made for, and set them if that is wished.
+
+        Raises:
+            FastLanding: it is not wished, and the vehicle would touch down fast.
+        """
         others, missing = other_values(self.vehicle, self.job.mission.parameters)
         remarks = tuple(f"the vehicle has no parameter {name}" for name in missing)
         if not self.set_params:
+            if not self.anyway:
+                expect_slow_landing(self.job.mission, self.vehicle)
             return remarks + tuple(f"{other}: --set-params writes it" for other in others)
         for other in others:
             self.vehicle.set_parameter(other.name, other.wanted)

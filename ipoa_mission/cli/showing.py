@@ -7,19 +7,13 @@ from typing import Annotated
 
 import typer
 
+from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import (
     AutopilotOption,
     FileArgument,
     ForceOption,
     JsonOption,
-    LearnedOption,
-    ParameterFileOption,
-    ParameterOption,
     ScenarioOption,
-    WindOption,
-    WindProfileOption,
-    read_parameter_options,
-    read_wind_option,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
@@ -39,13 +33,8 @@ class Form(StrEnum):
 
 def show(
     file: FileArgument,
+    flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
-    autopilot: AutopilotOption = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
-    wind: WindOption = None,
-    wind_profile: WindProfileOption = None,
-    vehicle: LearnedOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and when each item will be done.
@@ -60,8 +49,8 @@ def show(
     from ipoa_mission.exports.table import mission_table
     from ipoa_mission.timing.estimate import estimate
 
-    mission, remarks = read_with_parameters(file, autopilot, read_parameter_options(param, param_file), vehicle)
-    air = read_wind_option(wind, wind_profile)
+    mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
+    air = flown_by.air
     world = read_world(scenario, air)
     rows, errors = mission_table(mission, world), refusals(mission)
     done: dict[int, float] = {}

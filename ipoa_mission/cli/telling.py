@@ -17,7 +17,7 @@ OFF_A_TERMINAL = 80  # characters
 
 def shown(text: str) -> str:
     """Words of a vehicle or a file for one line of a terminal: what would be obeyed stands there as in `\\x1b`."""
-    return _OBEYED.sub(lambda found: ascii(found[0])[1:-1], text)
+    return _OBEYED.sub(lambda match: ascii(match[0])[1:-1], text)
 
 
 def tell(*lines: str) -> None:
@@ -34,7 +34,7 @@ def notes(remarks: Iterable[str]) -> list[str]:
 def tell_json(result: Any, indent: int | None = 2) -> None:
     """Print a result for machines at once: JSON, without NaN; without an indent it is one line."""
     text = json.dumps(result, indent=indent, ensure_ascii=False, allow_nan=False)
-    lines = (_OBEYED.sub(lambda found: json.dumps(found[0])[1:-1], line) for line in text.split("\n"))
+    lines = (_OBEYED.sub(lambda match: json.dumps(match[0])[1:-1], line) for line in text.split("\n"))
     print("\n".join(lines), flush=True)
 
 
@@ -102,4 +102,4 @@ def progress_bar(words: str) -> Iterator[Callable[[float, str], None]]:
     when = (TimeElapsedColumn(), TextColumn("·"), TimeRemainingColumn(), TextColumn("left"))
     with Progress(*what, *when, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(words, total=1.0, words="")
-        yield lambda fraction, said: progress.update(task, completed=fraction, words=shown(said))
+        yield lambda fraction, words: progress.update(task, completed=fraction, words=shown(words))

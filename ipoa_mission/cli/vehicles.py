@@ -3,12 +3,14 @@
 import logging
 import time
 from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.options import Backend
+from ipoa_mission.cli.overwriting import expect_log
 from ipoa_mission.cli.telling import progress_bar
 
 if TYPE_CHECKING:
@@ -21,26 +23,10 @@ AnyVehicle: TypeAlias = "Vehicle"
 log = logging.getLogger(__name__)
 
 
-class Backend(StrEnum):
-    """Who speaks MAVLink for us."""
+def connect_to(link: str, options: LinkOptions, usual_log: Path) -> "AnyVehicle":
+    """The vehicle on a link. Every frame goes to its log (left out: to `usual_log`), unless MAVSDK speaks for us.
 
-    BUILTIN = "builtin"
-    MAVSDK = "mavsdk"
-
-
-def connect_to(
-    link: str,
-    system: int | None,
-    key: Path | None,
-    backend: Backend,
-    record: Path | None,
-    usual_record: Path,
-    timeout: float | None = None,
-    anyway: bool = False,
-) -> "AnyVehicle":
-    """The vehicle on a link. Every frame goes to `record` (left out: to `usual_record`), unless MAVSDK speaks for us.
-
-    After `timeout` seconds from now it is given up, unless it is in flight by then.
+    After `options.timeout` seconds from now it is given up, unless it is in flight by then.
 
     Raises:
         BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record or time).
@@ -49,22 +35,25 @@ def connect_to(
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.errors import BadInput
 
-    signer, began = signer_of(key), time.monotonic()
-    if backend is Backend.MAVSDK:
+    expect_log(options.log)
+    timeout = options.timeout
+    signer, began = signer_of(options.key), time.monotonic()
+    if options.backend is Backend.MAVSDK:
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
 
         if signer is not None:
             raise BadInput("--key: the mavsdk backend does not sign", hint="leave out --backend")
         if timeout is not None:
             raise BadInput("--timeout: MAVSDK has timers of its own", hint="leave out --backend")
-        vehicle: AnyVehicle = connect_by_mavsdk(link, system, record)
+        vehicle: AnyVehicle = connect_by_mavsdk(link, options.system, options.log)
     else:
-        from ipoa_mission.link.vehicle import connect
+        from ipoa_mission.link.connect import connect
 
-        vehicle = connect(link, system, record or usual_record, signer, patience_of(timeout), anyway=anyway)
+        log_to, patience = options.log or usual_log, patience_of(timeout)
+        vehicle = connect(link, options.system, log_to, signer, patience, anyway=options.anyway)
         if timeout is not None:
             vehicle.give_up_after(timeout - (time.monotonic() - began))
-    log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, backend)
+    log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, options.backend)
     return vehicle
 
 

@@ -21,7 +21,9 @@ SOURCES = (
     "dynamics/**/*.py",
     "geometry.py",
     "planning/_*.py",
+    "planning/banded.py",
     "planning/chart.py",
+    "routing/_*.py",
     "world/obstacles/obstacle.py",
 )
 INDEX = "kernels.json"
@@ -36,8 +38,12 @@ NUMBA = "IPOA_MISSION_NUMBA"  # set to anything: compile with numba in any case
 @lru_cache(maxsize=1)
 def shipped() -> dict[str, Callable[..., Any]] | None:
     """The kernels by module and name, or None if there are none for this system and these sources."""
-    folder = Path(__file__).parent
-    if os.environ.get(NUMBA) or not (folder / INDEX).is_file():
+    return None if os.environ.get(NUMBA) else load(Path(__file__).parent)
+
+
+def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
+    """The kernels in a folder, or None if it has none for this system and these sources."""
+    if not (folder / INDEX).is_file():
         return None
     index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
     files = [file for cpu in these_cpus() if (file := folder / file_name(cpu)).is_file()]
@@ -45,9 +51,9 @@ def shipped() -> dict[str, Callable[..., Any]] | None:
         return None
     try:
         library = ctypes.CDLL(str(files[0]))
-    except OSError:  # another system's
+        return {name: Native(library, name, *types) for name, types in index["kernels"].items()}
+    except (OSError, AttributeError):  # another system's, or its linker has left out what it was to show
         return None
-    return {name: Native(library, name, *types) for name, types in index["kernels"].items()}
 
 
 def file_name(cpu: str) -> str:

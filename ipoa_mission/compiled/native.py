@@ -1,4 +1,4 @@
-"""Calling machine code that numba made, without numba: arguments as its calling convention lays them out.
+"""Calling machine code that numba made, without numba: arguments as its calling convention has them, in a row of words.
 
 A number is handed on as itself, a tuple as its parts, an array as seven things: two that are of no concern here, its
 size, the size of an element, the address of the first, its shape and its strides. What is returned is written where the
@@ -9,8 +9,10 @@ of records "|V16 1".
 """
 
 import ctypes
-from collections.abc import Sequence
+import struct
+from collections.abc import Iterator, Sequence
 from functools import cache
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -19,7 +21,7 @@ Type = str | Sequence["Type"]
 RETURNED, RETURNED_NONE = 0, -2  # numba's status codes
 PACKED = 16  # named tuples whose numbers are kept, for the next call
 
-_NUMBERS = {"float": ctypes.c_double, "int": ctypes.c_int64, "bool": ctypes.c_uint8}
+_NUMBERS = {"float": "d", "int": "q", "bool": "q"}  # as `struct` has them
 
 
 class Native:
@@ -28,8 +30,12 @@ class Native:
     def __init__(self, library: ctypes.CDLL, name: str, arguments: Sequence[Type], result: Type | None) -> None:
         self._call, self._release = library[name], library["release"]
         self._name, self._arguments, self._result = name, arguments, result
-        self._words = _words(result) if result is not None else 0
-        self._call.argtypes = [ctypes.c_void_p, ctypes.c_void_p, *_c_types(arguments)]
+        self._given, self._returned = (
+            struct.Struct("=" + _layout(arguments)),
+            struct.Struct("=" + _layout(result or [])),
+        )
+        self._room = ctypes.c_char * (self._returned.size + 8)  # the last word for what numba says of an error
+        self._call.argtypes = [ctypes.c_void_p, ctypes.c_char_p]
         self._call.restype = ctypes.c_int32
         self._release.argtypes = [ctypes.c_void_p]
         self._release.restype = None
@@ -42,15 +48,13 @@ class Native:
             TypeError: an array is not of the type for which this was compiled.
             RuntimeError: the kernel gave up, as on an index out of range.
         """
-        room = np.empty(self._words + 1, np.int64)  # the last for what numba says of an error
-        first = _address(room)
-        packed: list[Any] = []
+        room, packed = self._room(), list[Any]()
         for k, (kind, value) in enumerate(zip(self._arguments, values, strict=True)):
             packed += self._packed(k, kind, value)
-        status = self._call(first, first + 8 * self._words, *packed)
+        status = self._call(room, self._given.pack(*packed))
         if status not in {RETURNED, RETURNED_NONE}:
             raise RuntimeError(f"{self._name} ended with status {status}")
-        return None if self._result is None else self._unpacked(self._result, room)[0]
+        return None if self._result is None else self._unpacked(self._result, iter(self._returned.unpack_from(room)))
 
     def _packed(self, k: int, kind: Type, value: Any) -> list[Any]:
         """A value as numbers; those of named tuples, which do not change, are kept."""
@@ -64,33 +68,27 @@ class Native:
             kept = self._kept[key] = value, _pack(kind, value)
         return kept[1]
 
-    def _unpacked(self, kind: Type, words: Any) -> tuple[Any, Any]:
-        """A returned value, and the words after it."""
-        if kind == "float":
-            return float(words[:1].view(np.float64)[0]), words[1:]
-        if kind == "int":
-            return int(words[0]), words[1:]
+    def _unpacked(self, kind: Type, words: Iterator[Any]) -> Any:
+        """A returned value, from its words on."""
         if not isinstance(kind, str):
-            parts = []
-            for one in kind:
-                part, words = self._unpacked(one, words)
-                parts.append(part)
-            return tuple(parts), words
+            return tuple([self._unpacked(one, words) for one in kind])
+        if kind in _NUMBERS:
+            return next(words)
         dtype, dimensions = _array(kind)
-        memory, size, first = int(words[0]), int(words[2]), int(words[4])
-        value = np.empty(words[5 : 5 + dimensions], dtype)
+        memory, _, size, _, first, *shape = islice(words, 5 + dimensions)
+        for _ in range(dimensions):  # strides
+            next(words)
+        value = np.empty(shape, dtype)
         ctypes.memmove(_address(value), first, size * dtype.itemsize)
         self._release(memory)
-        return value, words[_words(kind) :]
+        return value
 
 
 def _pack(kind: Type, value: Any) -> list[Any]:
     if not isinstance(kind, str):
         return [word for one, part in zip(kind, value, strict=True) for word in _pack(one, part)]
-    if kind == "float":
-        return [float(value)]
     if kind in _NUMBERS:
-        return [int(value)]
+        return [value if kind == "float" else int(value)]
     dtype, dimensions = _array(kind)
     there = value.dtype
     if there is not dtype and (there.itemsize != dtype.itemsize or (there.names is None and there != dtype)):
@@ -102,7 +100,10 @@ def _pack(kind: Type, value: Any) -> list[Any]:
 
 def _address(array: Any) -> int:
     """Of the first element."""
-    return int(array.ctypes.data)
+    try:
+        return ctypes.addressof(ctypes.c_char.from_buffer(array))
+    except (TypeError, ValueError):  # what may only be read, or is empty; this way takes five times as long
+        return int(array.ctypes.data)
 
 
 @cache
@@ -111,17 +112,13 @@ def _array(kind: str) -> tuple[np.dtype[Any], int]:
     return np.dtype(dtype), int(dimensions)
 
 
-def _words(kind: Type) -> int:
+def words(kind: Type) -> int:
     """How many words of eight bytes a value takes."""
-    if not isinstance(kind, str):
-        return sum(map(_words, kind))
-    return 1 if kind in _NUMBERS else 5 + 2 * _array(kind)[1]
+    return len(_layout(kind))
 
 
-def _c_types(kind: Type) -> list[Any]:
+def _layout(kind: Type) -> str:
+    """These words, as `struct` has them."""
     if not isinstance(kind, str):
-        return [one for part in kind for one in _c_types(part)]
-    if kind in _NUMBERS:
-        return [_NUMBERS[kind]]
-    dimensions = _array(kind)[1]
-    return [ctypes.c_void_p] * 2 + [ctypes.c_int64] * 2 + [ctypes.c_void_p] + [ctypes.c_int64] * 2 * dimensions
+        return "".join(map(_layout, kind))
+    return _NUMBERS[kind] if kind in _NUMBERS else "q" * (5 + 2 * _array(kind)[1])

@@ -3,15 +3,52 @@
 import logging
 from dataclasses import replace
 
+import numpy as np
+
+from ipoa_mission.autopilots.slow_landing import DECIDED_BY, slow_stretch
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.ground import landings, touches_down
+from ipoa_mission.checks.positions import refusals
+from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.homes import compare_homes
-from ipoa_mission.items import Mission
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.items import LEVEL, Mission
+from ipoa_mission.itinerary.legs import flown_legs
 from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.set_up import own_values
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.world.frame import LocalFrame
 
 log = logging.getLogger(__name__)
+
+
+class FastLanding(MissionError):
+    """With the parameters that it has the vehicle would touch down fast, and with the mission's it would not."""
+
+
+def expect_slow_landing(mission: Mission, vehicle: Vehicle) -> None:
+    """Refuse a vehicle that would touch down fast because it has not the parameters that the mission was made for.
+
+    Raises:
+        FastLanding: naming the place, the ground there, and how fast.
+    """
+    planned = slow_stretch(mission.autopilot, mission.parameters)
+    if mission.autopilot is not vehicle.autopilot or planned is None or mission.ground is LEVEL:
+        return
+    own = slow_stretch(vehicle.autopilot, own_values(vehicle, DECIDED_BY[vehicle.autopilot]))
+
+    def ground(places: Points) -> Vector:
+        return np.array([mission.ground(east, north) for east, north in places[:, :2].tolist()])
+
+    frame = LocalFrame(mission.home)
+    for landing in landings(mission, frame, flown_legs(mission, frame, ground)):
+        if own is not None and own.is_fast(landing.counted) and not planned.is_fast(landing.counted):
+            raise FastLanding(
+                f"{landing.words}: with the vehicle's own parameters, {touches_down(own, landing)}",
+                hint="give it those that the mission was made for (NAME.params): `fly --set-params` does; "
+                "--anyway flies with its own",
+            )
 
 
 def expect_fit(mission: Mission, vehicle: Vehicle, anyway: bool = False) -> tuple[str, ...]:
@@ -40,4 +77,8 @@ def _compare_home(mission: Mission, vehicle: Vehicle, anyway: bool) -> tuple[str
     if there is None:
         return ("the vehicle does not say where its home is: nobody compared it with the mission's",)
     log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
-    return compare_homes(mission, there, anyway)
+    remarks = compare_homes(mission, there, anyway)
+    wrong = refusals(replace(mission, home=replace(there, altitude=mission.home.altitude)))
+    if wrong and not anyway:
+        raise Unsafe("\n".join(f"from where the vehicle stands: {words}" for words in wrong))
+    return (*remarks, *wrong)

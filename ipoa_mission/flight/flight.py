@@ -2,20 +2,32 @@
 
 import json
 import logging
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from threadpoolctl import threadpool_limits
+
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Finding
+from ipoa_mission.checks.ground import slowed_for_ground
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.checks.way_home import climb_for_way_home
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
-from ipoa_mission.flight.summary import summarize
+from ipoa_mission.flight.summary import (
+    clearance_as_json,
+    limits_as_json,
+    option_as_json,
+    passed_over_as_json,
+    proof_as_json,
+    rounded,
+    route_summary,
+)
 from ipoa_mission.items import Mission
-from ipoa_mission.mission.landing_ground import digest
+from ipoa_mission.mission.landing_ground import KEY, digest, landing_ground
 from ipoa_mission.mission.parameter_file import beside, write_with_parameters
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
@@ -89,7 +101,32 @@ class Flight:
 
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
-        return summarize(self)
+        scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
+        ground, parameters = landing_ground(self.mission), dict(self.mission.parameters)
+        return {
+            "name": scenario.name,
+            "version": version("ipoa-mission"),
+            "seed": plan.seed,
+            "optimizer": plan.optimizer,
+            "evaluations": int(plan.evaluations[-1]),
+            "cost": {name: rounded(value) for name, value in asdict(plan.cost).items()},
+            "clearance": clearance_as_json(self.promise)
+            | {"curve": proof_as_json(plan.proof), "legs": proof_as_json(self.proof)},
+            "limits": limits_as_json(self.proof),
+            "control_points": [[rounded(value) for value in point] for point in plan.curve.control],
+            "items": len(self.mission.items),
+            **({} if ground is None else {KEY: ground}),
+            "estimate": {
+                "total_s": rounded(estimate.total_s),
+                "qgroundcontrol_s": rounded(estimate.qgroundcontrol_s),
+                "route": route_summary(estimate),
+            },
+            "energy_wh": None if energy is None else rounded(energy.energy_wh),
+            **({"parameters": parameters} if parameters else {}),
+            "remarks": list(self.remarks),
+            "passed_over": passed_over_as_json(scenario),
+            "routes": [option_as_json(option, scenario.route.mode) for option in self.options],
+        }
 
     def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
         """Write the page that shows it, and how it was flown if that is known.
@@ -124,7 +161,11 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
         Unsafe: the mission fails a check.
         NotEnoughBattery: it would not come home with its reserve.
     """
-    scenario = scenario if wind is None else scenario.in_wind(wind)
+    with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
+        return _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+
+
+def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     plan, options = plan_with_room(scenario, seed, progress)
@@ -137,6 +178,7 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
     energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
     expect_to_come_home(scenario, energy)
     messages = (finding.message for finding in findings)
-    remarks = (*messages, *climb_for_way_home(mission), *scenario.remarks, *left_out(mission))
+    planned = (*climb_for_way_home(mission), *slowed_for_ground(mission, scenario))
+    remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     proof = prove_mission(mission, scenario)
     return Flight(scenario, plan, options, mission, proof, promise, findings, predicted, energy, remarks)

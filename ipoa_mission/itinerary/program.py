@@ -126,6 +126,10 @@ class Program:
         up = np.where(np.array(kept, dtype=bool) | ~np.isfinite(up), math.nan, up)
         return np.column_stack([np.where(placed[:, None], flat[:, :2], math.nan), up])
 
+    def leaves_open(self, index: int) -> bool:
+        """Whether item `index` names no place, or no height."""
+        return bool(np.isnan(self.places[index]).any())
+
     def place(self, index: int, here: Place) -> Place:
         """Where item `index` is; what it leaves open is that of `here`."""
         east, north, up = (now if math.isnan(x) else float(x) for x, now in zip(self.places[index], here, strict=True))

@@ -64,7 +64,7 @@ def open_channel(url: str) -> Channel:
                 return UdpChannel(address)
             case Transport.TCP_OUT | Transport.TCP_IN:
                 return TcpChannel(address)
-            case Transport.SERIAL:
+            case _:
                 return SerialChannel(address)
     except (OSError, ValueError) as error:  # ValueError: a host, a device or a baud rate that cannot be one
         raise LinkDown(f"{address}: cannot be opened: {_reason(error)}", hint=_hint(error)) from error

@@ -1,4 +1,4 @@
-"""Messages <-> MAVLink frames: the only import of pymavlink, used as the table of message definitions.
+"""Messages <-> MAVLink frames.
 
 The framing is ours, because pymavlink's parser forgets who sent an unknown message, drops a whole good frame behind
 a corrupt length, and records the timestamp of a signature before it has checked it.
@@ -7,17 +7,13 @@ a corrupt length, and records the timestamp of a signature before it has checked
 import re
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
-from types import SimpleNamespace
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from fastcrc.crc16 import mcrf4xx
-from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.link import wire
-from ipoa_mission.link.layout import Fields
+from ipoa_mission.link.definitions import DEFINITIONS, Definition, definition_of
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.signing import Signer
 
@@ -55,110 +51,6 @@ class Heard:
     def is_for(self, system: int, component: int) -> bool:
         """Whether it is addressed to this system and component, or to everyone."""
         return self.target.system in (0, system) and self.target.component in (0, component)
-
-
-@dataclass(frozen=True)
-class Definition:
-    """One MAVLink message: its payload in wire order, and what its checksum is seeded with."""
-
-    number: int
-    name: str
-    layout: struct.Struct
-    names: tuple[str, ...]
-    lengths: tuple[int, ...]  # values of each field in the layout
-    crc_extra: int
-
-    @cached_property
-    def seed(self) -> bytes:
-        """CRC_EXTRA as a byte: the last that the checksum sees."""
-        return bytes((self.crc_extra,))
-
-    def pack(self, fields: Fields) -> bytes:
-        """The payload without the zeros at its end; a field that is not given is zero.
-
-        Raises:
-            BadInput: a value does not fit.
-        """
-        values: list[Any] = []
-        for name, length, blank in zip(self.names, self.lengths, self._blanks(), strict=True):
-            value = fields.get(name, blank)
-            values.extend(value) if length > 1 else values.append(value)
-        try:
-            return self.layout.pack(*values).rstrip(b"\0") or b"\0"
-        except (struct.error, OverflowError) as error:
-            raise BadInput(f"{self.name}: expected values that fit its fields: {error}") from error
-
-    def unpack(self, payload: bytes) -> SimpleNamespace:
-        """The fields of a payload; MAVLink 2 cuts it at its trailing zeros, MAVLink 1 before its extensions."""
-        size = self.layout.size
-        values = self.layout.unpack(payload[:size].ljust(size, b"\0"))
-        fields, at = {}, 0
-        for name, length in zip(self.names, self.lengths, strict=True):
-            fields[name] = values[at] if length == 1 else values[at : at + length]
-            at += length
-        return SimpleNamespace(**fields)
-
-    def _blanks(self) -> tuple[Any, ...]:
-        return _blanks(self.number)
-
-
-@cache
-def _blanks(number: int) -> tuple[Any, ...]:
-    fields = vars(_DEFINITIONS[number].unpack(b""))
-    return tuple(fields.values())
-
-
-def _definition(kind: Any) -> Definition:
-    lengths = tuple(kind.lengths)
-    names = tuple(kind.ordered_fieldnames)
-    chars = [
-        length if "char" not in kind.fieldtypes[kind.fieldnames.index(name)] else 1
-        for name, length in zip(names, lengths, strict=True)
-    ]
-    return Definition(kind.id, kind.msgname, kind.unpacker, names, tuple(chars), kind.crc_extra)
-
-
-#: PX4's EVENT, which the stable dialects do not have yet.
-_EVENT = Definition(
-    410,
-    "EVENT",
-    struct.Struct("<IIHBBB40s"),
-    ("id", "event_time_boot_ms", "sequence", "destination_component", "destination_system", "log_levels", "arguments"),
-    (1,) * 7,
-    160,
-)
-#: Fields that MAVLink has added behind messages since the stable dialects: 32-bit numbers.
-_ADDED = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
-
-
-def _extended(definition: Definition) -> Definition:
-    new = tuple(name for name in _ADDED.get(definition.name, ()) if name not in definition.names)
-    return replace(
-        definition,
-        layout=struct.Struct(definition.layout.format + "I" * len(new)),
-        names=definition.names + new,
-        lengths=definition.lengths + (1,) * len(new),
-    )
-
-
-_DEFINITIONS = {number: _extended(_definition(kind)) for number, kind in dialect.mavlink_map.items()}
-_DEFINITIONS.setdefault(_EVENT.number, _EVENT)
-_NUMBERS = {definition.name: definition.number for definition in _DEFINITIONS.values()}
-
-
-def message_number(name: str) -> int:
-    """MAVLink's number of a message name."""
-    return _NUMBERS[name]
-
-
-def message_name(number: int) -> str | None:
-    """MAVLink's name of a message number, where it is known."""
-    return _DEFINITIONS[number].name if number in _DEFINITIONS else None
-
-
-def definition_of(name: str) -> Definition:
-    """The message of this name."""
-    return _DEFINITIONS[_NUMBERS[name]]
 
 
 def checksum(frame: bytes, crc_extra: int) -> int:
@@ -265,7 +157,7 @@ def frame_at(data: bytes, start: int) -> bytes | None:
         return None
     is_v2 = data[start] == MAGIC_2
     number = int.from_bytes(data[start + 7 : start + 10], "little") if is_v2 else data[start + 5]
-    definition = _DEFINITIONS.get(number)
+    definition = DEFINITIONS.get(number)
     if definition is None or (data[start + 2] & ~SIGNED if is_v2 else data[start + 1] > definition.layout.size):
         return None
     frame = data[start : start + length]
@@ -296,6 +188,6 @@ def _frame_length(data: bytes, start: int) -> int | None:
 
 def _parts(frame: bytes) -> tuple[Definition, int, int, bytes]:
     if frame[0] == MAGIC_1:
-        return _DEFINITIONS[frame[5]], frame[3], frame[4], frame[6:-2]
+        return DEFINITIONS[frame[5]], frame[3], frame[4], frame[6:-2]
     number = int.from_bytes(frame[7:10], "little")
-    return _DEFINITIONS[number], frame[5], frame[6], frame[10 : 10 + frame[1]]
+    return DEFINITIONS[number], frame[5], frame[6], frame[10 : 10 + frame[1]]

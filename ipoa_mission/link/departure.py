@@ -6,21 +6,21 @@ mode in which it is armed; and what is refused after that disarms it again.
 
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE, mode_name
+from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
-from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandResult, Current
+from ipoa_mission.link.hold import SHOWN_S, change_mode
+from ipoa_mission.link.messages import CommandResult, Current
 from ipoa_mission.link.orders import (
     COMPONENT_ARM_DISARM,
-    DO_SET_MODE,
     MISSION_START,
     CommandRefused,
     command,
     set_current,
     stream,
 )
-from ipoa_mission.link.state import VehicleState
+from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.progress import Progress, silent
 
@@ -34,18 +34,22 @@ STREAMS_S = {
     "EXTENDED_SYS_STATE": 0.2,
 }
 NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
-#: How long to wait for a stream that was asked for, for a mode to be shown, and between two looks at what hinders.
-STREAM_S, SHOWN_S, LOOK_S = 8.0, 5.0, 3.0
-#: A vehicle that says it could be armed may still need a moment.
-ARMING_ATTEMPTS = 5
 ARMING = "arm"
-READY_S = 180.0
-#: A climb counts as done so far below its height [m], and is waited for so long [s].
-CLIMBED, CLIMB_S = 0.5, 120.0
 
 
-class NotReady(MissionError):
-    """The vehicle is not in a state from which the flight can begin; the message says what hinders."""
+@dataclass(frozen=True)
+class DepartureLimits:
+    """How long a vehicle is given for each step of its departure."""
+
+    stream_s: float = 8.0  # until a stream that was asked for is heard
+    ready_s: float = 180.0  # until it could be armed,
+    look_s: float = 3.0  # with so long between two looks at what hinders
+    arming_attempts: int = 5  # one that says it could be armed may still need a moment
+    climb_s: float = 120.0  # until it has climbed
+    climbed_below: float = 0.5  # to so far below the height that was asked for [m]
+
+
+LIMITS = DepartureLimits()
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,7 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
         if not (yield from stream(name, interval_s)):
             refused.append(name)
     state.heard -= set(NEEDED.values())
-    if not (yield from until(lambda: state.heard >= set(NEEDED.values()), STREAM_S)):
+    if not (yield from until(lambda: state.heard >= set(NEEDED.values()), LIMITS.stream_s)):
         unheard = [name for name, kind in NEEDED.items() if kind not in state.heard]
         refusal = f"; it refused to send {', '.join(refused)}" if refused else ""
         raise NotReady(
@@ -100,7 +104,7 @@ def expect_on_ground(state: VehicleState) -> None:
         raise NotReady(f"a flight begins disarmed and on the ground, but {state}", hint="land and disarm it first")
 
 
-def prepare(departure: Departure, ready_s: float = READY_S) -> Dialogue[None]:
+def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[None]:
     """Bring a vehicle that stands on the ground to where it can be armed for its mission.
 
     Its current item is set and seen; then it is put into the mode in which it is armed, and waited for until it has a
@@ -119,14 +123,14 @@ def prepare(departure: Departure, ready_s: float = READY_S) -> Dialogue[None]:
     waited_s = 0.0
     while True:
         state.warnings.clear()
-        hinders = yield from _set_mode(state, mode)
+        hinders = yield from change_mode(state, mode)
         if not hinders:
-            if (yield from until(lambda: state.may_arm is not False and _has_position(state), LOOK_S)):
+            if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.look_s)):
                 break
             yield from command(RUN_PREARM_CHECKS)
             yield from until(lambda: bool(state.warnings), 0.5)
             hinders = "; ".join(dict.fromkeys(state.warnings)) or "its pre-arm checks do not pass, without a reason"
-        waited_s += LOOK_S
+        waited_s += LIMITS.look_s
         departure.progress(0.0, hinders)
         if waited_s > ready_s:
             raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
@@ -157,7 +161,7 @@ def _begin(departure: Departure) -> Dialogue[None]:
     if departure.autopilot is Autopilot.ARDUPILOT:
         if departure.climb > 0.0:
             yield from _order("take off", NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
-            yield from until(lambda: _height(state) > departure.climb - CLIMBED, CLIMB_S)
+            yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)
         yield from _order("start the mission", MISSION_START)
     mode = MISSION_MODE[departure.autopilot]
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
@@ -173,19 +177,6 @@ def _set_first(departure: Departure) -> Dialogue[None]:
     if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
         stands = "it does not tell where" if state.current is None else f"at item {state.current.seq}"
         raise NotReady(f"the mission was set to begin at item {first}, but it stands {stands}")
-
-
-def _set_mode(state: VehicleState, mode: int) -> Dialogue[str]:
-    """Ask for a mode and see it in the heartbeat; what hinders, or nothing."""
-    if state.custom_mode == mode:
-        return ""
-    numbers = (mode,) if state.autopilot is Autopilot.ARDUPILOT else (mode >> 16 & 0xFF, mode >> 24)
-    result, words = yield from command(DO_SET_MODE, CUSTOM_MODE_FLAG, *numbers)
-    if result != CommandResult.ACCEPTED:
-        return words or str(CommandRefused(f"change to {mode_name(state.autopilot, mode)}", result))
-    if (yield from until(lambda: state.custom_mode == mode, SHOWN_S)):
-        return ""
-    return f"it accepted {mode_name(state.autopilot, mode)} but does not show it"
 
 
 def _has_position(state: VehicleState) -> bool:
@@ -204,11 +195,11 @@ def _order(what: str, number: int, *params: float) -> Dialogue[None]:
 
 
 def _arm() -> Dialogue[None]:
-    for attempt in range(1, ARMING_ATTEMPTS + 1):
+    for attempt in range(1, LIMITS.arming_attempts + 1):
         result, words = yield from command(COMPONENT_ARM_DISARM, 1.0)
         if result == CommandResult.ACCEPTED:
             return
-        if attempt == ARMING_ATTEMPTS:
+        if attempt == LIMITS.arming_attempts:
             raise CommandRefused(ARMING, result, words)
         yield from wait(1.0)
 

@@ -2,7 +2,8 @@
 
 from fastcrc.crc16 import mcrf4xx
 
-from ipoa_mission.link.codec import HEADER_BYTES, MAGIC_2, SIGNATURE_BYTES, SIGNED, Codec, Target, definition_of
+from ipoa_mission.link.codec import HEADER_BYTES, MAGIC_2, SIGNATURE_BYTES, SIGNED, Codec, Target
+from ipoa_mission.link.definitions import definition_of
 from ipoa_mission.link.item_payloads import MISSION_TYPE, PAYLOAD_BYTES, SEQ, TARGET
 from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
 

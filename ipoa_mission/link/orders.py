@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.codec import message_number
 from ipoa_mission.link.conversations import VehicleTexts
+from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell
 from ipoa_mission.link.messages import (
     CommandAck,

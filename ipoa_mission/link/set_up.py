@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from ipoa_mission.autopilots.renamed import RENAMED
+from ipoa_mission.autopilots.renamed import RENAMED, by_old_names
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.items import Mission
 
@@ -51,6 +51,11 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
         else:
             missing.append(one)
     return tuple(others), tuple(missing)
+
+
+def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
+    """The vehicle's values of these that it has, by ArduCopter's names and units of before 4.7."""
+    return by_old_names(vehicle.parameters([name for name, _ in _names(one)] for one in names))
 
 
 def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.autopilots.modes import does_next, mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, Message, Text
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 
@@ -12,6 +13,10 @@ ON_GROUND = 1  # MAV_LANDED_STATE
 PREARM_CHECK = 0x10000000
 IN_AIR_M = 0.5  # above home, where nothing better tells whether it flies
 MOST_WORDS = 50
+
+
+class NotReady(MissionError):
+    """The vehicle is not in a state for what it is told to do; the message says what hinders."""
 
 
 @dataclass

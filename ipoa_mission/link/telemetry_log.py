@@ -154,8 +154,8 @@ def _tell_of(gathered: _Gathered, number: int, armed: bool) -> None:
 def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
     """A heartbeat: what changed since the last one is dated back to what told of it."""
     before = gathered.state
-    if gathered.changes and gathered.changes[-1][1] == beat.armed:
-        _change(gathered, before.custom_mode if before else 0, autopilot)
+    if before and gathered.changes and gathered.changes[-1][1] == beat.armed:
+        _change(gathered, before.custom_mode, autopilot)
     elif gathered.doubted:  # two heartbeats know nothing of it
         gathered.changes.clear()
     gathered.state, gathered.doubted = beat, bool(gathered.changes)
@@ -165,8 +165,6 @@ def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilo
 
 def _change(gathered: _Gathered, mode: int, autopilot: Autopilot) -> None:
     """Arming changed, as was told since the last heartbeat."""
-    if gathered.state is None:
-        gathered.said.append((gathered.changes[0][0], presence(autopilot, not gathered.changes[0][1], mode)))
     gathered.said += [(number, presence(autopilot, armed, mode)) for number, armed in gathered.changes]
     gathered.changes.clear()
 

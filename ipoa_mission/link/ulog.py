@@ -174,15 +174,21 @@ def _fixes(topics: dict[str, Any]) -> Fixes:
 
 def _global(topics: dict[str, Any]) -> tuple[Vector, Vector, Vector, Vector]:
     place = topics[POSITIONS[0]]
-    latitude, longitude, altitude = (np.asarray(place[name], float) for name in ("lat", "lon", "alt"))
-    return np.asarray(place["timestamp"], float) / 1e6, latitude, longitude, altitude
+    latitude, longitude, altitude = (_column(place, name) for name in ("lat", "lon", "alt"))
+    return _column(place, "timestamp") / 1e6, latitude, longitude, altitude
+
+
+def _column(topic: Any, name: str) -> Vector:
+    """A topic's field, (n,); in a damaged log it may be a signaling NaN, of which NumPy warns."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(topic[name], float)
 
 
 def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
     """Times, latitude, longitude and altitude out of local positions, where they have a reference on the Earth."""
     referenced = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
     columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
-    rows = np.column_stack([np.asarray(place[name], float) for name in columns])[referenced]
+    rows = np.column_stack([_column(place, name) for name in columns])[referenced]
     rows = rows[np.isfinite(rows).all(axis=1)]
     latitude, longitude = _unprojected(rows[:, 1], rows[:, 2], np.radians(rows[:, 4]), np.radians(rows[:, 5]))
     return rows[:, 0] / 1e6, latitude, longitude, rows[:, 6] - rows[:, 3]
@@ -202,7 +208,7 @@ def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
     home = topics.get("home_position")
     if home is None:
         return np.full(len(times), altitude[0] if len(times) else 0.0)
-    set_at, to = np.asarray(home["timestamp"], float) / 1e6, np.asarray(home["alt"], float)
+    set_at, to = _column(home, "timestamp") / 1e6, _column(home, "alt")
     return to[np.maximum(np.searchsorted(set_at, times, side="right") - 1, 0)]
 
 
@@ -210,4 +216,6 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     local = topics.get("vehicle_local_position")
     if local is None:
         return np.zeros(len(times))
-    return np.asarray(np.interp(times, np.asarray(local["timestamp"], float) / 1e6, np.asarray(local[axis], float)))
+    at, speed = _column(local, "timestamp") / 1e6, _column(local, axis)
+    sound = np.isfinite(speed)  # of a damaged log they may be anything
+    return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))

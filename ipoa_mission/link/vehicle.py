@@ -1,4 +1,4 @@
-"""The client's verbs: `connect` to a vehicle, then upload, download, clear, set_current, prepare, start, watch.
+"""A vehicle on a link, and what it can be told: upload, download, clear, set_current, prepare, start, watch, pause.
 
 Each verb is one dialogue, held by `converse`; nothing here knows about bytes or timers.
 """
@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from types import TracebackType
 from typing import TypeVar
 
+from ipoa_mission.autopilots.modes import mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
@@ -20,10 +20,9 @@ from ipoa_mission.commands import LAST_NAV
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
-from ipoa_mission.link.channel import open_channel
-from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.codec import Target
 from ipoa_mission.link.departure import (
-    READY_S,
+    LIMITS,
     Departure,
     depart,
     expect_on_ground,
@@ -31,20 +30,17 @@ from ipoa_mission.link.departure import (
     unsubscribe,
 )
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
+from ipoa_mission.link.hold import pause, resume, return_to_launch
 from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.line import Carrier, Line, converse
+from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
-    STATION_COMPONENT,
-    STATION_SYSTEM,
     Message,
     MissionType,
-    Ping,
 )
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
-from ipoa_mission.link.presence import Found, autopilots_in, round_trips_in
-from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.presence import Found, autopilots_in
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
@@ -53,85 +49,8 @@ from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic
 
 T = TypeVar("T")
-#: How long to wait for the first heartbeat, and for those of other vehicles after it.
-PRESENCE_S = 10.0
-OTHERS_S = 1.2
 STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
-
-
-def connect(
-    url: str,
-    system: int | None = None,
-    log: str | Path | None = None,
-    signer: Signer | None = None,
-    patience: Patience = SPECIFIED,
-    fast: bool = True,
-    anyway: bool = False,
-) -> "Vehicle":
-    """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
-
-    Raises:
-        BadInput, LinkDown: the link cannot be opened.
-        NoAnswer: there is no vehicle.
-        MissionError: there are several, and `system` does not say which.
-        Contested: there are two with this system id; `anyway` takes the first.
-    """
-    line = open_line(url, log, signer)
-    try:
-        return meet(line, system, patience, fast, anyway)
-    except NoAnswer as silence:
-        line.close()
-        raise NoAnswer(
-            f"{url}: {silence}", hint="is the autopilot running, and does it send to this address?"
-        ) from None
-    except BaseException:
-        line.close()
-        raise
-
-
-def open_line(url: str, log: str | Path | None = None, signer: Signer | None = None) -> Line:
-    """A ground station's end of the link that `url` names."""
-    return Line(open_channel(url), Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
-
-
-def meet(
-    line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True, anyway: bool = False
-) -> "Vehicle":
-    """The vehicle on a line: the one with this system id, or the only one.
-
-    Raises:
-        NoAnswer: there is none.
-        MissionError: there are several, and `system` does not say which.
-        Contested: there are two with this system id; `anyway` takes the first.
-
-    While it listens for others it pings, so that the first timers already know how slow the link is.
-    """
-    autopilots: dict[int, Found] = {}
-    trips: dict[int, float] = {}
-    until = line.now() + min(PRESENCE_S, patience.total_s)
-    is_met = False
-    while line.now() < until:
-        heard = line.receive(until)
-        autopilots |= autopilots_in(heard)
-        trips |= round_trips_in(heard, line.now())
-        if not is_met and (system in autopilots if system is not None else autopilots):
-            is_met = True
-            until = line.now() + OTHERS_S
-            line.send(Ping(round(line.now() * 1e6), 0))
-    if system is not None and system not in autopilots:
-        others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
-        raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
-    if not autopilots:
-        raise NoAnswer("no autopilot is heard")
-    if system is None and len(autopilots) > 1:
-        raise MissionError(
-            f"several vehicles are heard: {', '.join(map(str, sorted(autopilots)))}", hint="choose one by its system id"
-        )
-    one = autopilots[system] if system is not None else autopilots.popitem()[1]
-    if not anyway:
-        line.expect_alone(one.system)
-    return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
 
 
 class Vehicle:
@@ -232,6 +151,22 @@ class Vehicle:
         with self._in_time():
             self._hold(orders.set_current(index + self._first))
 
+    def pause(self) -> None:
+        """Have the flying vehicle stop and hold its place; `resume` or `return_to_launch` ends that.
+
+        Raises:
+            NotReady, CommandRefused, NoAnswer, TimeUp: it flies on, or does not fly.
+        """
+        self._tell_flying(pause)
+
+    def resume(self) -> None:
+        """Have the flying vehicle go on with its mission; raises as `pause` does."""
+        self._tell_flying(resume)
+
+    def return_to_launch(self) -> None:
+        """Have the flying vehicle come home and land; raises as `pause` does."""
+        self._tell_flying(return_to_launch)
+
     def expect_on_ground(self) -> None:
         """Raise NotReady for a vehicle that is armed already."""
         expect_on_ground(self.state)
@@ -260,7 +195,7 @@ class Vehicle:
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
-            self._hold(prepare(self._departure, min(READY_S, self._patience.total_s)))
+            self._hold(prepare(self._departure, min(LIMITS.ready_s, self._patience.total_s)))
         if permit is None and mission is not None:
             permit = partial(check_start, mission, first, scenario=None)
         if permit is not None and (at := self.state.position) is not None:
@@ -292,6 +227,11 @@ class Vehicle:
     def record(self) -> FlightRecord:
         """The flight so far."""
         return self._logbook.record()
+
+    @property
+    def mode(self) -> str:
+        """The mode that it was last heard in, by the autopilot's name."""
+        return "no mode" if self.state.custom_mode is None else mode_name(self.autopilot, self.state.custom_mode)
 
     def home(self) -> Geodetic | None:
         """Where the vehicle's home is; None while it does not know."""
@@ -335,6 +275,10 @@ class Vehicle:
     def _first(self) -> int:
         """The sequence number of the first thing done: ArduPilot counts its home."""
         return 1 if self.autopilot is Autopilot.ARDUPILOT else 0
+
+    def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
+        with self._in_time(), self._known_state():
+            self._hold(order(self.state))
 
     def _hold(self, dialogue: Dialogue[T]) -> T:
         target = Target(self.system, AUTOPILOT_COMPONENT)

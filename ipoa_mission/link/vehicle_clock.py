@@ -6,6 +6,7 @@ as fast as it did then.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -14,14 +15,18 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.link.messages import Message, TimeSync
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 
-#: A clock that falls back by more has begun anew; by less, frames have overtaken each other [s].
-RESTARTED_S = 10.0
-#: As much of the log at each end tells how fast the vehicle's clock goes there [s].
-PACE_S = 2.0
-#: A stamp that is so far from those around it was not written so [s].
-TORN_S = 60.0
-#: A TIMESYNC of more is no time since boot [s].
-LONGEST_S = 1e8
+
+@dataclass(frozen=True)
+class ClockReading:
+    """How the vehicle's clock and the stamps of a log are read where they jump or break off."""
+
+    restarted_s: float = 10.0  # one that falls back by more has begun anew; by less, frames have overtaken each other
+    pace_s: float = 2.0  # as much of the log at each end tells how fast the clock goes there
+    torn_s: float = 60.0  # a stamp that is so far from those around it was not written so
+    longest_s: float = 1e8  # a TIMESYNC of more is no time since boot
+
+
+READING = ClockReading()
 
 
 def vehicle_time(message: Message) -> float | None:
@@ -31,7 +36,7 @@ def vehicle_time(message: Message) -> float | None:
             return message.time_s
         case SystemTime():
             return message.boot_s
-        case TimeSync(0, nanoseconds) if 0 < nanoseconds < LONGEST_S * 1e9:
+        case TimeSync(0, nanoseconds) if 0 < nanoseconds < READING.longest_s * 1e9:
             return nanoseconds / 1e9
     return None
 
@@ -39,8 +44,8 @@ def vehicle_time(message: Message) -> float | None:
 def unwrapped(stamps: Vector, times: Vector) -> Vector:
     """The same times where they go on over a restart of the autopilot, by the stamps between."""
     times = times.copy()
-    for n in np.flatnonzero(np.diff(times) < -RESTARTED_S):
-        if times[n + 1] < times[n] - RESTARTED_S:
+    for n in np.flatnonzero(np.diff(times) < -READING.restarted_s):
+        if times[n + 1] < times[n] - READING.restarted_s:
             times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]
     return np.asarray(np.maximum.accumulate(times))
 
@@ -59,7 +64,7 @@ def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
 def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
     """How fast the vehicle's clock goes at the end of the log from which `order` counts."""
     at, times = clock_at[order], clock[order]
-    near = np.abs(at - at[0]) <= PACE_S
+    near = np.abs(at - at[0]) <= READING.pace_s
     span = at[near][-1] - at[0]
     if not span:
         near = np.ones(len(at), bool)
@@ -74,5 +79,5 @@ def growing(stamps: Sequence[float]) -> Vector:
     """
     given = np.asarray(stamps, float)
     around = np.median(sliding_window_view(np.pad(given, 2, mode="edge"), 5), axis=1)
-    since = np.where(np.abs(given - around) > TORN_S, around, given)
+    since = np.where(np.abs(given - around) > READING.torn_s, around, given)
     return np.asarray(np.maximum.accumulate(since - since[0]) + 1e-9 * np.arange(len(since)))

@@ -101,7 +101,8 @@ def _corners(document: Mapping[str, Any], path: Path) -> Points:
         scale, translate = (np.array(transform[key], float) for key in ("scale", "translate"))
         if corners.size == 0:
             corners = np.zeros((0, 3))
-        corners = corners * scale + translate
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused below
+            corners = corners * scale + translate
     except (TypeError, ValueError, KeyError, OverflowError):
         corners = np.zeros((0, 0))
     if corners.ndim != 2 or corners.shape[1] != 3 or not np.isfinite(corners).all():

@@ -33,7 +33,7 @@ BROKEN = (
     zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, NotImplementedError, RuntimeError,
     ValueError,
 )  # fmt: skip
-MOST_ELEMENTS = 1_000_000
+MOST_ELEMENTS = 500_000
 PIECE = 1 << 20  # bytes that are parsed at once
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 

@@ -15,7 +15,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item
 from ipoa_mission.mission.document import Node
-from ipoa_mission.mission.scan_shapes import corners_of, trigger
+from ipoa_mission.mission.scan_shapes import corners_of, length_of, trigger
 from ipoa_mission.mission.structure_scan import lay_out_structure
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -81,9 +81,9 @@ def _style(node: Node) -> _Style:
         level = FRAMES[number]
     turnaround, trigger = node.get("TurnAroundDistance"), node.get("CameraTriggerInTurnAround")
     return _Style(
-        spacing=camera["AdjustedFootprintSide"].number("metres"),
-        trigger=camera["AdjustedFootprintFrontal"].number("metres"),
-        turnaround=0.0 if turnaround is None else turnaround.number("metres"),
+        spacing=length_of(camera["AdjustedFootprintSide"]),
+        trigger=length_of(camera["AdjustedFootprintFrontal"]),
+        turnaround=0.0 if turnaround is None else length_of(turnaround),
         altitude=camera["DistanceToSurface"].number("an altitude in metres"),
         frame=level,
         in_turnaround=trigger is None or trigger.flag(),
@@ -146,7 +146,7 @@ def _through(plane: Points, middle: Points, along: Points, sides: Points) -> Poi
 
 def _corridor(node: Node, plane: Points, style: _Style) -> list[Points]:
     """The transects along a polyline, from its left side to its right one, (k, 2) each."""
-    width = node["CorridorWidth"].number("metres")
+    width = length_of(node["CorridorWidth"])
     spacing = style.spacing if style.spacing >= LEAST_SPACING else math.inf
     count = max(math.ceil(width / spacing), 1) if width > 0 else 1
     if count > MOST_TRANSECTS:

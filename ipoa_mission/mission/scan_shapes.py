@@ -7,6 +7,16 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item
 from ipoa_mission.mission.document import Node
 
+FARTHEST = 100_000.0  # any length of a scan [m]
+
+
+def length_of(node: Node) -> float:
+    """A length; one that no vehicle could fly is refused, before it is multiplied with others."""
+    length = node.number("metres")
+    if abs(length) > FARTHEST:
+        raise node.wrong(f"metres, {FARTHEST:.0f} at most")
+    return length
+
 
 def corners_of(node: Node, least: int) -> Points:
     """Latitude and longitude, (n, 2)."""

@@ -13,7 +13,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item, waypoint
 from ipoa_mission.mission.document import Node
-from ipoa_mission.mission.scan_shapes import corners_of, trigger
+from ipoa_mission.mission.scan_shapes import corners_of, length_of, trigger
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 LAYERS_MOST = 200
@@ -29,18 +29,18 @@ def lay_out_structure(node: Node) -> list[Item]:
     """
     camera = node["CameraCalc"]
     layer = camera["AdjustedFootprintFrontal"]
-    height = layer.number("metres")
+    height = length_of(layer)
     if height <= 0:
         raise layer.wrong("more than 0 m, the height of a layer")
-    top, bottom = (node[name].number("metres") for name in ("StructureHeight", "ScanBottomAlt"))
+    top, bottom = (length_of(node[name]) for name in ("StructureHeight", "ScanBottomAlt"))
     if not (ratio := (top - bottom) / height) <= LAYERS_MOST:
         raise node["StructureHeight"].wrong(f"a structure of at most {LAYERS_MOST} layers")
     layers = max(math.ceil(ratio), 1)
     descends = node["StartFromTop"].flag()
     first = top - height / 2 if descends else bottom + height / 2
-    entrance, pitch = node["EntranceAltitude"].number("metres"), node["GimbalPitch"].number("degrees")
-    spacing = camera["AdjustedFootprintSide"].number("metres")
-    places = _round(node["polygon"], camera["DistanceToSurface"].number("metres"))
+    entrance, pitch = length_of(node["EntranceAltitude"]), node["GimbalPitch"].number("degrees")
+    spacing = length_of(camera["AdjustedFootprintSide"])
+    places = _round(node["polygon"], length_of(camera["DistanceToSurface"]))
     aim = Item(Command.DO_SET_ROI_WPNEXT_OFFSET, Frame.MISSION, (0.0, 0.0, 0.0, 0.0), pitch, 0.0, LOOK_ASIDE)
     items = [waypoint(places[0], entrance), aim]
     for n in range(layers):

@@ -9,11 +9,11 @@ the best place in its cell.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, minimum_filter
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import STEEP
@@ -188,7 +188,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
         before, after = (padded.take(range(k, k + slack.shape[axis]), axis) for k in (0, 2))
         between |= slack - (before + after) / 2 > GAP_SLACK * step
     doubtful = (slack < 0) & (slack > -np.linalg.norm(spacing) / 2)
-    return np.asarray(doubtful & binary_dilation(between & doubtful, np.ones((3, 3, 3))))
+    return np.asarray(doubtful & ~_least_around(~(between & doubtful), 1))
 
 
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
@@ -313,9 +313,17 @@ def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]
     for middle in (0.25, 0.5, 0.75):
         on_surface = (np.abs(share - middle) < 0.04) & (through < lattice.strategy.max_cost_ratio * best)
         surface = np.where(on_surface, through, np.inf).reshape(lattice.price.shape)
-        least = (surface == minimum_filter(surface, size=5, mode="nearest")) & np.isfinite(surface)
+        least = (surface == _least_around(surface, 2)) & np.isfinite(surface)
         chosen += [(float(through[node]), int(node)) for node in np.nonzero(least.ravel())[0]]
     return (node for _, node in sorted(chosen))
+
+
+def _least_around(values: NDArray[Any], reach: int) -> NDArray[Any]:
+    """For each node (nx, ny, nz) the least of the values up to so many steps away along each axis."""
+    for axis, count in enumerate(values.shape):
+        padded = np.pad(values, [(reach * (k == axis),) * 2 for k in range(3)], constant_values=np.inf)
+        values = np.minimum.reduce([padded.take(range(k, k + count), axis) for k in range(2 * reach + 1)])
+    return values
 
 
 def _trace(before: NDArray[np.int64], node: int) -> list[int]:

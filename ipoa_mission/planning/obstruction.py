@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import label
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Vector
@@ -115,6 +114,8 @@ def _widest(lattice: Lattice, start: int, goal: int) -> tuple[float, int]:
 
 
 def _joined(lattice: Lattice, level: float, start: int, goal: int) -> bool:
+    from scipy.ndimage import label  # takes long to import, and few plans need it
+
     parts, _ = label(lattice.slack >= level, structure=np.ones((3, 3, 3)))
     parts = parts.ravel()
     return bool(parts[start] > 0 and parts[start] == parts[goal])

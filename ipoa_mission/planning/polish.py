@@ -8,17 +8,19 @@ at d_safe, are walls that a path feels from a distance, at first from far (a log
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpbsv
-from scipy.sparse import csr_array, dia_array, diags_array, eye_array, kron
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.chart import Soft
 from ipoa_mission.planning.problem import ALL, Matrix, PreparedProblem, Trail, freedom
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
 EARLY_GAIN = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
@@ -123,7 +125,7 @@ class _Bench:
     window: NDArray[np.float64]
     even: float
     free: slice
-    spread: csr_array | None
+    spread: "csr_array | None"
     reach: int
 
     def moved(self, control: Points, step: Vector) -> Points:
@@ -140,6 +142,8 @@ class _Bench:
         """Gradient and lower band of the Hessian by what is free, from those by all coordinates of `some`."""
         if self.spread is None:
             return gradient[self.free], band[:, self.free]
+        from scipy.sparse import dia_array
+
         halves = band.copy()
         halves[0] /= 2.0  # the Hessian is this triangle and its transpose
         size, free = self.spread.shape
@@ -159,6 +163,8 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
     if len(trail.via_at):
+        from scipy.sparse import csr_array, diags_array, eye_array, kron
+
         ways = freedom(trail, problem.task, part)[low:high]
         spread = csr_array(kron(csr_array(ways), eye_array(3)))
         near = diags_array(np.ones(2 * BAND + 1), offsets=np.arange(-BAND, BAND + 1), shape=(len(ways) * 3,) * 2)
@@ -174,6 +180,7 @@ def _descend(
 ) -> tuple[Points, Matrix]:
     """Levenberg and Marquardt: the less damped the better the model has been right."""
     from ipoa_mission.planning._path_model import path_model
+    from ipoa_mission.planning.banded import solve_banded
 
     count, airspace = bench.some.stop - bench.some.start, (problem.chart, problem.rules)
 
@@ -188,10 +195,10 @@ def _descend(
         for _ in range(6):
             damped = band.copy()
             damped[0] += damping * band[0] + 1e-6 * band[0].mean()
-            _, step, failed = dpbsv(damped, gradient, lower=1)
+            step, solved = solve_banded(damped, gradient)
             trial = bench.moved(control, -step)
             trial_value, trial_gradient, trial_band, trial_angles = model(trial)
-            if not failed and trial_value < value:
+            if solved and trial_value < value:
                 break
             damping = max(8 * damping, 1e-4)
         else:

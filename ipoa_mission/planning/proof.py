@@ -138,10 +138,8 @@ def _prove_heights(legs: Points, airspace: Airspace, limits: Limits, stray: floa
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):
         clearance = airspace.terrain_clearance(run)
-        if required not in heights or clearance.distance < heights[required].distance:
-            heights[required] = replace(
-                clearance, distance=clearance.distance - vertical, leg=first_leg + clearance.leg
-            )
+        clearance = replace(_less(clearance, vertical), leg=first_leg + clearance.leg)
+        heights[required] = min(heights.get(required, clearance), clearance, key=lambda least: least.distance)
     yield from (Check("ground", clearance, required) for required, clearance in heights.items())
     if np.isfinite(limits.ceiling_above_ground):
         reached = airspace.height_reached(legs)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ipoa_mission.checks.ground import slow_landings
 from ipoa_mission.checks.way_home import raise_way_home
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
@@ -33,14 +34,16 @@ OVER_HOME = 0.5  # a route that begins this near is begun by the take-off [m]
 def build_mission(route: Route, scenario: Scenario) -> Mission:
     """The mission that flies a route, with the scenario's speed, ending, fence and rally points.
 
-    Where the straight way home would not be clear it first climbs over the goal.
+    Where the straight way home would not be clear it first climbs over the goal; where it lands on high ground its
+    vehicle slows down in time.
 
     Raises:
         BadInput: the start lies too low over home for a take-off to end there.
         NoRoute: the straight way from over home to the start is not clear.
+        Unsafe: it would touch down fast, and nothing helps.
     """
     _prove_departure(route.points[0], scenario)
-    return raise_way_home(draft_mission(route, scenario), scenario)
+    return slow_landings(raise_way_home(draft_mission(route, scenario), scenario), scenario)
 
 
 def draft_mission(route: Route, scenario: Scenario) -> Mission:

@@ -6,6 +6,7 @@ gentlest line beside the curve, PX4 waypoints that it need not come near to.
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import leg_lengths
@@ -16,13 +17,26 @@ from ipoa_mission.routing.route import Route, push_clear
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.route import kinematics
 
-SHARES = (1.0, 0.6, 0.3, 0.1)  # of the tolerance, that straight legs may leave the curve by
-ASIDE = 0.6  # of that, by which a waypoint may lie beside the curve
-RADII = (0.0, 4.0, 7.0, 10.0, 14.0)  # within which PX4 turns to the next waypoint [m]; 0: as its parameters say
-ROOMS = (0.8, 0.4, 0.0)  # of the tolerance, that a spline's line may lie beside the curve
-SPACINGS = (40.0, 25.0, 12.0)  # of spline waypoints [m]
-MOST_SPLINES = 200
 NEAREST = 0.1  # two waypoints are never so near to each other [m]
+
+
+@dataclass(frozen=True)
+class RouteGrid:
+    """Which choices of waypoints beside a curve are tried; `tolerance` is how far they may leave it."""
+
+    straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance, that straight legs leave the curve by
+    aside_share: float = 0.6  # of that, by which a waypoint may lie beside the curve
+    turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # where PX4 turns to the next [m]; 0: as it is set
+    spline_shares: tuple[float, ...] = (
+        0.8,
+        0.4,
+        0.0,
+    )  # of the tolerance, that a spline's line may lie beside the curve
+    spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # of spline waypoints [m]
+    most_splines: int = 200
+
+
+GRID = RouteGrid()
 
 
 def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
@@ -32,15 +46,15 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     for route in routes:
         yield Route(push_clear(route.points, scenario), route.spline, route.brakes_on_curve)
     seen = set[bytes]()
-    for share in SHARES:
+    for share in GRID.straight_shares:
         width = share * scenario.route.tolerance
-        beside = (-ASIDE * width, 0.0, ASIDE * width)
+        beside = (-GRID.aside_share * width, 0.0, GRID.aside_share * width)
         for asides in (beside, ON_THE_CURVE) if share == 1.0 else (beside,):
             points = push_clear(corridor(curve, width, asides, scenario.via_points), scenario)
             if points.tobytes() in seen or leg_lengths(points).min() < NEAREST:
                 continue
             seen.add(points.tobytes())
-            for radius in RADII[:1] if is_ardupilot or len(points) < 3 else RADII:
+            for radius in GRID.turn_radii[:1] if is_ardupilot or len(points) < 3 else GRID.turn_radii:
                 yield Route(points, radius=radius)
 
 
@@ -52,11 +66,13 @@ def braking_length(scenario: Scenario) -> float:
 
 def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     via = scenario.via_points
-    for room in ROOMS:
+    for room in GRID.spline_shares:
         line = relaxed(curve, room * scenario.route.tolerance, via)
         length = float(leg_lengths(line).sum())
         brake = min(braking_length(scenario), length / 2)
-        spacings = {max(spacing, length / MOST_SPLINES) for spacing in SPACINGS if spacing < length / 2}
+        spacings = {
+            max(spacing, length / GRID.most_splines) for spacing in GRID.spline_spacings if spacing < length / 2
+        }
         for spacing in sorted(spacings, reverse=True):
             even = length / math.ceil(length / spacing)
             for last, on_curve in ((max(brake, even), True), (max(brake, even), False), (even, False)):

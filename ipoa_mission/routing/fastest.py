@@ -6,7 +6,7 @@ is out. The best are then improved waypoint by waypoint.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,12 +19,20 @@ from ipoa_mission.routing.route import Route
 from ipoa_mission.routing.trial import Flown, fly, sketch
 from ipoa_mission.scenario import Scenario
 
-STARTS = 2  # routes of different numbers of waypoints are improved
-TRIALS = 100  # of leaving a waypoint out or moving it
-STEPS = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
-WORTH_IT = 0.1  # a change must save so much [s]
-EQUAL = 0.005  # a share of the time that is not worth less room
-OVERRUN = 0.5  # how far beyond the goal the vehicle may need to brake [m]
+
+@dataclass(frozen=True)
+class RouteSearch:
+    """How long the quickest choice of waypoints is looked for, and what counts as quicker."""
+
+    starts: int = 2  # routes of different numbers of waypoints are improved
+    trials: int = 100  # of leaving a waypoint out or moving it
+    step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
+    least_gain_s: float = 0.1  # a change must save so much
+    equal_share: float = 0.005  # of the time, that is not worth less room
+    most_overrun: float = 0.5  # how far beyond the goal the vehicle may need to brake [m]
+
+
+SEARCH = RouteSearch()
 
 
 def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Route]) -> Route:
@@ -38,13 +46,13 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
     begun: dict[tuple[int, bool], Route] = {}
     for route, flown in sorted(drawn, key=lambda pair: pair[1].seconds):
         kind = (len(route.points), route.spline)
-        if len(begun) < STARTS and kind not in begun and _is_fit(route, flown, scenario):
+        if len(begun) < SEARCH.starts and kind not in begun and _is_fit(route, flown, scenario):
             begun[kind] = route
     improved = [ready for route in begun.values() for ready in (route, _improve(route, curve, scenario))]
     if not improved:
         return fallback()
     ends = [fly(route, curve, scenario) for route in improved]
-    equal = (1 + EQUAL) * min(end.seconds + end.late for end in ends)
+    equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
     ranks = [
         (end.seconds + end.late > equal, round(end.missed, 2), -end.slack(scenario), n) for n, end in enumerate(ends)
     ]
@@ -54,7 +62,7 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
 def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
     """Whether the route and its predicted path keep to the corridor and to the limits, and it stops at the goal."""
     return (
-        flown.overrun <= OVERRUN
+        flown.overrun <= SEARCH.most_overrun
         and flown.deviation <= scenario.route.tolerance
         and prove_route(route, scenario).holds
         and flown.keeps_limits(scenario)
@@ -63,8 +71,8 @@ def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
 
 def _improve(route: Route, curve: Spline, scenario: Scenario) -> Route:
     """Leave waypoints out and move them, as long as that saves time."""
-    seconds, trials = sketch(route, curve, scenario).seconds, TRIALS
-    for step in STEPS:
+    seconds, trials = sketch(route, curve, scenario).seconds, SEARCH.trials
+    for step in SEARCH.step_shares:
         gained = True
         while gained and trials > 0:
             gained = False
@@ -72,7 +80,7 @@ def _improve(route: Route, curve: Spline, scenario: Scenario) -> Route:
                 trials -= 1
                 candidate = replace(route, points=changed)
                 flown = sketch(candidate, curve, scenario)
-                if flown.seconds < seconds - WORTH_IT and _is_fit(candidate, flown, scenario):
+                if flown.seconds < seconds - SEARCH.least_gain_s and _is_fit(candidate, flown, scenario):
                     route, seconds, gained = candidate, flown.seconds, True
                     break
                 if trials <= 0:

@@ -7,15 +7,15 @@ curvatures is taken, a linear least-squares problem with bounds (in motor racing
 import math
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.optimize import lsq_linear
 
-from ipoa_mission.geometry import Points, leg_lengths
+from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.resample import lefts, through
+from ipoa_mission.timing import cubic
 
 PLACE_SPACING = 3.0  # between the places that move aside [m]
 MAX_PLACES = 200  # of them
+MAX_ROUNDS, SHARES, ENOUGH = 500, 0.5 ** np.arange(30), 1e-13  # of Newton's method
 
 
 def relaxed(curve: Spline, room: float, via: Points) -> Points:
@@ -29,9 +29,37 @@ def relaxed(curve: Spline, room: float, via: Points) -> Points:
     bend = np.diff(np.eye(len(samples)), 2, axis=0)  # second differences: curvature, as the places are evenly far apart
     system = np.vstack([(bend * aside[:, axis])[:, free] for axis in (0, 1)])
     wanted = -np.concatenate([bend @ samples[:, axis] for axis in (0, 1)])
-    moved = lsq_linear(system, wanted, bounds=(-room, room), tol=1e-6).x
+    moved = _least_squares(system, wanted, room)
     samples[free, :2] += moved[:, None] * aside[free]
     return samples
+
+
+def _least_squares(system: Points, wanted: Vector, room: float) -> Vector:
+    """The x (n,), each within `room` of 0, for which `system` x is nearest to `wanted`: Newton's method, projected.
+
+    An element of x touches only such elements of `system` as its two neighbors on each side do (Bertsekas 1982).
+    """
+    from ipoa_mission.planning.banded import solve_banded
+
+    hessian, toward = system.T @ system, system.T @ wanted
+    x, cost = np.zeros(len(toward)), 0.0
+    for _ in range(MAX_ROUNDS):
+        slope = hessian @ x - toward
+        free = np.nonzero(((x > -room) | (slope <= 0)) & ((x < room) | (slope >= 0)))[0]
+        band = np.zeros((3, len(free)))
+        for k in range(min(3, len(free))):
+            band[k, : len(free) - k] = hessian[free[k:], free[: len(free) - k]]
+        step = np.zeros_like(x)
+        step[free] = solve_banded(band, slope[free])[0]
+        for share in SHARES:
+            trial = np.clip(x - share * step, -room, room)
+            less = float(trial @ (hessian @ trial / 2 - toward))
+            if less < cost:
+                break
+        if less >= cost - ENOUGH * abs(cost):
+            break
+        x, cost = trial, less
+    return x
 
 
 def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
@@ -43,4 +71,4 @@ def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
     before = traveled[-1] - last
     count = max(1 + len(via), math.ceil(before / spacing))
     stops = np.append(np.linspace(0.0, before, count + 1), traveled[-1])
-    return through(np.asarray(CubicSpline(traveled, line)(stops)), via)[0]
+    return through(cubic.values(traveled, line, stops), via)[0]

@@ -9,7 +9,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.spline import Spline
@@ -68,10 +67,11 @@ def deviation(path: Points, curve: Spline) -> float:
     The greatest distance of either from the other (Hausdorff): a path that leaves a loop out is as far as the loop is
     wide.
     """
-    steps = _steps(path)
-    samples = _fine(curve)
+    from ipoa_mission.routing._hausdorff import farthest
+
+    steps, samples = _steps(path), _fine(curve)
     spacing = curve.length / (len(samples) - 1)
-    away = max(float(cKDTree(one).query(other)[0].max()) for one, other in ((samples, steps), (steps, samples)))
+    away = max(farthest(steps, samples), farthest(samples, steps))
     return math.sqrt(max(away**2 - spacing**2 / 4, 0.0))
 
 

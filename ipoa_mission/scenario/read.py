@@ -4,6 +4,7 @@ import difflib
 import re
 import tomllib
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.scenario.model import Scenario
 
+MOST_EXPLAINED = 20  # mistakes; explaining a key takes long
 LONGEST_KEY = 16  # parts; tomllib takes the square of their number in time
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
 #: The words of a TOML text, each taken whole: strings of several lines, comments, keys of too many parts, the rest.
@@ -52,9 +54,12 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
     try:
         scenario = Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
     except ValidationError as error:
-        lines = [f"{path}: {_explain(problem, table)}" for problem in error.errors()]
+        problems = error.errors(include_url=False)
+        lines = [f"{path}: {_explain(problem, table)}" for problem in problems[:MOST_EXPLAINED]]
+        if len(problems) > MOST_EXPLAINED:
+            lines.append(f"{path}: and {len(problems) - MOST_EXPLAINED} more like these")
         of_keys = {"missing", "extra_forbidden", "union_tag_invalid", "union_tag_not_found"}
-        asks_keys = any(problem["type"] in of_keys for problem in error.errors())
+        asks_keys = any(problem["type"] in of_keys for problem in problems)
         raise BadInput(
             "\n".join(lines),
             hint="`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None,
@@ -150,9 +155,14 @@ def _place(location: Sequence[int | str], table: Any) -> str:
     return place
 
 
+@cache
+def _schema() -> dict[str, Any]:
+    return Scenario.model_json_schema()
+
+
 def _known_keys(location: Sequence[int | str]) -> list[str]:
     """Keys that the table at this place may have, from the schema."""
-    schema = Scenario.model_json_schema()
+    schema = _schema()
     here: Any = schema
     for step in location[:-1]:
         here = here.get("items", here) if isinstance(step, int) else here.get("properties", {}).get(step, here)

@@ -78,7 +78,8 @@ class VehicleSection(Section):
     descent_speed: Positive | None = None
     """Left out: what the autopilot's parameters say [m/s]."""
     parameters: dict[ParameterName, Single] = Field(default_factory=dict)
-    """Parameters of the autopilot that differ from its defaults, by its own names and units."""
+    """Parameters of the autopilot that differ from its defaults, by its own names and units. For a landing on high
+    ground a plan raises LAND_ALT_LOW, or MPC_LAND_ALT1 and MPC_LAND_ALT2, unless one of them is named here."""
     airframe: AirframeSection | None = None
     """Left out, no energy is estimated."""
     battery: BatterySection | None = None

@@ -43,7 +43,6 @@ class ArduPilotPilot:
         self._floor = self._copter.state.z
         self._copter.face(body.yaw)
         self._lift_s = ARMING_DELAY_S + 2.0 * limits.spool_up + LIFT_S + airframe.lift_delay
-        self._spool_up = limits.spool_up
 
     # --- orders -----------------------------------------------------------------------------------------------------
 
@@ -102,7 +101,7 @@ class ArduPilotPilot:
             case Command.NAV_RETURN_TO_LAUNCH:
                 self._come_down(self._copter.return_home())
             case Command.NAV_LAND:
-                self._come_down(self._copter.land(self._place(index)[:2] if item.has_position else None))
+                self._come_down(self._copter.land(self._place(index) if item.has_position else None))
             case Command.NAV_DELAY:
                 self._copter.hold(self._copter.wait_at(item))
                 self._then = self._done
@@ -152,7 +151,7 @@ class ArduPilotPilot:
     def _stand(self, seconds: float) -> None:
         """On the ground with the throttle running down, until it is sure to have landed."""
         self._now.landed = seconds >= self._landing_s
-        if seconds >= self._landing_s + self._spool_up:  # motors spun down
+        if seconds >= self._landing_s + self._copter.spool_down:  # motors spun down
             if self._now.mode is FlightMode.MISSION:
                 last = self._now.program.items[self._now.current].command == Command.NAV_LAND
                 self._now.done(self._now.current, announced=not last)

@@ -8,7 +8,8 @@ from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
-from ipoa_mission.link.codec import EVERYONE, Target, message_name
+from ipoa_mission.link.codec import EVERYONE, Target
+from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
 from ipoa_mission.simulator import streams

@@ -220,10 +220,20 @@ class Commander(Reporting):
         return self._set_mode(self.habits.modes[mode])
 
     def pause(self, goes_on: float) -> CommandResult:
-        """Command 193: ArduPilot's alone."""
+        """Command 193: ArduPilot's alone, which stays in AUTO, and stops there only on its way to a waypoint."""
         if not self.habits.home_is_item_0:
             return UNSUPPORTED
-        return self._set_mode(self._mission_mode) if goes_on >= 0.5 else self.obey(FlightMode.HOLD)
+        if goes_on >= 0.5:
+            if self.mode != self._mission_mode or self.flight.mission_state is not MissionState.PAUSED:
+                return FAILED
+            self._start()
+        else:
+            at = self._flown[self.flight.current].command if self.flight.mode is FlightMode.MISSION else None
+            if at not in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT):
+                return FAILED
+            self._idle_mode = self._mission_mode
+            self.flight.hold()
+        return ACCEPTED
 
     def climb(self, height: float) -> CommandResult:
         """Command 22: ArduPilot takes off in GUIDED; PX4's take-off mode is not simulated."""

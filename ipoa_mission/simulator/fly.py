@@ -6,11 +6,12 @@ from ipoa_mission.autopilots.parameters import expect_known
 from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Parameters
 from ipoa_mission.items import Mission
 from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
-from ipoa_mission.link.vehicle import Vehicle, meet
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.conditions import Conditions

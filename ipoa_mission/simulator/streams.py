@@ -4,7 +4,8 @@ import math
 from collections.abc import Callable, Mapping, Set
 from types import MappingProxyType
 
-from ipoa_mission.link.codec import Target, message_name
+from ipoa_mission.link.codec import Target
+from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import (
     Attitude,

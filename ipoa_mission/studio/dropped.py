@@ -29,8 +29,8 @@ def keep(name: str, content: bytes, folder: Path) -> Path:
     plain = Path(name.replace("\\", "/")).name
     stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
     if not plain or plain.startswith(".") or suffix not in (*READERS, *MODELS, *MISSIONS):
-        known = ", ".join((*READERS, *MODELS, *MISSIONS))
-        raise BadInput(f"{plain or 'the file'}: expected a file that ends in {known}")
+        suffixes = ", ".join((*READERS, *MODELS, *MISSIONS))
+        raise BadInput(f"{plain or 'the file'}: expected a file that ends in {suffixes}")
     number, target = 1, folder / plain
     while target.exists() and target.read_bytes() != content:
         number += 1

@@ -116,16 +116,16 @@ def _add(document: Any, change: Add) -> None:
     if change.ring is not None:
         key = "polygon" if change.to == "fence" else "footprint"
         table[key] = [_local(frame, corner).tolist() for corner in change.ring]
-    known = document.get(change.to)
-    at = len(known) if known is not None and change.at is None else change.at or 0
-    if known is None:
-        document[change.to] = known = tomlkit.aot()
-    if isinstance(known, Array):
+    tables = document.get(change.to)
+    at = len(tables) if tables is not None and change.at is None else change.at or 0
+    if tables is None:
+        document[change.to] = tables = tomlkit.aot()
+    if isinstance(tables, Array):
         inline = tomlkit.inline_table()
         inline.update(table)
-        known.insert(at, inline)
+        tables.insert(at, inline)
     else:
-        known.insert(at, _as_table(table) if isinstance(known, AoT) else table)
+        tables.insert(at, _as_table(table) if isinstance(tables, AoT) else table)
 
 
 def _as_table(values: dict[str, Any]) -> tomlkit.items.Table:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.files import unused
 from ipoa_mission.studio.answers import State, Trouble
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.processes import Died, Process
@@ -80,7 +81,7 @@ class Flights:
             "job": "fly",
             "file": str(file),
             "revision": document.revision,
-            "log": str(document.path.with_suffix(".tlog")),
+            "log": str(unused(document.path.with_suffix(".tlog"))),
         }
         troubled = False
 

@@ -63,10 +63,10 @@ class Guard:
     def _with_headers(self, send: Send) -> Send:
         async def dressed(message: Message) -> None:
             if message["type"] == "http.response.start":
-                told = HEADERS | {"Content-Security-Policy": self._policy}
+                headers = HEADERS | {"Content-Security-Policy": self._policy}
                 message["headers"] = [
                     *message.get("headers", []),
-                    *((key.lower().encode(), value.encode()) for key, value in told.items()),
+                    *((key.lower().encode(), value.encode()) for key, value in headers.items()),
                 ]
             await send(message)
 

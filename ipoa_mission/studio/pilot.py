@@ -13,13 +13,14 @@ from typing import Any
 
 from ipoa_mission.checks.start import check_start
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.boarding import expect_fit
+from ipoa_mission.flight.boarding import expect_fit, expect_slow_landing
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.link.connect import connect
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.set_up import idle_fence, other_values
 from ipoa_mission.link.telemetry import Position
-from ipoa_mission.link.vehicle import Vehicle, connect
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.studio.answers import Landed, Loaded, Seen, State
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
@@ -113,6 +114,7 @@ def _upload(flight: Flight, vehicle: Vehicle, tell: Callable[[str], None]) -> tu
     vehicle.expect_on_ground()
     tell("checking the mission against the vehicle")
     remarks = expect_fit(flight.mission, vehicle)
+    expect_slow_landing(flight.mission, vehicle)
     vehicle.upload(flight.mission, lambda _, words: tell(words), checked=False)
     idle = idle_fence(vehicle, flight.mission)
     others, missing = other_values(vehicle, flight.mission.parameters)

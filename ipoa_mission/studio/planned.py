@@ -29,20 +29,20 @@ NEAR, CLOSE = 5, 1.5  # places that are named as near, and how much nearer than 
 SLOW = 4  # items that are named as slow
 
 
-def sketched(found: Sketch, scenario: Scenario, revision: int, number: int | None, took_s: float) -> answers.Sketch:
+def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | None, took_s: float) -> answers.Sketch:
     """A coarse path for the map. Its time is the least that the vehicle's limits allow on it, so no estimate."""
     vehicle, frame = scenario.vehicle, scenario.frame
-    points = _sampled(found.curve)
+    points = _sampled(sketch.curve)
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
-    clearance = found.proof.clearance
+    clearance = sketch.proof.clearance
     return answers.Sketch(
         revision=revision,
         number=number,
         line=line_of(frame, points),
-        others=tuple(line_of(frame, _sampled(other)) for other in found.others),
-        holds=found.proof.holds,
-        verdict=without_folders(found.proof.words(), scenario),
-        length=round(float(found.curve.length), 1),
+        others=tuple(line_of(frame, _sampled(other)) for other in sketch.others),
+        holds=sketch.proof.holds,
+        verdict=without_folders(sketch.proof.words(), scenario),
+        length=round(float(sketch.curve.length), 1),
         clearance=round(float(clearance.distance), 2),
         nearest=without_folders(clearance.what, scenario),
         seconds=round(least_time(points, limits).seconds, 1),
@@ -54,7 +54,7 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
     """A proved flight for the page."""
     scenario, estimate, promise = flight.scenario, flight.estimate, flight.promise
     course = report_course.follow(estimate.track, scenario.airspace, SAMPLES)
-    found = stops(flight.mission, estimate, scenario)
+    flown_stops = stops(flight.mission, estimate, scenario)
     kept, chance = promise.clearance, scenario.safety.chance
     rim = NO_TUBE if chance is None else rim_of(law_of(flight.mission.autopilot, scenario.wind.speed), chance)
     energy, battery = flight.energy, scenario.vehicle.battery
@@ -79,8 +79,8 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         tube=(rim.level, rim.up, rim.down),
         tube_ring=_tube(course.points, rim, scenario),
         course=_course(course, scenario),
-        stops=tuple(_stop(stop, course, scenario) for stop in found),
-        bindings=tuple(_bindings(flight, found, course)),
+        stops=tuple(_stop(stop, course, scenario) for stop in flown_stops),
+        bindings=tuple(_bindings(flight, flown_stops, course)),
         choices=tuple(_choices(flight)),
         limits=tuple(_limits(flight)),
         remarks=flight.remarks,
@@ -138,7 +138,7 @@ def _stop(stop: Stop, course: report_course.Course, scenario: Scenario) -> answe
     )
 
 
-def _bindings(flight: Flight, found: tuple[Stop, ...], course: report_course.Course) -> Iterator[answers.Binding]:
+def _bindings(flight: Flight, flown_stops: tuple[Stop, ...], course: report_course.Course) -> Iterator[answers.Binding]:
     """Where the flight comes nearest to what, and which items something keeps slow, the worst first."""
     scenario = flight.scenario
     for danger in report_course.dangers(course, scenario):
@@ -149,7 +149,7 @@ def _bindings(flight: Flight, found: tuple[Stop, ...], course: report_course.Cou
             distance = f"{check.kept:.2f} m" if flight.promise.confidence else f"{check.nominal:.2f} m"
             words = f"{check.limit}: {distance} to {check.to}, {check.required:.2f} m required"
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
-    slow = sorted((stop for stop in found if stop.time.reason), key=lambda stop: -stop.time.duration_s)
+    slow = sorted((stop for stop in flown_stops if stop.time.reason), key=lambda stop: -stop.time.duration_s)
     for stop in slow[:SLOW]:
         words = f"item {stop.time.seq}: {stop.time.reason}, {stop.time.mean_speed:.1f} m/s on average"
         yield answers.Binding(what="slow", words=words, at=course.at(stop.time.done_s))

@@ -40,8 +40,8 @@ def sketch(order: Order, answer: Answer) -> None:
         scenario = scenario_of(table, Path(order["path"]))
     else:
         scenario = _scenario(order["text"], order["path"])
-    found = sketch_path(scenario)
-    answer(sketched(found, scenario, order["revision"], order["number"], time.perf_counter() - begun))
+    sketch = sketch_path(scenario)
+    answer(sketched(sketch, scenario, order["revision"], order["number"], time.perf_counter() - begun))
 
 
 class Planner:
@@ -52,12 +52,12 @@ class Planner:
 
     def plan(self, order: Order, answer: Answer) -> None:
         """The proved flight."""
-        revision, begun, told = order["revision"], time.perf_counter(), 0.0
+        revision, begun, told_at = order["revision"], time.perf_counter(), 0.0
 
         def progress(share: float, words: str) -> None:
-            nonlocal told
-            if time.perf_counter() - told > TELL_EVERY_S:
-                told = time.perf_counter()
+            nonlocal told_at
+            if time.perf_counter() - told_at > TELL_EVERY_S:
+                told_at = time.perf_counter()
                 answer(Progress(revision=revision, share=share, words=words))
 
         self._flight = None

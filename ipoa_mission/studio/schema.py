@@ -18,11 +18,11 @@ def schema() -> dict[str, Any]:
     """Every message by its name, `Answer` and `Request` for one of them, and `Scenario` for the scenario's table."""
     unions = {"Answer": _members(Answer), "Request": _members(Request)}
     kinds = [(kind, "serialization") for members in unions.values() for kind in members]
-    _, found = models_json_schema([*kinds, (Scenario, "validation")])  # type: ignore[list-item]
+    _, definitions = models_json_schema([*kinds, (Scenario, "validation")])  # type: ignore[list-item]
     for name, members in unions.items():
-        found["$defs"][name] = {"oneOf": [{"$ref": f"#/$defs/{member.__name__}"} for member in members]}
-    found["$defs"]["Document"]["properties"]["scenario"] = {"$ref": "#/$defs/Scenario"}
-    plain: dict[str, Any] = _plain(found)
+        definitions["$defs"][name] = {"oneOf": [{"$ref": f"#/$defs/{member.__name__}"} for member in members]}
+    definitions["$defs"]["Document"]["properties"]["scenario"] = {"$ref": "#/$defs/Scenario"}
+    plain: dict[str, Any] = _plain(definitions)
     return {"title": "Messages", "type": "object", "additionalProperties": False} | plain
 
 

@@ -78,8 +78,8 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
                 try:
                     request = REQUESTS.validate_json(text)
                 except ValidationError as error:
-                    told = Trouble(of="edit", message=f"this message makes no sense: {error.error_count()} errors")
-                    window.tell(told.model_dump(mode="json"))
+                    trouble = Trouble(of="edit", message=f"this message makes no sense: {error.error_count()} errors")
+                    window.tell(trouble.model_dump(mode="json"))
                     continue
                 await session.handle(request, window)
         except WebSocketDisconnect:

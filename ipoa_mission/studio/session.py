@@ -58,14 +58,14 @@ class Session:
 
     def tell_all(self, message: Message | dict[str, Any]) -> None:
         """Tell every window; the latest answer of a kind is kept for those that open later."""
-        told = message if isinstance(message, dict) else message.model_dump(mode="json")
-        kind = f"trouble of {told['of']}" if told["kind"] == "trouble" else told["kind"]
-        if told["kind"] in KEPT:
-            self._latest[kind] = told
-        if kind == "state" and told["phase"] in ("idle", "over"):
+        answer = message if isinstance(message, dict) else message.model_dump(mode="json")
+        kind = f"trouble of {answer['of']}" if answer["kind"] == "trouble" else answer["kind"]
+        if answer["kind"] in KEPT:
+            self._latest[kind] = answer
+        if kind == "state" and answer["phase"] in ("idle", "over"):
             self._latest.pop("loaded", None)
         for window in self.windows:
-            window.tell(told)
+            window.tell(answer)
 
     # --- requests -----------------------------------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 Sources: ArduPilot's documentation of S-curves and spline waypoints, and the recorded flights.
 """
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -29,6 +30,7 @@ from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.wind import CALM, Wind
 
+NOWHERE = (math.nan,) * 3
 DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half the width of the interval: seconds, and share of the time
 
 #: Of these only the flight to their place is modeled.
@@ -101,7 +103,7 @@ class _Flight:
         elif command == Command.NAV_RETURN_TO_LAUNCH:
             self.come_down(self.copter.return_home())
         elif command == Command.NAV_LAND:
-            self.come_down(self.copter.land(self.target(n)[:2] if visit.item.has_position else None))
+            self.come_down(self.copter.land(self.target(n) if visit.item.has_position else None))
         elif command == Command.NAV_PAYLOAD_PLACE:
             self.copter.fly_to(Stop(self.target(n)))
             self.run()
@@ -112,12 +114,16 @@ class _Flight:
 
     def target(self, n: int) -> Place:
         """Where visit n leads: what it leaves open is that of the place last bound for."""
-        return self.route.program.place(n, self.copter.here)
+        return self.route.program.place(n, self.here(n))
+
+    def here(self, n: int) -> Place:
+        """Where the copter can stop, if visit n leaves its place open; to work it out takes longer than to look."""
+        return self.copter.here if self.route.program.leaves_open(n) else NOWHERE
 
     def fly_to(self, n: int) -> str:
         """Fly to visit n, and do there what it asks for."""
         program, visit, copter = self.route.program, self.route.visits[n], self.copter
-        onward, stop = program.onward(n), stop_at(program, n, copter.here)
+        onward, stop = program.onward(n), stop_at(program, n, self.here(n))
         copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
         this, following = copter.this, copter.following
         flown_at = self.run()
@@ -173,7 +179,7 @@ class _Flight:
             self.run()
         if self.copter.this.kind == DESCENT:
             delay = self.airframe.landing_delay
-            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.limits.spool_up + delay, 0.0))
+            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
             self.airborne = False
 
     def run(self) -> float:

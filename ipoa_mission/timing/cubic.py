@@ -17,19 +17,30 @@ def derivatives(knots: Vector, points: Points, at: Vector) -> tuple[Points, Poin
     >>> float(first[0, 0]), float(second[0, 0])
     (4.0, 2.0)
     """
+    h, _, slope, square, cube = _pieces(knots, points, at)
+    return slope + (2 * square + 3 * cube * h) * h, 2 * square + 6 * cube * h
+
+
+def values(knots: Vector, points: Points, at: Vector) -> Points:
+    """The spline itself, (m, d)."""
+    h, point, slope, square, cube = _pieces(knots, points, at)
+    return point + (slope + (square + cube * h) * h) * h
+
+
+def _pieces(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points, Points, Points, Points]:
+    """How far behind a knot each parameter is, (m, 1), and the piece's coefficients of 1, h, h^2 and h^3, (m, d)."""
     steps = np.diff(knots)
     chords = np.diff(points, axis=0) / steps[:, None]
     slopes = _slopes(knots, steps, chords)
     piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(steps) - 1)
-    h, step = (at - knots[piece])[:, None], steps[piece][:, None]
+    step = steps[piece][:, None]
     bend = (slopes[piece] + slopes[piece + 1] - 2 * chords[piece]) / step
     square = (chords[piece] - slopes[piece]) / step - bend
-    cube = bend / step
-    return slopes[piece] + (2 * square + 3 * cube * h) * h, 2 * square + 6 * cube * h
+    return (at - knots[piece])[:, None], points[piece], slopes[piece], square, bend / step
 
 
 def _slopes(knots: Vector, steps: Vector, chords: Points) -> Points:
-    """The first derivative at each knot (n, d): a tridiagonal system, solved by elimination."""
+    """The first derivative at each knot (n, d)."""
     n = len(knots)
     below, middle, above = np.zeros(n), np.ones(n), np.zeros(n)
     right = np.zeros((n, chords.shape[1]))
@@ -44,6 +55,12 @@ def _slopes(knots: Vector, steps: Vector, chords: Points) -> Points:
         right[0] = ((steps[0] + 2 * begin) * steps[1] * chords[0] + steps[0] ** 2 * chords[1]) / begin
         middle[-1], below[-1] = steps[-2], end
         right[-1] = (steps[-1] ** 2 * chords[-2] + (2 * end + steps[-1]) * steps[-2] * chords[-1]) / end
+    return np.column_stack([_solve(below.tolist(), middle.tolist(), above.tolist(), axis.tolist()) for axis in right.T])
+
+
+def _solve(below: list[float], middle: list[float], above: list[float], right: list[float]) -> list[float]:
+    """A tridiagonal system, by elimination, in place."""
+    n = len(right)
     for i in range(1, n):
         factor = below[i] / middle[i - 1]
         middle[i] -= factor * above[i - 1]

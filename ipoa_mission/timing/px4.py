@@ -7,6 +7,7 @@ again and again with it, which gives times and spread.
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,11 +28,22 @@ from ipoa_mission.wind import CALM, Wind
 
 STEP = 0.04  # [s]
 SAMPLE_STEPS = 3  # a sample of the track every so many steps
-RUNS = 90  # with noise
-SOME_RUNS, WELL_KNOWN = 6, 0.003  # fewer will do once the mean is known to this share of it; asked every so many
-DOUBT, DOUBT_SHARE = 0.8, 0.0125  # what the model itself may be off by, standard deviations: seconds, share of the time
-NINE_IN_TEN = 1.645  # standard deviations on either side of the mean
-MISSED_S = 3.0  # a waypoint that takes so much longer than in most runs has been missed
+
+
+@dataclass(frozen=True)
+class NoisyRuns:
+    """How often an itinerary is flown with noise, and what the spread of the times makes of the interval."""
+
+    most: int = 90
+    batch: int = 6  # after every so many it is asked whether they will do:
+    known_share: float = 0.003  # the standard error of the mean is this share of it
+    doubt_s: float = 0.8  # what the model itself may be off by, standard deviation: this,
+    doubt_share: float = 0.0125  # and this share of the time
+    interval_deviations: float = 1.645  # nine in ten are so many standard deviations on either side of the mean
+    missed_s: float = 3.0  # a waypoint that takes so much longer than in most runs has been missed
+
+
+RUNS = NoisyRuns()
 
 
 def fly_px4(
@@ -50,21 +62,21 @@ def fly_px4(
     """
     flights = Flights(route, parameters, wind, airframe, senses)
     smooth, samples = flights.prepared(False, fast)(0)
-    once = flights.prepared(True, fast, RUNS * samples[-1, 0] / STEP)
+    once = flights.prepared(True, fast, RUNS.most * samples[-1, 0] / STEP)
     remarks = list(flights.plan.remarks)
     times: list[Vector] = []
-    for seed in range(1, RUNS + 1 if senses != KNOWS and route.visits else 1):
-        if (seed - 1) % SOME_RUNS == 0 and _known(times):
+    for seed in range(1, RUNS.most + 1 if senses != KNOWS and route.visits else 1):
+        if (seed - 1) % RUNS.batch == 0 and _known(times):
             break
         try:
             times.append(once(seed)[0])
         except MissionError as lost:  # circling a waypoint that is too small to be hit
-            if seed > 2 * len(times) + SOME_RUNS:
+            if seed > 2 * len(times) + RUNS.batch:
                 raise
             remarks.append(f"some flights would not end: {lost}")
     runs = np.array(times or [smooth])
     done = runs.mean(axis=0)
-    half = NINE_IN_TEN * np.sqrt(runs.var(axis=0) + DOUBT**2 + (DOUBT_SHARE * done) ** 2)
+    half = RUNS.interval_deviations * np.sqrt(runs.var(axis=0) + RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2)
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
     track = Track(warped, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
@@ -75,7 +87,7 @@ def fly_px4(
 def _known(times: list[Vector]) -> bool:
     """Whether the mean of the runs is known well enough: its standard error is a small share of it."""
     ends = np.array([run[-1] for run in times])
-    return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= WELL_KNOWN * ends.mean())
+    return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= RUNS.known_share * ends.mean())
 
 
 def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
@@ -83,7 +95,7 @@ def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
     lasted = np.diff(runs, axis=1, prepend=0.0)
     longer = lasted - np.median(lasted, axis=0)
     flown_to = np.array([visit.item.command in FLOWN_TO for visit in route.visits], dtype=bool)
-    missed = (longer > MISSED_S) & flown_to
+    missed = (longer > RUNS.missed_s) & flown_to
     share = missed.mean(axis=0)
     cost = (longer * missed).sum(axis=0) / np.maximum(missed.sum(axis=0), 1)
     return tuple(Missed(*map(float, both)) for both in zip(share, cost, strict=True))

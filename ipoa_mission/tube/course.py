@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.timing.prediction import Track
@@ -59,4 +59,5 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
     accel = np.column_stack([np.convolve(axis, mean, "same") for axis in accel.T])
     cross = np.abs(velocity[:, 0] * accel[:, 1] - velocity[:, 1] * accel[:, 0])
     across = cross / np.maximum(np.hypot(*velocity.T), 0.5)
-    return looks, maximum_filter1d(across, 2 * round(BEND_REACH_S / LOOK_EVERY_S) + 1)
+    reach = round(BEND_REACH_S / LOOK_EVERY_S)
+    return looks, sliding_window_view(np.pad(across, reach), 2 * reach + 1).max(axis=1)

@@ -11,9 +11,13 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.maps.elevation import ground_altitude
 from ipoa_mission.maps.read import READERS, read_features
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.parameter_file import read_parameters
+from ipoa_mission.scenario import read_scenario
 from tools.fuzz.limited import run_limited
 
 LOGS = (".tlog", ".bin", ".ulg")
@@ -35,6 +39,18 @@ def noise(begins: bytes = b"") -> bytes:
 
 def nested(opening: str, times: int, closing: str = "") -> bytes:
     return (opening * times + closing * times).encode()
+
+
+def holes() -> bytes:
+    """A GeoTIFF of 60,000 by 60,000 posts of which none is stored."""
+    import rasterio
+
+    with rasterio.io.MemoryFile() as memory:
+        shape = {"driver": "GTiff", "width": 60_000, "height": 60_000, "count": 1, "dtype": "float32"}
+        where = {"crs": "EPSG:4326", "transform": rasterio.Affine(1e-5, 0.0, 8.0, 0.0, -1e-5, 47.0)}
+        with memory.open(**shape, **where, tiled=True, SPARSE_OK=True, nodata=-9999.0):
+            pass
+        return bytes(memory.read())
 
 
 ENTITIES = "".join(f'<!ENTITY a{n + 1} "{f"&a{n};" * 10}">' for n in range(9))
@@ -87,7 +103,31 @@ BOMBS: dict[str, tuple[str, Callable[[], bytes]]] = {
     "3 MB of noise in a GeoPackage": (".gpkg", lambda: noise(b"SQLite format 3\x00")),
     "3 MB of noise in a PX4 log": (".ulg", lambda: noise(b"ULog\x01\x12\x35\x01" + bytes(8))),
     "3 MB of noise in an ArduPilot log": (".bin", lambda: noise(b"\xa3\x95\x80")),
+    **{f"3 MB of noise, {suffix}": (suffix, noise) for suffix in (".toml", ".vehicle", ".params", ".tif", ".hgt")},
+    "3 MB of noise in a GeoTIFF": (".tif", lambda: noise(b"II*\x00\x08\x00\x00\x00")),
+    "an elevation model that is all holes": (".tif", holes),
+    "6,000 digits in mission items": (".waypoints", lambda: b"QGC WPL 110\n0\t" + b"9" * 6000 + b"\t0" * 10 + b"\n"),
+    "6,000 digits in a scenario": (".toml", lambda: b"safety_distance = " + b"9" * 6000),
+    "6,000 digits in a vehicle": (".vehicle", lambda: b'autopilot = "px4"\n[drag]\nvalue = ' + b"9" * 6000),
+    "6,000 digits in parameters": (".params", lambda: b"WPNAV_SPEED " + b"9" * 6000),
+    "deep brackets in a scenario": (".toml", lambda: b"goal = " + nested("[", 1_000_000)),
+    "deep brackets in a vehicle": (".vehicle", lambda: b"drag = " + nested("[", 1_000_000)),
+    "200,000 keys": (".toml", lambda: b"".join(b"k%d = 1\n" % n for n in range(200_000))),
 }
+
+
+def reader(suffix: str) -> Callable[[Path], object]:
+    """What reads a file called so."""
+    if suffix in LOGS:
+        return read_flights
+    if suffix in (".tif", ".hgt"):
+        return lambda path: ground_altitude(path, 46.7, 8.3)
+    others: dict[str, Callable[[Path], object]] = {
+        ".toml": read_scenario,
+        ".vehicle": read_vehicle,
+        ".params": read_parameters,
+    }
+    return others.get(suffix, read_features if suffix in READERS else read_mission)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits are of Unix")
@@ -96,7 +136,7 @@ def test_a_bomb_is_an_error_soon(name: str, tmp_path: Path) -> None:
     suffix, content = BOMBS[name]
     path = tmp_path / f"bomb{suffix}"
     path.write_bytes(content())
-    read = read_features if suffix in READERS else read_flights if suffix in LOGS else read_mission
+    read = reader(suffix)
 
     def act() -> None:
         try:
@@ -110,3 +150,4 @@ def test_a_bomb_is_an_error_soon(name: str, tmp_path: Path) -> None:
     assert (ended.code, ended.killed) == (0, ""), ended.err
     assert ended.out.startswith(f"refused: {path}"[:80]), ended.out  # a place of hundreds of levels is cut
     assert ended.megabytes < 500
+    print(f"{name}: {ended.seconds:.2f} s, {ended.megabytes:.0f} MB")

@@ -48,6 +48,13 @@ def test_a_mission_goes_up_comes_down_and_goes_away(
         assert Path(f"{log}.tlog").stat().st_size > 100
 
 
+@pytest.mark.parametrize("verb", ["pause", "resume", "rtl"])
+def test_a_vehicle_on_the_ground_is_not_told_to_fly(run: Run, autopilot: Serve, verb: str) -> None:
+    with autopilot() as link:
+        ended = run(f"{verb} --link {link} --json")
+    assert (ended.code, json.loads(ended.out)["error"]) == (1, "expected a vehicle in the air")
+
+
 def test_upload_tells_what_the_mission_was_made_for_and_the_vehicle_has_otherwise(
     run: Run, autopilot: Serve, mission: Path
 ) -> None:
@@ -81,6 +88,23 @@ def test_fly_flies_a_vehicle_at_a_link(run: Run, autopilot: Serve, mission: Path
     assert [item["seq"] for item in found["items"]][-1] == steps
     assert (found["armed"], found["in_air"], found["time_zero"]) == (False, False, "armed")
     assert found["written"] == ["out/sitl.tlog"]
+
+
+def test_the_log_of_an_earlier_flight_is_kept(run: Run, autopilot: Serve, mission: Path) -> None:
+    Path("out").mkdir()
+    Path("out/sitl.tlog").write_bytes(b"the flight of yesterday")
+    with autopilot() as link:
+        ended = run(f"fly {mission} --out out --link {link} --json")
+    assert json.loads(ended.out)["written"] == ["out/sitl-2.tlog"]
+    assert Path("out/sitl.tlog").read_bytes() == b"the flight of yesterday"
+
+
+@pytest.mark.parametrize("verb", ["fly {m}", "upload {m} --link udpout:127.0.0.1:9", "clear --link udpout:127.0.0.1:9"])
+def test_a_log_is_not_written_over_what_is_no_log(run: Run, mission: Path, verb: str) -> None:
+    Path("notes.txt").write_text("mine")
+    ended = run(f"{verb.format(m=mission)} --log notes.txt")
+    assert (ended.code, Path("notes.txt").read_text()) == (2, "mine")
+    assert "--log: expected a .tlog file, or one that is not there yet, not notes.txt" in ended.err
 
 
 def test_a_vehicle_that_stands_somewhere_else_is_not_sent_a_mission(run: Run, autopilot: Serve, mission: Path) -> None:

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -82,3 +83,15 @@ def test_an_object_is_linked_to_a_library_that_loads(
     missing = machine.emit_object(llvm.parse_assembly(sine + needs_python))
     with pytest.raises(subprocess.CalledProcessError):
         link(missing, tmp_path / "wrong.bin")
+
+
+def test_where_no_machine_code_can_be_made_the_wheel_is_any_system_s_and_asks_for_numba(clone: Path) -> None:
+    (clone / "tools" / "machine_code" / "__main__.py").write_text("raise SystemExit('no such linker')\n")
+    name = built(clone, "build_wheel('.')")
+    assert name.endswith("py3-none-any.whl")
+    with zipfile.ZipFile(clone / name) as wheel:
+        files = wheel.namelist()
+        (metadata,) = (wheel.read(file).decode() for file in files if file.endswith("/METADATA"))
+    assert "Requires-Dist: numba>=0.60\n" in metadata
+    assert "ipoa_mission/link/messages.json" in files
+    assert not [file for file in files if "kernels-" in file]

@@ -94,3 +94,16 @@ except MissionError as error:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | {library.NUMBA: "1"}
     )
     assert "no machine code for this system, and numba is not installed pip install numba" in run.stdout
+
+
+@pytest.mark.parametrize("made_of", ["no library", "a library without kernels"])
+def test_a_library_that_does_not_load_here_is_none(made_of: str, tmp_path: Path) -> None:
+    """As one of another system, or of a linker that shows no names; then numba compiles."""
+    import _ctypes
+
+    one = b"MZ" if made_of == "no library" else Path(_ctypes.__file__).read_bytes()
+    for cpu in library.these_cpus():
+        (tmp_path / library.file_name(cpu)).write_bytes(one)
+    index = {"sources": library.sources_digest(), "kernels": {"planning.survey": [["int"], "float"]}}
+    (tmp_path / library.INDEX).write_text(json.dumps(index))
+    assert library.load(tmp_path) is None

@@ -14,13 +14,13 @@ FILES = re.compile(r'^```python title="([\w.]+)"\n(.*?)^```$', re.MULTILINE | re
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs a shell")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_every_command_prints_what_stands_below_it(page: Path, tmp_path: Path) -> None:
+def test_every_command_prints_what_stands_below_it(page: Path, tmp_path: Path, programs: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for name, content in FILES.findall(text):
         (tmp_path / name).write_text(content, encoding="utf-8")
     steps = tutorial.steps(text)
     assert len(steps) >= 2
-    printed = tutorial.run([step.command for step in steps], tmp_path)
+    printed = tutorial.run([step.command for step in steps], tmp_path, programs)
     for step, lines in zip(steps, printed, strict=True):
         assert "Traceback" not in "\n".join(lines), lines
         if step.shown:

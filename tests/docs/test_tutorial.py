@@ -14,11 +14,11 @@ SHARE, UNITS = 0.2, 1.5
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs a shell")
-def test_every_command_prints_what_stands_below_it(tmp_path: Path) -> None:
+def test_every_command_prints_what_stands_below_it(tmp_path: Path, programs: Path) -> None:
     pytest.importorskip("rasterio")
     steps = tutorial.steps((REPOSITORY / "docs" / "tutorial.md").read_text(encoding="utf-8"))
     assert sum(step.command.startswith("ipoa-mission") for step in steps) >= 9
-    printed = tutorial.run([step.command for step in steps], tmp_path)
+    printed = tutorial.run([step.command for step in steps], tmp_path, programs)
     for step, lines in zip(steps, printed, strict=True):
         assert "Traceback" not in "\n".join(lines)
         for here, there in tutorial.matched(step, lines):

@@ -105,6 +105,9 @@ def test_arducopter_3_flies_a_leg_as_eleven_outdoor_flights_did() -> None:
     assert abs(leg - 21.6) < abs(estimate(new).items[1].duration_s - 21.6) - 1.0
     stays = replace(old, items=(items[0], waypoint(north, 20.0, hold_s=3.0), items[3]))
     assert estimate(stays).items[1].duration_s > leg + 3.0 + 2.0  # it brakes, and comes within WPNAV_RADIUS
+    landed = replace(old, items=(items[0], waypoint(north, 20.0, hold_s=3.0), land(north)))
+    times = [estimate(each).items[-1].duration_s for each in (landed, replace(landed, vehicle=None))]
+    assert times[1] - times[0] > 0.9  # it disarms as soon as it has landed: its motors do not spool down first
 
 
 @pytest.mark.parametrize("autopilot", Autopilot)

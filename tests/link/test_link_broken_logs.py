@@ -1,7 +1,9 @@
 """Logs that are broken inside: what a fuzzer found."""
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -43,6 +45,24 @@ def test_a_topic_without_its_columns_is_refused(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(ulog, "_open", broken)
     with pytest.raises(BadInput, match="cannot be read as a PX4 log: 'nav_state'"):
         read_flights(LOG)
+
+
+def test_speeds_that_are_no_numbers_are_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = ulog._open
+
+    def broken(path: Path) -> Any:
+        log = whole(path)
+        for topic in log.data_list:
+            if topic.name == "vehicle_local_position":
+                topic.data["vx"] = np.where(np.arange(len(topic.data["vx"])) % 2, np.inf, topic.data["vx"])
+                topic.data["vy"] = np.full(len(topic.data["vy"]), 0x7FA00000, "u4").view("f4")  # NaNs that signal
+        return log
+
+    sound = [sample.speed for sample in read_flights(LOG).flights[0].record().path]
+    monkeypatch.setattr(ulog, "_open", broken)
+    speeds = [sample.speed for sample in read_flights(LOG).flights[0].record().path]
+    assert np.isfinite(speeds).all()
+    assert 0.0 < max(speeds) <= max(sound) + 0.1
 
 
 def test_a_record_of_arducopter_without_its_fields_is_passed_over(tmp_path: Path) -> None:

@@ -13,10 +13,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import MOST_UNSENT, LinkDown, SerialChannel, UdpChannel, open_channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Firmware, Heartbeat, Text
-from ipoa_mission.link.vehicle import meet
 
 pytest.importorskip("serial")
 AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, Firmware.PX4), EVERYONE, 0.0)
@@ -73,7 +73,8 @@ def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
     while data := (os.read(cable.vehicle, 100_000) if _is_readable(cable.vehicle) else b""):
         got += framer.feed(data)
         serial.receive(serial.now())
-    assert got == sent[: len(got)]
+    order = [sent.index(frame) for frame in got]  # a busy kernel may take a few more once it has moved some on
+    assert order == sorted(set(order))
     assert 20 < len(got) < len(sent)
 
 

@@ -17,14 +17,15 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry, wire
-from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames, message_name, message_number
+from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
+from ipoa_mission.link.definitions import message_name, message_number
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
 
 NOW = 1_767_225_600.0
 FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}
-KINDS = sorted({layout.kind for layout in wire._LAYOUTS}, key=lambda kind: kind.__name__)
+KINDS = sorted({layout.kind for layout in wire._BY_NAME.values()}, key=lambda kind: kind.__name__)
 
 
 def example(kind: type[m.Message]) -> m.Message:

@@ -7,7 +7,7 @@ import pytest
 
 from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.link.departure import Departure, NotReady, depart, prepare
+from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
@@ -20,7 +20,7 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.orders import CommandRefused
-from ipoa_mission.link.state import PREARM_CHECK, VehicleState
+from ipoa_mission.link.state import PREARM_CHECK, NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

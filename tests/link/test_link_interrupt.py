@@ -13,12 +13,12 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.link.vehicle import meet
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults

@@ -12,6 +12,7 @@ from ipoa_mission.commands import plain_frame
 from ipoa_mission.items import Item
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Framer, Target
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.item_frames import ItemFrames
 from ipoa_mission.link.item_payloads import PAYLOAD_BYTES, first_difference, pack_items, unpack_items
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
@@ -19,7 +20,6 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.link.vehicle import meet
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.station import Station

@@ -14,6 +14,7 @@ from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown, UdpChannel, open_channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
+from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
@@ -31,7 +32,6 @@ from ipoa_mission.link.signing import (
 )
 from ipoa_mission.link.timestamps import Timestamps
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
-from ipoa_mission.link.vehicle import connect, meet, open_line
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
@@ -112,7 +112,7 @@ def test_a_whole_session_over_real_sockets(
 ) -> None:
     log = tmp_path / "session.tlog"
     with (
-        run_mock(family, 50.0, transport) as running,  # type: ignore[attr-defined]
+        run_mock(family, 100.0, transport) as running,  # type: ignore[attr-defined]
         connect(url.format(running.port), log=str(log)) as vehicle,
     ):
         assert vehicle.autopilot is family
@@ -129,7 +129,7 @@ def test_a_whole_session_over_real_sockets(
 
 
 def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ipoa_mission.link.vehicle.PRESENCE_S", 0.2)
+    monkeypatch.setattr("ipoa_mission.link.connect.PRESENCE_S", 0.2)
     with pytest.raises(NoAnswer, match=r"udpin:127.0.0.1:0: no autopilot is heard"):
         connect("udpin:127.0.0.1:0")
 
@@ -425,7 +425,7 @@ def test_a_log_is_read_back_and_a_torn_record_is_passed_over(tmp_path: Path) -> 
 
 
 def test_a_garbled_peer_does_not_disturb_a_session(run_mock: Callable[..., object]) -> None:
-    with run_mock(Autopilot.PX4, 20.0) as running:  # type: ignore[attr-defined]
+    with run_mock(Autopilot.PX4, 60.0) as running:  # type: ignore[attr-defined]
         noise = UdpChannel(parse_address(f"udpout:127.0.0.1:{running.port}"))
         stop = threading.Event()
 

@@ -15,9 +15,9 @@ from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import UdpChannel
 from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
-from ipoa_mission.link.vehicle import meet
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.world.frame import Geodetic
 
@@ -27,7 +27,7 @@ HOME = Geodetic(47.4, 8.5, 400.0)
 
 @pytest.mark.parametrize("family", Autopilot)
 def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, run_mock: Callable[..., object]) -> None:
-    with run_mock(family, speedup=15.0) as running:  # type: ignore[attr-defined]
+    with run_mock(family, speedup=40.0) as running:  # type: ignore[attr-defined]
         done = subprocess.run(
             [sys.executable, str(HERE / "mavsdk_client.py"), f"udpout:127.0.0.1:{running.port}"],
             capture_output=True,

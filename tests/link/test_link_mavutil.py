@@ -21,7 +21,7 @@ def test_mavutil_and_mavwp_complete_a_session(run_mock: Callable[..., object], t
     path.write_text(MISSION)
     rally = tmp_path / "rally.txt"
     rally.write_text("RALLY 47.4005 8.5 25.0 20.0 0.0 0\n")
-    with run_mock(Autopilot.ARDUPILOT, speedup=20.0) as running:  # type: ignore[attr-defined]
+    with run_mock(Autopilot.ARDUPILOT, speedup=60.0) as running:  # type: ignore[attr-defined]
         client = Path(__file__).parent / "mavutil_client.py"
         done = subprocess.run(
             [sys.executable, str(client), str(running.port), str(path), str(rally)],

@@ -11,6 +11,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.conversations import MissionRefused
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line, converse
@@ -27,7 +28,7 @@ from ipoa_mission.link.mission_file import (
     write_file,
 )
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
-from ipoa_mission.link.vehicle import Vehicle, meet
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults

@@ -10,11 +10,11 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
+from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import SPECIFIED
 from ipoa_mission.link.line import Contested, Line, SpeaksMavlink1
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Result
-from ipoa_mission.link.vehicle import connect, meet
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.station import Station
@@ -298,7 +298,7 @@ def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None
 def test_a_connection_that_is_closed_in_flight_tells_when_the_vehicle_was_heard_last(
     run_mock: Callable[..., object],
 ) -> None:
-    with run_mock(PX4, 5.0, "tcpin") as running:  # type: ignore[attr-defined]
+    with run_mock(PX4, 20.0, "tcpin") as running:  # type: ignore[attr-defined]
         vehicle = connect(f"tcp:127.0.0.1:{running.port}")
         vehicle.upload(MISSION)
         vehicle.prepare()

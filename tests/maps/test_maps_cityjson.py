@@ -113,6 +113,7 @@ def test_what_is_ground_is_passed_over_and_the_rest_stands(write: Write) -> None
         ({"vertices": [[0, 0]]}, "vertices: expected corners"),
         ({"vertices": [[0, 0, 0]]}, "CityObjects.b1.geometry[0].boundaries: expected lists of numbers below 1"),
         ({"CityObjects": {"b": 3}}, "CityObjects: expected an object of objects"),
+        ({"transform": {"scale": [1e308] * 3, "translate": [0, 0, 0]}, "vertices": [[9, 9, 9]]}, "vertices: expected"),
         ({"transform": {"scale": [1]}}, "vertices: expected corners as [x, y, z], and a transform"),
     ],
 )

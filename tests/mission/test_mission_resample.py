@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 import shapely
+from scipy.optimize import lsq_linear
 
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing.relax import relaxed, stations
+from ipoa_mission.routing._hausdorff import farthest
+from ipoa_mission.routing.relax import _least_squares, relaxed, stations
 from ipoa_mission.routing.resample import NOWHERE, corridor, deviation, every
 
 RNG = np.random.default_rng(4)
@@ -83,3 +85,23 @@ def test_the_gentlest_line_beside_a_weak_weave_is_straight_and_round_a_corner_it
     steps = np.linalg.norm(np.diff(waypoints, axis=0), axis=1)
     assert steps[:-1].max() <= 12.0
     assert steps[-1] == pytest.approx(40.0, abs=0.1)
+
+
+def test_how_far_places_are_from_others_is_what_all_pairs_say() -> None:
+    chance = np.random.default_rng(7)
+    for count, others in ((1, 1), (40, 1), (1, 40), (300, 200)):
+        line = np.cumsum(chance.normal(size=(count, 3)), axis=0)
+        beside = np.cumsum(chance.normal(size=(others, 3)), axis=0)
+        pairs = np.linalg.norm(line[:, None] - beside, axis=2)
+        assert farthest(line, beside) == pytest.approx(pairs.min(axis=1).max(), rel=1e-12)
+
+
+@pytest.mark.parametrize("room", [0.05, 0.5, 5.0])
+def test_least_squares_in_bounds_are_no_worse_than_scipy_s(room: float) -> None:
+    bend = np.diff(np.eye(42), 2, axis=0)[:, 1:-1]
+    wanted = np.random.default_rng(3).normal(size=len(bend))
+    ours = _least_squares(bend, wanted, room)
+    theirs = lsq_linear(bend, wanted, bounds=(-room, room), tol=1e-12, method="bvls").x
+    assert np.abs(ours).max() <= room
+    assert np.linalg.norm(bend @ ours - wanted) <= np.linalg.norm(bend @ theirs - wanted) * (1 + 1e-9)
+    np.testing.assert_allclose(ours, theirs, atol=1e-6)

@@ -121,7 +121,11 @@ def test_a_corridor_keeps_its_distance_round_the_corner(tmp_path: Path) -> None:
         (SURVEY | {"angle": "north", "TransectStyleComplexItem": style()}, "angle: expected degrees"),
         (SURVEY | {"polygon": [[0, 0], [50, 0], [50, 50]], "TransectStyleComplexItem": style()}, "within a degree"),
         (SURVEY | {"polygon": [SQUARE[0]] * 4, "TransectStyleComplexItem": style()}, "a polygon with an area"),
-        (CORRIDOR | {"CorridorWidth": 1e9, "TransectStyleComplexItem": style()}, "a corridor of at most 2000"),
+        (
+            SURVEY | {"TransectStyleComplexItem": style(TurnAroundDistance=1e308)},
+            "TurnAroundDistance: expected metres, 100000 at most, not 1e+308",
+        ),
+        (CORRIDOR | {"CorridorWidth": 9e4, "TransectStyleComplexItem": style()}, "a corridor of at most 2000"),
         (CORRIDOR | {"polyline": [SQUARE[0]] * 2, "TransectStyleComplexItem": style()}, "whose corners differ"),
         (SURVEY | {"complexItemType": "fwLandingPattern"}, 'the complex item "fwLandingPattern"'),
     ],

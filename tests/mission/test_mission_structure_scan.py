@@ -95,7 +95,8 @@ def test_stored_items_go_before_the_geometry_and_the_file_is_kept(tmp_path: Path
     ("changes", "words"),
     [
         ({"CameraCalc": SCAN["CameraCalc"] | {"AdjustedFootprintFrontal": 0}}, "expected more than 0 m"),  # type: ignore[operator]
-        ({"StructureHeight": 1e308}, "expected a structure of at most 200 layers"),
+        ({"StructureHeight": 1e308}, "StructureHeight: expected metres, 100000 at most, not 1e+308"),
+        ({"StructureHeight": 9e4}, "expected a structure of at most 200 layers"),
         ({"polygon": SQUARE[:2]}, "expected 3 corners or more"),
         ({"polygon": [SQUARE[0]] * 4}, "expected a polygon with an area"),
         ({"polygon": [*SQUARE, *NOTCH]}, "expected sides that have room at 50 m beside the structure"),

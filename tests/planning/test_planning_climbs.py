@@ -55,7 +55,7 @@ def test_a_descent_that_is_too_short_for_its_height_needs_a_detour(distance: flo
     problem = pose(behind_ridges())
     start, goal = problem.task.places
     height = 250.0
-    crest = np.array([goal[0] - distance, goal[1], height])
+    crest = np.asarray(goal) + np.array((-distance, 0.0, height - goal[2]))
     _, detour = lift(np.array([start, (0.0, 700.0, height), crest, goal]), problem, STEP)
     within = distance * LIFT_SLOPE_SHARE
     missing = (height - goal[2]) / np.tan(DESCENT) - within

@@ -1,7 +1,7 @@
 """Flights to report on: a bowed path over a scenario of the repository, estimated."""
 
 from collections.abc import Callable
-from pathlib import Path
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,19 +14,22 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report.stops import MOVING, stops
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
+from tools import REPOSITORY
 
 Flight = tuple[Scenario, Mission, Estimate]
 Bowed = Callable[[str], Flight]
 Planned = Callable[[str], tuple[Scenario, Plan, Mission, Estimate]]
 
 
-@pytest.fixture
-def bowed(missions: Path) -> Bowed:
+@pytest.fixture(scope="session")
+def bowed() -> Bowed:
     """A mission of nine waypoints on an arc from start to goal, west of the straight line, over the campus's roofs."""
 
+    @cache
     def fly(name: str) -> Flight:
-        text = (missions / name).read_text(encoding="utf-8")
-        scenario = parse_scenario(text.replace("up = [-10.0, 32.0]", "up = [-10.0, 45.0]"), missions / name)
+        text = (REPOSITORY / "missions" / name).read_text(encoding="utf-8")
+        bounds = ("up = [-10.0, 32.0]", "up = [-10.0, 45.0]")
+        scenario = parse_scenario(text.replace(*bounds), REPOSITORY / "missions" / name)
         frame, home = scenario.frame, scenario.frame.home
         a, b = scenario.start_point, scenario.goal_point
         share = np.linspace(0, 1, 9)[:, None]
@@ -41,10 +44,11 @@ def bowed(missions: Path) -> Bowed:
     return fly
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def planned(bowed: Bowed) -> Planned:
     """The same with a plan: a curve along the arc, and a search that came there."""
 
+    @cache
     def plan(name: str) -> tuple[Scenario, Plan, Mission, Estimate]:
         scenario, mission, timed = bowed(name)
         places = [stop.place for stop in stops(mission, timed, scenario) if stop.item.command in MOVING]

@@ -19,7 +19,10 @@ from tests.report.conftest import Bowed, Planned
 sync_api = pytest.importorskip("playwright.sync_api")
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((found for name in BROWSERS if name and (found := shutil.which(name))), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium"),
+    pytest.mark.xdist_group("browser"),  # one browser
+]
 
 
 @pytest.fixture(scope="module")

@@ -16,6 +16,7 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
@@ -33,7 +34,6 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.orders import SET_MESSAGE_INTERVAL
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.link.vehicle import meet
 from ipoa_mission.mission.plan_file import read_plan
 from ipoa_mission.simulator.autopilot import Autopilot as BuiltIn
 

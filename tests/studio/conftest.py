@@ -62,7 +62,7 @@ class Studio:
 
 @pytest.fixture(scope="module")
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    """One server for a module: its workers need seconds to begin."""
+    """One server for a module, whose tests are one group: its workers need seconds to begin."""
     folder = tmp_path_factory.mktemp("studio")
     bundle = folder / "bundle"
     bundle.mkdir()

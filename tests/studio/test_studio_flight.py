@@ -1,6 +1,10 @@
 """A flight from the page: uploaded, named, started, watched on the built-in autopilot; and refused where it must be."""
 
+import pytest
+
 from tests.studio.conftest import Studio
+
+pytestmark = pytest.mark.xdist_group("studio flight")
 
 
 def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:

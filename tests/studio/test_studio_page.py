@@ -21,7 +21,10 @@ from tests.studio.conftest import MEADOW
 sync_api = pytest.importorskip("playwright.sync_api")
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((path for name in BROWSERS if name and (path := shutil.which(name))), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium"),
+    pytest.mark.xdist_group("studio page"),  # one browser
+]
 
 WEB = Path(__file__).parents[2] / "ipoa_mission" / "studio" / "web"
 SOFTWARE = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -60,7 +63,7 @@ def page(browser: Any, address: tuple[str, Path]) -> Iterator[Any]:
     """The page on the meadow as it is in the repository; at the end nobody may have complained."""
     url, scenario = address
     complaints: list[str] = []
-    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
     page.set_default_timeout(PATIENCE_MS)
     page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
     page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -179,7 +182,7 @@ def test_candidates_stand_side_by_side(page: Any) -> None:
 def test_a_flight_is_started_by_name_and_watched(page: Any) -> None:
     proved(page)
     page.locator("summary", has_text="Fly it").click()
-    page.get_by_label("So many times as fast").fill("40")
+    page.get_by_label("So many times as fast").fill("150")
     page.get_by_role("button", name="Upload").click()
     page.get_by_role("button", name="Arm and start …").click()
     dialog = page.get_by_role("dialog")

@@ -2,8 +2,12 @@
 
 from pathlib import Path
 
+import pytest
+
 from ipoa_mission import read_scenario
 from tests.studio.conftest import MEADOW, Studio
+
+pytestmark = pytest.mark.xdist_group("studio server")
 
 PUT_SPEED = {"op": "put", "path": ["vehicle", "cruise_speed"], "value": 9.0}
 

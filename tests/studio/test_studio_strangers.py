@@ -5,6 +5,8 @@ from starlette.websockets import WebSocketDisconnect
 
 from tests.studio.conftest import HOST, TOKEN, Studio
 
+pytestmark = pytest.mark.xdist_group("studio strangers")
+
 OURS = {"host": HOST, "origin": f"http://{HOST}"}
 STRANGERS = {
     "another origin": OURS | {"origin": "http://evil.example"},

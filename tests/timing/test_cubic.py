@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from ipoa_mission.timing.cubic import derivatives
+from ipoa_mission.timing.cubic import derivatives, values
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 50, 3000])
@@ -15,5 +15,6 @@ def test_it_is_scipy_s(count: int) -> None:
     at = np.concatenate([np.linspace(knots[0], knots[-1], 997), knots])
     curve = CubicSpline(knots, points)
     first, second = derivatives(knots, points, at)
+    np.testing.assert_allclose(values(knots, points, at), curve(at), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(first, curve(at, 1), rtol=1e-8, atol=1e-8)
     np.testing.assert_allclose(second, curve(at, 2), rtol=1e-7, atol=1e-7)

@@ -84,7 +84,7 @@ def _share(estimated: float, flown: float) -> str:
 def fly(path: Path, given: argparse.Namespace, out: Path) -> Row:
     """One flight by the command line, and what its files tell."""
     out.mkdir(parents=True, exist_ok=True)
-    options = ["--autopilot", given.autopilot, "--link", given.link, "--out", str(out), "--json"]
+    options = ["--autopilot", given.autopilot, "--link", given.link, "--out", str(out), "--json", "--set-params"]
     command = [sys.executable, "-m", "ipoa_mission", "fly", str(path), *options]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
     (out / "fly.json").write_text(ended.stdout, encoding="utf-8")

@@ -12,9 +12,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ipoa_mission.autopilots.parameters import known_parameters
-from ipoa_mission.link.codec import Codec, message_name
+from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.copter_log import KINDS
 from ipoa_mission.link.dataflash import FMT, HEAD
+from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import ParamValue
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.link.tlog import read_tlog

@@ -45,8 +45,11 @@ def steps(text: str) -> list[Step]:
     return found
 
 
-def run(commands: list[str], folder: Path) -> list[list[str]]:
-    """What each command prints, run by one shell in `folder`, with `missions` beside it; the port is a free one."""
+def run(commands: list[str], folder: Path, programs: Path = Path(sys.executable).parent) -> list[list[str]]:
+    """What each command prints, run by one shell in `folder`, with `missions` beside it; the port is a free one.
+
+    `ipoa-mission` is looked for in `programs` first.
+    """
     (folder / "missions").symlink_to(REPOSITORY / "missions")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
@@ -54,7 +57,7 @@ def run(commands: list[str], folder: Path) -> list[list[str]]:
     script = "exec 2>&1\n" + "".join(f"{command}\necho '{MARK}'\n" for command in commands)
     script += "jobs -p | xargs -r kill\n"
     environment = os.environ | {
-        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "PATH": os.pathsep.join((str(programs), str(Path(sys.executable).parent), os.environ["PATH"])),
         "COLUMNS": "100",
         "NO_COLOR": "1",
         "XDG_STATE_HOME": str(folder),

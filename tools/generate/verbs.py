@@ -7,11 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from inspect import Parameter, signature
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args
 
 from typer.models import OptionInfo
 
 from ipoa_mission.cli.app import VERBS
+from ipoa_mission.cli.groups import grouped
 from tools import REPOSITORY
 
 PAGE = REPOSITORY / "docs" / "verbs.md"
@@ -44,8 +45,8 @@ class Flag:
 
 def flags(verb: Callable[..., None]) -> tuple[Flag, ...]:
     """What a verb takes, in the order of its help."""
-    hints = get_type_hints(verb, include_extras=True)
-    return tuple(_flag(hints[name], given.default) for name, given in signature(verb).parameters.items())
+    given = signature(grouped(verb)).parameters.values()
+    return tuple(_flag(one.annotation, one.default) for one in given)
 
 
 def _flag(hint: Any, default: Any) -> Flag:

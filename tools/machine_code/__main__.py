@@ -3,17 +3,23 @@
     python -m tools.machine_code FOLDER [CPU ...]
 
 `CPU`: which of `ipoa_mission.compiled.library.CPUS`, one library each. Each is made in a process of its own, in which
-numba is told to compile for it.
+numba is told to compile for it. What an editable install has made of the same sources, in the same way, is copied.
 """
 
+import hashlib
 import json
 import os
+import platform
+import shutil
 import subprocess
 import sys
 import tempfile
+from importlib.metadata import version
 from pathlib import Path
 
-from ipoa_mission.compiled.library import INDEX, NUMBA, file_name, sources_digest, these_cpus
+from ipoa_mission.compiled.library import INDEX, NUMBA, PACKAGE, file_name, sources_digest, these_cpus
+
+HERE = PACKAGE / "compiled"
 
 
 def make(folder: Path, cpu: str) -> None:
@@ -23,8 +29,29 @@ def make(folder: Path, cpu: str) -> None:
 
     machine_code, index = compiled(kernels(), cpu)
     link(machine_code, folder / file_name(cpu))
-    text = json.dumps({"sources": sources_digest(), "kernels": index})
+    text = json.dumps({"sources": sources_digest(), "made_by": makers_digest(), "kernels": index})
     (folder / INDEX).write_text(text, encoding="utf-8")
+
+
+def makers_digest() -> str:
+    """A hash of what compiles."""
+    digest = hashlib.sha256(f"{platform.python_version()} {version('numba')} {version('llvmlite')}".encode())
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def copy_made(folder: Path, cpu: str) -> bool:
+    """Copy the library and the index that lie beside the sources; whether they are there and as they would be made."""
+    library, index = HERE / file_name(cpu), HERE / INDEX
+    if not (library.is_file() and index.is_file()):
+        return False
+    made = json.loads(index.read_text(encoding="utf-8"))
+    if (made["sources"], made.get("made_by")) != (sources_digest(), makers_digest()):
+        return False
+    for file in (library, index):
+        shutil.copy(file, folder)
+    return True
 
 
 def main() -> None:
@@ -33,6 +60,8 @@ def main() -> None:
         make(folder, names[0])
         return
     for cpu in names:
+        if copy_made(folder, cpu):
+            continue
         with tempfile.TemporaryDirectory() as cache:
             told = {NUMBA: "1", "NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": cache}
             command = [sys.executable, "-m", "tools.machine_code", str(folder), cpu]

@@ -14,17 +14,20 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 #: What the kernels' modules import, besides numba.
 NEEDED = ("numpy", "scipy", "pydantic", "pyproj", "shapely")
+MESSAGES = "pymavlink>=2.4.47"  # the table that is made of it
+NUMBA = "numba>=0.60"
 
 
 class Built(BuildHookInterface):  # type: ignore[misc]
     """Compiles the kernels once, for everyone who installs the wheel (see `ipoa_mission.compiled`)."""
 
     def dependencies(self) -> list[str]:
-        """What compiles: numba, what the kernels' modules import, and `ziglang` where there is no C compiler."""
+        """What compiles: numba, what the kernels import, `ziglang` where there is no C compiler; and pymavlink."""
         if self.target_name == "sdist":
             return []
         here = [name for name in self.metadata.core.dependencies if name.startswith(NEEDED)]
-        return [*here, "numba>=0.60", *([] if any(map(shutil.which, ("cc", "gcc", "clang"))) else ["ziglang"])]
+        linker = [] if any(map(shutil.which, ("cc", "gcc", "clang"))) else ["ziglang"]
+        return [*here, MESSAGES, NUMBA, *linker]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """A wheel gets the libraries, an editable install beside its sources; a source distribution what git knows."""
@@ -34,20 +37,33 @@ class Built(BuildHookInterface):  # type: ignore[misc]
         self._made = tempfile.TemporaryDirectory()
         root, made = Path(self.root), Path(self._made.name)
         path = os.pathsep.join([str(root), *filter(None, [os.environ.get("PYTHONPATH")])])
-        subprocess.run(
-            [sys.executable, "-m", "tools.machine_code", str(made), *os.environ.get("IPOA_MISSION_CPUS", "").split()],
-            check=True, cwd=root, env=os.environ | {"PYTHONPATH": path},
-        )  # fmt: skip
+        cpus = os.environ.get("IPOA_MISSION_CPUS", "").split()
+
+        def make(module: str, *arguments: str) -> None:
+            command = [sys.executable, "-m", module, str(made), *arguments]
+            subprocess.run(command, check=True, cwd=root, env=os.environ | {"PYTHONPATH": path})
+
+        make("tools.generate.message_table")
+        try:
+            make("tools.machine_code", *cpus)
+            is_native = True
+        except subprocess.CalledProcessError:  # as where this system's linker does not know what the kernels call
+            self.app.display_warning("no machine code could be made here: numba will compile at the first plan")
+            build_data["dependencies"].append(NUMBA)
+            for part in made.glob("kernels*"):
+                part.unlink()
+            is_native = False
         for file in made.iterdir():
+            room = "link" if file.name == "messages.json" else "compiled"
             if version == "editable":
-                shutil.copy(file, root / "ipoa_mission" / "compiled" / file.name)
+                shutil.copy(file, root / "ipoa_mission" / room / file.name)
             else:
-                build_data["force_include"][str(file)] = f"ipoa_mission/compiled/{file.name}"
+                build_data["force_include"][str(file)] = f"ipoa_mission/{room}/{file.name}"
         if os.environ.get("IPOA_MISSION_STUDIO") == "1":  # who does not want the studio needs no npm
             for step in (["ci", "--no-audit", "--no-fund"], ["run", "build"]):
                 subprocess.run(["npm", *step], check=True, cwd=root / "ipoa_mission" / "studio" / "web")
-        build_data["pure_python"] = version == "editable"
-        if version != "editable":
+        build_data["pure_python"] = version == "editable" or not is_native
+        if not build_data["pure_python"]:
             system = sysconfig.get_platform().replace("-", "_").replace(".", "_")
             build_data["tag"] = f"py3-none-{system}"
 

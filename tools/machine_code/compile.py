@@ -15,7 +15,7 @@ import llvmlite.binding as llvm
 import numba
 from numba import types
 
-from ipoa_mission.compiled.native import Type
+from ipoa_mission.compiled.native import Type, words
 from tools.machine_code.kernels import Kernel
 
 #: What numba's compiled code calls. Memory: numba's `MemInfo` (count of references, destructor, its argument, the
@@ -104,13 +104,16 @@ def compiled(kernels: Iterable[Kernel], cpu: str) -> tuple[bytes, dict[str, list
         dispatcher.compile(signature)
         result = dispatcher.overloads[signature]
         module = llvm.parse_assembly(result.library.get_llvm_str())
-        module.get_function(result.fndesc.mangled_name).name = name
-        for function in module.functions:
-            if not function.is_declaration and function.name != name and function.linkage != llvm.Linkage.linkonce_odr:
-                function.linkage = llvm.Linkage.internal
-        whole.link_in(module)
-        gives = result.fndesc.restype
+        kernel, gives = module.get_function(result.fndesc.mangled_name), result.fndesc.restype
+        kernel.name = f"{name}.kernel"
         index[name] = [[type_of(one) for one in signature], None if gives == types.none else type_of(gives)]
+        for function in module.functions:
+            inner = not function.is_declaration and function.name != kernel.name
+            if inner and function.linkage != llvm.Linkage.linkonce_odr:
+                function.linkage = llvm.Linkage.internal
+        entered = llvm.parse_assembly(entrance(name, kernel, words(index[name][1] or [])))
+        whole.link_in(module)
+        whole.link_in(entered)
     for function in whole.functions:
         if not function.is_declaration and function.name not in {*index, "release"}:
             function.linkage = llvm.Linkage.internal
@@ -122,6 +125,26 @@ def compiled(kernels: Iterable[Kernel], cpu: str) -> tuple[bytes, dict[str, list
     passes.run(whole, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))
     whole.verify()
     return machine.emit_object(whole), index
+
+
+def entrance(name: str, kernel: Any, returned: int) -> str:
+    """A function that calls a kernel with the words of a row; it returns so many words, then what it says of an error.
+
+    Through ctypes a call with a hundred arguments takes longer than many a kernel.
+    """
+    types, lines = [str(argument.type) for argument in kernel.arguments], []
+    values = [f"{types[0]} %r0", f"{types[1]} %r1"]
+    lines += [f"%r0 = bitcast i64* %room to {types[0]}", f"%e = getelementptr i64, i64* %room, i64 {returned}"]
+    lines += [f"%r1 = bitcast i64* %e to {types[1]}"]
+    how = {"double": "bitcast", "i8": "trunc", "i1": "trunc"}
+    for k, kind in enumerate(types[2:]):
+        lines += [f"%p{k} = getelementptr i64, i64* %words, i64 {k}", f"%w{k} = load i64, i64* %p{k}"]
+        if kind != "i64":
+            lines.append(f"%v{k} = {how.get(kind, 'inttoptr')} i64 %w{k} to {kind}")
+        values.append(f"{kind} %{'w' if kind == 'i64' else 'v'}{k}")
+    lines += [f"%status = call i32 @{kernel.name}({', '.join(values)})", "ret i32 %status"]
+    declared = f"declare i32 @{kernel.name}({', '.join(types)})"
+    return "\n".join([declared, f"define i32 @{name}(i64* %room, i64* %words) {{", *lines, "}"])
 
 
 def link(machine_code: bytes, library: Path) -> None:

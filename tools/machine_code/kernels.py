@@ -17,7 +17,14 @@ from ipoa_mission.dynamics.px4.state import Law, Order
 from ipoa_mission.planning.chart import Chart, Raster, Rules, Soft
 from ipoa_mission.wind import CALM
 
-PLANNING = {"path_costs": "_kernels", "survey": "_kernels", "path_model": "_path_model", "spread": "_dijkstra"}
+MODULES = {
+    "path_costs": "planning._kernels",
+    "survey": "planning._kernels",
+    "path_model": "planning._path_model",
+    "spread": "planning._dijkstra",
+    "solve_banded": "planning.banded",
+    "farthest": "routing._hausdorff",
+}
 
 
 class Kernel(NamedTuple):
@@ -43,16 +50,18 @@ def kernels() -> Iterator[Kernel]:
     )  # fmt: skip
     rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
     soft, spans = Soft._make([1.0] * len(Soft._fields)), (_numbers(1, np.int64), _numbers(3))
-    planning = {
+    examples = {
         "path_costs": (_numbers(3), chart, rules),
         "survey": (_numbers(2), chart, rules),
         "path_model": (_numbers(2), spans, 1, chart, rules, soft, 1.0, _numbers(2)),
+        "solve_banded": (_numbers(2), _numbers(1)),
+        "farthest": (_numbers(2), _numbers(2)),
         "spread": (
             _numbers(3), _numbers(3), _numbers(2), _numbers(2, np.int64), _numbers(1), True, 0, chart, rules,
         ),
     }  # fmt: skip
-    for name, arguments in planning.items():
-        module = f"ipoa_mission.planning.{PLANNING[name]}"
+    for name, arguments in examples.items():
+        module = f"ipoa_mission.{MODULES[name]}"
         yield Kernel(f"{module}.{name}", getattr(importlib.import_module(module), name), arguments)
     leg = packed_legs([flat(NO_LEG)])
     still = packed(tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM))

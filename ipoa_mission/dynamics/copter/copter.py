@@ -280,13 +280,14 @@ class Copter:
         """Climb straight up, but for a rest that is left to the next leg."""
         self._begin_over(upright_leg(CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds))
 
-    def descend(self) -> None:
+    def descend(self, counted_from: float = 0.0) -> None:
         """Come down to the ground: fast down to LAND_ALT_LOW, then at LAND_SPEED.
 
-        LAND_ALT_LOW is over the ground where a range finder sees that, else over home, wherever the ground is.
+        LAND_ALT_LOW is over the ground where a range finder sees that, else over the height `counted_from` [m above
+        home], wherever the ground is.
         """
         ground = self._ground(*self.here[:2])
-        low = self.limits.land_low + (ground if self.limits.sees_ground else 0.0)
+        low = self.limits.land_low + (ground if self.limits.sees_ground else counted_from)
         self._tuning = self._tuning._replace(land_low=low)
         self._begin_over(upright_leg(DESCENT, self.here, ground, self.speeds))
 
@@ -294,17 +295,25 @@ class Copter:
         self._before, self.state.clock = NO_LEG, 0.0
         self._begin(leg)
 
-    def land(self, place: tuple[float, float] | None) -> Iterator[None]:
-        """LAND: fly over its place, or the centimetre that rounding leaves to it, and come down; None: come down."""
+    @property
+    def spool_down(self) -> float:
+        """For so long the motors run down once it has landed, before it disarms [s]."""
+        return self.limits.spool_up
+
+    def land(self, place: Place | None) -> Iterator[None]:
+        """LAND: fly over its place, or the centimetre that rounding leaves to it, and come down; None: come down.
+
+        Since 4.7 the altitude of the place is where LAND_ALT_LOW counts from.
+        """
         x, y, z = here = self.here
         if place is not None and math.hypot(place[0] - x, place[1] - y) > SAME_PLACE:
-            self.fly_to(Stop((*place, z)))
+            self.fly_to(Stop((*place[:2], z)))
             yield
         elif place is not None:
             leg = straight_leg(here, (x, y, z - CENTIMETRE), self.speeds, self.limits)
             self.hold(LAND_BELOW * leg.profile.lasts)
             yield
-        self.descend()
+        self.descend(0.0 if place is None else place[2])
         yield
 
     def return_home(self) -> Iterator[None]:

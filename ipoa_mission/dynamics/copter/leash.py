@@ -48,10 +48,15 @@ class LeashedCopter(Copter):
         """Where the next leg begins: where the point of the last one stands, or where the copter can come to a stop."""
         return self.this.target if self.passed else self.stopping_place()
 
-    def land(self, place: tuple[float, float] | None) -> Iterator[None]:
+    @property
+    def spool_down(self) -> float:
+        """None: before 4.0 it disarms as soon as it has landed."""
+        return 0.0
+
+    def land(self, place: Place | None) -> Iterator[None]:
         """LAND: fly over its place and come down; None: come down."""
         if place is not None:
-            self.fly_to(Stop((*place, self.state.z)))
+            self.fly_to(Stop((*place[:2], self.state.z)))
             yield
         self.descend()
         yield

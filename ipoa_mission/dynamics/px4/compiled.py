@@ -66,15 +66,15 @@ def compiled() -> Callable[..., Flown]:
 
 def _called(module: Any) -> set[FunctionType]:
     """The functions of this room that a module has or imports, and those that they call."""
-    found: set[FunctionType] = set()
+    kernels: set[FunctionType] = set()
     names = {module.__name__}
     while names:
         module = sys.modules[names.pop()]
         for function in vars(module).values():
-            if isinstance(function, FunctionType) and function.__module__.startswith(HERE) and function not in found:
-                found.add(function)
+            if isinstance(function, FunctionType) and function.__module__.startswith(HERE) and function not in kernels:
+                kernels.add(function)
                 names.add(function.__module__)
-    return found
+    return kernels
 
 
 def _kept() -> list[Path]:

@@ -28,13 +28,13 @@ def felt(state: State, body: Body, thrust: float, law: Law) -> Contact:
 
     The ground is lost from sight once the vehicle believes to be below it.
     """
-    was, known = state.contact, law.limits.touchdown
+    was, touchdown = state.contact, law.limits.touchdown
     sees, stands = law.senses.sees_ground, body.on_ground
     lost = was.lost or (was.stands and (state.errors.drift.up > 0.0 or not sees))
-    low = was.stages > 0 or thrust <= GRAVITY * (known.low_thrust - 1.0)
-    if not stands or abs(body.speed.up) >= known.most_speed or not low:
+    low = was.stages > 0 or thrust <= GRAVITY * (touchdown.low_thrust - 1.0)
+    if not stands or abs(body.speed.up) >= touchdown.most_speed or not low:
         return Contact(stands, lost, 0, state.time + law.dt)
-    stage = known.trigger_s * (STAGES if lost and sees else 1) / STAGES
+    stage = touchdown.trigger_s * (STAGES if lost and sees else 1) / STAGES
     if state.time + law.dt - was.since >= stage:
         return Contact(stands, lost, was.stages + 1, state.time + law.dt)
     return Contact(stands, lost, was.stages, was.since)

@@ -13,8 +13,8 @@ from pathlib import Path
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission
+from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link import mavsdk_backend
-from ipoa_mission.link import vehicle as vehicle_module
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.firmware import to_wire
 from tools.benchmarks.link_benchmark.vehicle import mission
@@ -34,8 +34,8 @@ def ours(port: str, sent: Mission, fast: bool = False) -> tuple[bool, float, flo
         if share == 1 and not acknowledged:
             acknowledged.append(time.monotonic())
 
-    vehicle_module.PRESENCE_S = 60.0
-    with vehicle_module.connect(f"udpout:127.0.0.1:{port}", fast=fast) as here:
+    link_connect.PRESENCE_S = 60.0
+    with link_connect.connect(f"udpout:127.0.0.1:{port}", fast=fast) as here:
         items = to_wire(sent)
         begun = time.monotonic()
         try:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item
-from ipoa_mission.link import vehicle as vehicle_module
+from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
@@ -86,7 +86,7 @@ def fast_path(delay_ms: float, loss: float, runs: int) -> str:
             faults = Faults(loss=loss / 100, delay_s=delay_ms / 1000)
             mock = Mock(Autopilot.ARDUPILOT, HOME)
             channel = Loopback(Station(mock), BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
-            here = vehicle_module.meet(Line(channel, Codec(245, 190)), fast=fast)
+            here = link_connect.meet(Line(channel, Codec(245, 190)), fast=fast)
             begun = channel.now()
             here.upload_items(sent, MissionType.MISSION)
             took.append(channel.now() - begun)

@@ -12,9 +12,9 @@ from fastcrc.crc16 import mcrf4xx
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item
+from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link import upload as upload_module
-from ipoa_mission.link import vehicle as vehicle_module
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import to_wire
@@ -27,7 +27,7 @@ Upload = Callable[[Callable[[], None]], object]
 def ours(port: int, items: Sequence[Item]) -> Upload:
     """Our client: read back, compared."""
     upload_module.VERDICT_S = 0.0  # how long one listens for PX4's verdict says nothing of speed
-    here = vehicle_module.connect(f"udpout:127.0.0.1:{port}", fast=False)
+    here = link_connect.connect(f"udpout:127.0.0.1:{port}", fast=False)
 
     def upload(acknowledged: Callable[[], None]) -> None:
         here.upload_items(items, MissionType.MISSION, lambda share, words: acknowledged() if share == 1 else None)

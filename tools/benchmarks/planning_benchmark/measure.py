@@ -46,7 +46,7 @@ def planner(work: Work) -> Iterator[Row]:
 def printed(work: Work) -> Iterator[Row]:
     """IPOA and POA as printed, and mealpy's POA, on the maps of the paper's size."""
     maps = [name for name in work.maps if name.startswith(("spheres", "cylinders"))]
-    row = partial(_row, "printed", versions=_versions("numba"))
+    row = partial(Row, "printed", versions=_versions("numba"), date=today())
     for name in ("ipoa", "poa"):
         search(name, benchmark_map(MAPS[0]), 0)
     for map_ in maps:
@@ -66,7 +66,7 @@ def ompl(work: Work) -> Iterator[Row]:
     """Each of OMPL's planners, and what it has after each time."""
     from tools.benchmarks.planning_benchmark.ompl_peers import PLANNERS, best_paths
 
-    row = partial(_row, "ompl", versions=_versions("ompl"))
+    row = partial(Row, "ompl", versions=_versions("ompl"), date=today())
     for map_, name in itertools.product(work.maps, PLANNERS):
         scenario = benchmark_map(map_)
         for seconds, found in zip(SECONDS, best_paths(name, scenario, SECONDS), strict=True):
@@ -98,7 +98,7 @@ def scaling(work: Work) -> Iterator[Row]:
 
 def start(_work: Work) -> Iterator[Row]:
     """`ipoa-mission plan` as a user runs it: with nothing compiled yet, and again."""
-    row = partial(_row, "start", versions=_versions("numba"))
+    row = partial(Row, "start", versions=_versions("numba"), date=today())
     with tempfile.TemporaryDirectory() as folder:
         environment = os.environ | {"NUMBA_CACHE_DIR": folder}
         command = [sys.executable, "-m", "ipoa_mission.cli.app", "plan", str(SCENARIO), "--out", folder]
@@ -115,7 +115,7 @@ PARTS = {each.__name__: each for each in (planner, printed, ompl, reference, len
 
 
 def _planned(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:
-    row = partial(_row, part, versions=_versions("ipoa-mission"))
+    row = partial(Row, part, versions=_versions("ipoa-mission"), date=today())
     plan_path(benchmark_map(MAPS[0]))
     for map_, seed in itertools.product(maps, range(work.seeds)):
         scenario, started = _scenario(map_), time.process_time()
@@ -133,7 +133,7 @@ def _referred(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:
     from tools.benchmarks.planning_benchmark.ompl_peers import best_paths
     from tools.benchmarks.planning_benchmark.reference import reference
 
-    row = partial(_row, part, versions=_versions("cma", "ompl"))
+    row = partial(Row, part, versions=_versions("cma", "ompl"), date=today())
     for map_ in maps:
         scenario, started = _scenario(map_), time.process_time()
         given = [plan_path(scenario, seed=100 + k).curve.sample(200) for k in range(2)]
@@ -153,22 +153,6 @@ def _scenario(name: str) -> Scenario:
         planning = scenario.planning.model_copy(update={"control_points": int(condition)})
         return scenario.model_copy(update={"planning": planning})
     return scenario
-
-
-def _row(
-    part: str,
-    map_: str,
-    method: str,
-    setting: str,
-    seed: int,
-    cost: float | None,
-    length_m: float | None,
-    safe: bool,
-    cpu_s: float,
-    *,
-    versions: str,
-) -> Row:
-    return Row(part, map_, method, setting, seed, cost, length_m, safe, cpu_s, versions, today())
 
 
 def _versions(*packages: str) -> str:

@@ -1,0 +1,69 @@
+"""What is outcome of a flight that was flown: to machines, and to people in a table."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.cli.checking import estimate_as_json, route_in_words
+from ipoa_mission.cli.job import Job
+from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.commands import command_name
+from ipoa_mission.flight.flight import Flight
+from ipoa_mission.flight.summary import passed_over_as_json
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.timing.estimate import Estimate
+
+
+def flight_as_json(estimate: Estimate, record: FlightRecord) -> dict[str, Any]:
+    """Estimate and flight for machines; items are numbered as in the file, where home is 0."""
+    return {
+        "completed": record.completed,
+        "armed": record.armed,
+        "in_air": record.in_air,
+        "flown_s": round(record.total_s, 3),
+        "time_zero": "armed",
+        "items": [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())],
+        "estimate": estimate_as_json(estimate),
+        "messages": list(record.messages),
+    }
+
+
+def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
+    """Print all that is known of the flight, for machines; `remarks` are those that came with the flight."""
+    all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
+    outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
+    if job.flight is not None:
+        outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
+    tell_json(flight_as_json(job.estimate, record) | outcome | ({"error": record.why_not} if record.why_not else {}))
+
+
+def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
+    """Print the flight beside its estimate; `remarks` are those that came with the flight."""
+    before = () if job.flight else job.remarks  # those of a plan have been outcome with it
+    tell(*notes(tuple(dict.fromkeys((*before, *remarks)))), *(() if record.completed else record.messages))
+    columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
+    tell_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
+    tell(
+        *([] if job.flight else route_in_words(job.estimate)),
+        f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s; "
+        f"{_kept(job.flight)}QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
+        f"written: {', '.join(map(str, written))}",
+        *([f"not complete: {record.why_not}"] if record.why_not else []),
+    )
+
+
+def _kept(flight: Flight | None) -> str:
+    """The clearance that flights keep, for the last line; nothing where none is known."""
+    kept = None if flight is None else flight.promise.clearance
+    if flight is None or kept is None or flight.promise.confidence is None:
+        return ""
+    return f"{100 * flight.promise.confidence:g} of 100 flights keep {kept.kept:.1f} m; "
+
+
+def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = []
+    for item in estimate.items:
+        flown_s = record.item_reached_s.get(item.seq - 1)
+        cells = ("", "") if flown_s is None else (f"{flown_s:.1f}", f"{item.done_s - flown_s:+.1f}")
+        rows.append((str(item.seq), command_name(item.command), f"{item.done_s:.1f}", *cells))
+    return rows

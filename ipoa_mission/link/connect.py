@@ -1,0 +1,90 @@
+"""The vehicle on a link: found by its heartbeat, by its system id where there are several."""
+
+from pathlib import Path
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.channel import open_channel
+from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
+from ipoa_mission.link.presence import Found, autopilots_in, round_trips_in
+from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.vehicle import Vehicle
+
+#: How long to wait for the first heartbeat, and for those of other vehicles after it [s].
+PRESENCE_S, OTHERS_S = 10.0, 1.2
+
+
+def connect(
+    url: str,
+    system: int | None = None,
+    log: str | Path | None = None,
+    signer: Signer | None = None,
+    patience: Patience = SPECIFIED,
+    fast: bool = True,
+    anyway: bool = False,
+) -> Vehicle:
+    """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
+
+    Raises:
+        BadInput, LinkDown: the link cannot be opened.
+        NoAnswer: there is no vehicle.
+        MissionError: there are several, and `system` does not say which.
+        Contested: there are two with this system id; `anyway` takes the first.
+    """
+    line = open_line(url, log, signer)
+    try:
+        return meet(line, system, patience, fast, anyway)
+    except NoAnswer as silence:
+        line.close()
+        raise NoAnswer(
+            f"{url}: {silence}", hint="is the autopilot running, and does it send to this address?"
+        ) from None
+    except BaseException:
+        line.close()
+        raise
+
+
+def open_line(url: str, log: str | Path | None = None, signer: Signer | None = None) -> Line:
+    """A ground station's end of the link that `url` names."""
+    return Line(open_channel(url), Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
+
+
+def meet(
+    line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True, anyway: bool = False
+) -> Vehicle:
+    """The vehicle on a line: the one with this system id, or the only one.
+
+    Raises:
+        NoAnswer: there is none.
+        MissionError: there are several, and `system` does not say which.
+        Contested: there are two with this system id; `anyway` takes the first.
+
+    While it listens for others it pings, so that the first timers already know how slow the link is.
+    """
+    autopilots: dict[int, Found] = {}
+    trips: dict[int, float] = {}
+    until = line.now() + min(PRESENCE_S, patience.total_s)
+    is_met = False
+    while line.now() < until:
+        heard = line.receive(until)
+        autopilots |= autopilots_in(heard)
+        trips |= round_trips_in(heard, line.now())
+        if not is_met and (system in autopilots if system is not None else autopilots):
+            is_met = True
+            until = line.now() + OTHERS_S
+            line.send(Ping(round(line.now() * 1e6), 0))
+    if system is not None and system not in autopilots:
+        others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
+        raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
+    if not autopilots:
+        raise NoAnswer("no autopilot is heard")
+    if system is None and len(autopilots) > 1:
+        raise MissionError(
+            f"several vehicles are heard: {', '.join(map(str, sorted(autopilots)))}", hint="choose one by its system id"
+        )
+    one = autopilots[system] if system is not None else autopilots.popitem()[1]
+    if not anyway:
+        line.expect_alone(one.system)
+    return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)

@@ -1,0 +1,79 @@
+"""What a flying vehicle is told besides its mission: pause, resume, return to launch; and any change of mode."""
+
+from ipoa_mission.autopilots.modes import HOLD_MODE, MISSION_MODE, RETURN_MODE, mode_name
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.link.dialogue import Dialogue, until
+from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandResult
+from ipoa_mission.link.orders import DO_SET_MODE, CommandRefused, command
+from ipoa_mission.link.state import NotReady, VehicleState
+
+DO_PAUSE_CONTINUE = 193
+#: How long a vehicle may take to show its mode [s].
+SHOWN_S = 5.0
+
+
+def pause(state: VehicleState) -> Dialogue[None]:
+    """Have a flying vehicle stop and hold its place until it is told otherwise.
+
+    ArduCopter pauses within AUTO on its way to a waypoint, and brakes where it can't; PX4 changes to hold.
+
+    Raises:
+        NotReady: it does not fly.
+        CommandRefused: it will not stop.
+    """
+    yield from _expect_flying(state)
+    if state.autopilot is Autopilot.ARDUPILOT:
+        result, _ = yield from command(DO_PAUSE_CONTINUE, 0.0)
+        if result == CommandResult.ACCEPTED:
+            yield from until(lambda: state.custom_mode is not None, SHOWN_S)
+            return
+    yield from _enter(state, HOLD_MODE[state.autopilot])
+
+
+def resume(state: VehicleState) -> Dialogue[None]:
+    """Have a flying vehicle go on with its mission, at the item at which it is.
+
+    Raises:
+        NotReady: it does not fly.
+        CommandRefused: it has no mission to fly.
+    """
+    yield from _expect_flying(state)
+    yield from _enter(state, MISSION_MODE[state.autopilot])
+    if state.autopilot is Autopilot.ARDUPILOT:
+        yield from command(DO_PAUSE_CONTINUE, 1.0)  # one that is not paused has nothing to go on with, and says so
+
+
+def return_to_launch(state: VehicleState) -> Dialogue[None]:
+    """Have a flying vehicle come home and land, as its own parameters say.
+
+    Raises:
+        NotReady: it does not fly.
+        CommandRefused: it will not.
+    """
+    yield from _expect_flying(state)
+    yield from _enter(state, RETURN_MODE[state.autopilot])
+
+
+def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
+    """Ask for a mode and see it in the heartbeat; what hinders, or nothing."""
+    if state.custom_mode == mode:
+        return ""
+    numbers = (mode,) if state.autopilot is Autopilot.ARDUPILOT else (mode >> 16 & 0xFF, mode >> 24)
+    result, words = yield from command(DO_SET_MODE, CUSTOM_MODE_FLAG, *numbers)
+    if result != CommandResult.ACCEPTED:
+        return words or str(CommandRefused(f"change to {mode_name(state.autopilot, mode)}", result))
+    if (yield from until(lambda: state.custom_mode == mode, SHOWN_S)):
+        return ""
+    return f"it accepted {mode_name(state.autopilot, mode)} but does not show it"
+
+
+def _enter(state: VehicleState, mode: int) -> Dialogue[None]:
+    if hinders := (yield from change_mode(state, mode)):
+        raise NotReady(hinders, hint=str(state))
+
+
+def _expect_flying(state: VehicleState) -> Dialogue[None]:
+    """Only what its heartbeats tell is waited for: an order to stop must not wait for a stream that may not come."""
+    yield from until(lambda: state.armed is not None, SHOWN_S)
+    if not state.armed or state.in_air is False:
+        raise NotReady("expected a vehicle in the air", hint=str(state))

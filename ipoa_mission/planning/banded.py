@@ -1,0 +1,40 @@
+"""Linear equations whose symmetric matrix has elements near its diagonal only, solved by compiled code.
+
+SciPy's, by LAPACK, says the same to the last bit; to import it takes longer than all equations of a plan.
+"""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+
+from ipoa_mission.compiled import njit
+
+
+@njit(cache=True, error_model="numpy")
+def solve_banded(band, right):
+    """The x (n,) with H x = `right` (n,), by Cholesky's factorization, and 1; or 0 if H is not positive definite.
+
+    `band` (k + 1, n) is the lower band of H: `band[i - j, j]` is its element i, j.
+    """
+    reach, n = band.shape[0] - 1, band.shape[1]
+    low, x = band.T.copy(), right.copy()
+    for j in range(n):
+        if not low[j, 0] > 0.0:
+            return x, 0
+        low[j, 0] = math.sqrt(low[j, 0])
+        share, below = 1.0 / low[j, 0], min(reach, n - 1 - j)
+        for i in range(1, below + 1):
+            low[j, i] *= share
+        for k in range(1, below + 1):
+            for i in range(k, below + 1):
+                low[j + k, i - k] -= low[j, k] * low[j, i]
+    for j in range(n):
+        x[j] /= low[j, 0]
+        for i in range(1, min(reach, n - 1 - j) + 1):
+            x[j + i] -= x[j] * low[j, i]
+    for j in range(n - 1, -1, -1):
+        total = 0.0
+        for i in range(1, min(reach, n - 1 - j) + 1):
+            total += low[j, i] * x[j + i]
+        x[j] = (x[j] - total) / low[j, 0]
+    return x, 1

@@ -1,0 +1,99 @@
+"""`ipoa-mission` as a command of a shell, in processes that are forked from one that has imported all it needs.
+
+    with forked(folder) as program: subprocess.run([str(program), "show", "campus.plan"])
+
+A command that runs so reads its own arguments, folder, environment, input and output, and takes signals, as any other.
+"""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+#: What the shell runs: it hands on what it was given, waits, and passes signals on to the process that does the work.
+CLIENT = """#!{python} -IS
+import json, os, signal, socket, sys
+there = socket.socket(socket.AF_UNIX)
+there.connect({address!r})
+told = json.dumps([sys.argv[1:], os.getcwd(), dict(os.environ)]).encode()
+socket.send_fds(there, [len(told).to_bytes(4, "big") + told], [0, 1, 2])
+answers = there.makefile()
+process = int(answers.readline())
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(number, lambda number, frame: os.kill(process, number))
+sys.exit(int(answers.readline() or 1))
+"""
+
+
+@contextmanager
+def forked(folder: Path) -> Iterator[Path]:
+    """The program, in `folder`, while the block lasts."""
+    address, program = folder / "forked.socket", folder / "ipoa-mission"
+    with subprocess.Popen([sys.executable, "-m", "tests.docs.forked", str(address)], stdout=subprocess.PIPE) as server:
+        assert server.stdout is not None
+        assert server.stdout.readline() == b"ready\n"
+        program.write_text(CLIENT.format(python=sys.executable, address=str(address)), encoding="utf-8")
+        program.chmod(0o755)
+        try:
+            yield program
+        finally:
+            server.terminate()
+
+
+def serve(address: str) -> None:
+    """Fork a process for every command."""
+    from ipoa_mission.cli.app import main
+
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for them but their clients
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(address)
+        listening.listen()
+        print("ready", flush=True)
+        while True:
+            client, _ = listening.accept()
+            if os.fork() == 0:
+                signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+                listening.close()
+                _run(client, main)
+            client.close()
+
+
+def _run(client: socket.socket, main: object) -> None:
+    """Be the command that the client was given."""
+    code = 1
+    try:
+        data, streams, *_ = socket.recv_fds(client, 1 << 20, 3)
+        while len(data) < 4 + int.from_bytes(data[:4], "big"):
+            data += client.recv(1 << 20)
+        arguments, here, environment = json.loads(data[4:])
+        for number, stream in enumerate(streams):
+            os.dup2(stream, number)
+            os.close(stream)
+        sys.stdin, sys.stdout, sys.stderr = open(0), open(1, "w"), open(2, "w")  # noqa: SIM115
+        os.chdir(here)
+        os.environ.clear()
+        os.environ.update(environment)
+        client.sendall(f"{os.getpid()}\n".encode())
+        sys.argv = ["ipoa-mission", *arguments]
+        assert callable(main)
+        main()
+        code = 0
+    except SystemExit as ended:
+        code = ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        client.sendall(f"{code}\n".encode())
+        os._exit(code)
+
+
+if __name__ == "__main__":
+    serve(sys.argv[1])

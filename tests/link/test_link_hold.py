@@ -1,0 +1,92 @@
+"""A flying vehicle is told to stop, to go on, to come home.
+
+Flown so on ArduCopter 4.7.0-dev and PX4 1.17.0 in simulation: within a take-off ArduCopter refuses command 193, and is
+put into BRAKE; on its way to a waypoint it stops within two seconds and stays in AUTO; PX4 changes to AUTO.LOITER.
+"""
+
+import pytest
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Mission
+from ipoa_mission.link.state import NotReady
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.simulator.fly import board
+from tools import REPOSITORY
+
+MISSIONS = REPOSITORY / "missions"
+PAUSED = {Autopilot.ARDUPILOT: "AUTO", Autopilot.PX4: "AUTO.LOITER"}
+AGAIN = {Autopilot.ARDUPILOT: "AUTO", Autopilot.PX4: "AUTO.MISSION"}
+HOME = {Autopilot.ARDUPILOT: "RTL", Autopilot.PX4: "AUTO.RTL"}
+
+
+def flying(name: str) -> tuple[Mission, Vehicle]:
+    mission = read_mission(MISSIONS / name)
+    vehicle = board(mission)
+    vehicle.upload(mission)
+    vehicle.prepare()
+    vehicle.start()
+    return mission, vehicle
+
+
+def later(vehicle: Vehicle, seconds: float) -> Position:
+    """Where it is after so many seconds."""
+    until = vehicle.line.now() + seconds
+    while vehicle.line.now() < until:
+        for one in vehicle.line.receive(until):
+            if one.message is not None:
+                vehicle.state.note(one.message)
+    assert vehicle.state.position is not None
+    return vehicle.state.position
+
+
+def moved(vehicle: Vehicle, seconds: float) -> float:
+    """How far it comes in so many seconds [degrees, and m of height]."""
+    before, after = later(vehicle, 0.5), later(vehicle, seconds)
+    return max(
+        abs(after.latitude_deg - before.latitude_deg) * 111e3,
+        abs(after.longitude_deg - before.longitude_deg) * 75e3,
+        abs(after.height - before.height),
+    )
+
+
+@pytest.mark.parametrize("name", ["campus.plan", "sitl.plan"])
+def test_it_stops_goes_on_and_comes_home(name: str) -> None:
+    mission, vehicle = flying(name)
+    with vehicle:
+        later(vehicle, 25.0)
+        assert moved(vehicle, 2.0) > 5.0
+        vehicle.pause()
+        assert vehicle.mode == PAUSED[mission.autopilot]
+        later(vehicle, 5.0)
+        assert moved(vehicle, 10.0) < 2.0  # PX4 returns to where it was told to stay
+        vehicle.resume()
+        assert vehicle.mode == AGAIN[mission.autopilot]
+        assert moved(vehicle, 5.0) > 5.0
+        vehicle.return_to_launch()
+        assert vehicle.mode == HOME[mission.autopilot]
+        later(vehicle, 200.0)
+        assert vehicle.state.armed is False
+
+
+def test_arducopter_brakes_where_it_cannot_pause() -> None:
+    _, vehicle = flying("campus.plan")
+    with vehicle:
+        assert moved(vehicle, 5.0) > 1.0
+        vehicle.pause()
+        assert vehicle.mode == "BRAKE"
+        later(vehicle, 5.0)
+        assert moved(vehicle, 5.0) < 1.0
+        vehicle.resume()
+        assert vehicle.mode == "AUTO"
+        assert moved(vehicle, 5.0) > 1.0
+
+
+@pytest.mark.parametrize("name", ["campus.plan", "sitl.plan"])
+def test_a_vehicle_on_the_ground_is_told_nothing(name: str) -> None:
+    with board(read_mission(MISSIONS / name)) as vehicle:
+        for order in (vehicle.pause, vehicle.resume, vehicle.return_to_launch):
+            with pytest.raises(NotReady, match="expected a vehicle in the air"):
+                order()
+        assert vehicle.state.armed is False

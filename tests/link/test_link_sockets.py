@@ -1,0 +1,147 @@
+"""Sockets that break, fill up or are closed: what is lost is a frame or a connection, never half a frame."""
+
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+
+from ipoa_mission.link.address import parse_address
+from ipoa_mission.link.channel import MOST_CONNECTIONS, LinkDown, TcpChannel, UdpChannel
+
+
+class Failing:
+    """A socket whose every call ends as `error` says."""
+
+    def __init__(self, error: OSError) -> None:
+        self._error = error
+
+    def __getattr__(self, name: str) -> object:
+        def call(*_: object) -> None:
+            if name not in ("settimeout", "close", "setblocking"):
+                raise self._error
+
+        return call
+
+
+@pytest.fixture
+def served() -> Iterator[TcpChannel]:
+    with closing(TcpChannel(parse_address("tcpin:127.0.0.1:0"))) as channel:
+        yield channel
+
+
+def joined(channel: TcpChannel) -> socket.socket:
+    """A client's end of a new connection, which the channel has taken."""
+    client = socket.create_connection(("127.0.0.1", channel.port), timeout=5.0)
+    channel.receive(channel.now() + 0.2)
+    return client
+
+
+def test_a_datagram_socket_that_breaks_is_a_link_that_is_down_but_a_peer_nobody_can_reach_is_not() -> None:
+    with closing(UdpChannel(parse_address("udpout:127.0.0.1:9"))) as channel:
+        channel._sender.close()
+        channel._socket.close()
+        channel._socket = channel._sender = Failing(OSError(100, "Network is down"))  # type: ignore[assignment]
+        with pytest.raises(LinkDown, match="the link broke: Network is down"):
+            channel.receive(0.0)
+        with pytest.raises(LinkDown, match="the link broke: Network is down"):
+            channel.send(b"x", None)
+        channel.send(b"x", ("240.0.0.1", 1))
+        channel._sender = Failing(ConnectionRefusedError())  # type: ignore[assignment]
+        channel.send(b"x", None)
+
+
+def test_nobody_has_spoken_yet_and_so_nobody_is_answered() -> None:
+    with closing(UdpChannel(parse_address("udpin:127.0.0.1:0"))) as channel:
+        channel.send(b"x", None)
+        assert channel.receive(0.0) == []
+
+
+def test_one_connection_that_ends_leaves_the_others(served: TcpChannel) -> None:
+    with joined(served) as one, joined(served) as other:
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # closed by a reset
+        one.close()
+        time.sleep(0.05)
+        served.send(b"a", "no connection of ours")
+        assert served.receive(served.now() + 0.2) == []
+        served.send(b"b", None)
+        assert other.recv(10) == b"b"
+
+
+def test_more_connections_than_are_served_are_closed(served: TcpChannel) -> None:
+    clients = [joined(served) for _ in range(MOST_CONNECTIONS + 1)]
+    try:
+        assert clients[-1].recv(1) == b""
+        served.send(b"x", None)
+        assert {client.recv(1) for client in clients[:-1]} == {b"x"}
+    finally:
+        for client in clients:
+            client.close()
+
+
+def test_a_client_that_does_not_read_loses_whole_frames_and_then_its_connection(served: TcpChannel) -> None:
+    frame = bytes(50_000)
+    with joined(served) as client:
+        began = time.monotonic()
+        while served._connections and time.monotonic() - began < 20.0:
+            served.send(frame, None)
+        assert not served._connections
+        client.settimeout(5.0)
+        got = 0
+        while data := client.recv(1 << 20):
+            got += len(data)
+        assert got > len(frame)
+
+
+def test_a_connection_that_breaks_while_it_is_written_to_is_dropped(served: TcpChannel) -> None:
+    with joined(served) as client:
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
+    time.sleep(0.05)
+    for _ in range(3):
+        served.send(b"x", None)
+    assert not served._connections
+
+
+def test_a_connection_that_was_announced_and_is_gone_again_is_no_error(served: TcpChannel) -> None:
+    served._accept()
+    assert not served._connections
+
+
+def test_a_serial_link_without_pyserial_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    from ipoa_mission.link.channel import open_channel
+
+    monkeypatch.setitem(__import__("sys").modules, "serial", None)
+    with pytest.raises(LinkDown, match="serial links need pyserial") as down:
+        open_channel("serial:/dev/null")
+    assert down.value.hint == "pip install 'ipoa-mission[serial]'"
+
+
+class Stubborn(socket.socket):
+    """A connection that reads nothing although it was announced, and of which one byte goes out at once."""
+
+    left = b""
+
+    def recv(self, *_: object) -> bytes:
+        raise BlockingIOError
+
+    def send(self, data: bytes, *_: object) -> int:  # type: ignore[override]
+        if not data:
+            raise BlockingIOError
+        return 1
+
+    def sendall(self, data: bytes, *_: object) -> None:  # type: ignore[override]
+        self.left = data
+
+
+def test_what_is_not_ready_after_all_is_waited_for_and_the_rest_of_a_frame_follows(served: TcpChannel) -> None:
+    with joined(served) as client:
+        (connection,) = served._connections
+        stubborn = Stubborn(fileno=connection.detach())
+        served._connections[:] = [stubborn]
+        client.send(b"x")
+        assert served.receive(served.now() + 0.2) == []
+        served.send(b"frame", None)
+        assert stubborn.left == b"rame"
+        served.send(b"", None)
+        assert served._connections == [stubborn]

@@ -1,0 +1,71 @@
+"""What a vehicle has told of its state, in words and as numbers, and by what it carries with a mission."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import pytest
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import FenceCircle, Mission, return_to_launch, takeoff
+from ipoa_mission.link.messages import ARMED_FLAG, Current, Firmware, Heartbeat, Message
+from ipoa_mission.link.set_up import idle_fence, other_values
+from ipoa_mission.link.state import VehicleState
+from ipoa_mission.link.telemetry import ExtendedState, Position
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+ARMED, DISARMED = (Heartbeat(2, Firmware.ARDUPILOT, flag | 1, 3) for flag in (ARMED_FLAG, 0))
+HIGH = Position(1.0, 47.4, 8.5, 420.0, 20.0, (0.0, 0.0, 0.0))
+STATES: dict[str, tuple[list[Message], bool | None, str]] = {
+    "nothing": ([], None, "the vehicle has told nothing of its state"),
+    "disarmed": ([DISARMED, HIGH], False, "the vehicle is disarmed, in AUTO"),
+    "armed": ([ARMED], None, "the vehicle is armed, perhaps in the air, in AUTO"),
+    "landed": ([ARMED, HIGH, ExtendedState(1)], False, "the vehicle is armed, on the ground, in AUTO"),
+    "flies": ([ARMED, ExtendedState(2)], True, "the vehicle is armed and in the air, in AUTO: "),
+    "high": ([ARMED, HIGH], True, "the vehicle is armed and in the air 20 m above home, in AUTO: "),
+    "far": (
+        [ARMED, HIGH, Current(3, 9, 3)],
+        True,
+        "the vehicle is armed and in the air 20 m above home, in AUTO, at item 3: ",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_a_state_is_told_as_far_as_it_is_known(name: str) -> None:
+    messages, in_air, words = STATES[name]
+    state = VehicleState(Autopilot.ARDUPILOT)
+    for message in messages:
+        state.note(message)
+    assert state.in_air is in_air
+    assert str(state).startswith(words)
+    assert words.endswith(": ") or str(state) == words
+
+
+@dataclass
+class Table:
+    """A vehicle that has these parameters."""
+
+    autopilot: Autopilot
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
+        names = [name for one in wanted for name in ((one,) if isinstance(one, str) else one)]
+        return {name: self.values[name] for name in names if name in self.values}
+
+
+def test_a_parameter_is_held_against_the_vehicle_by_whichever_name_that_has_for_it() -> None:
+    vehicle = Table(Autopilot.ARDUPILOT, {"WP_SPD": 5.0, "RTL_ALT": 1500.0})
+    others, missing = other_values(vehicle, {"WPNAV_SPEED": 750.0, "RTL_ALT_M": 15.0, "WP_JERK": 1.0})
+    assert [str(other) for other in others] == ["WP_SPD is 5 on the vehicle, and the mission was made for 7.5"]
+    assert missing == ("WP_JERK",)
+    assert other_values(vehicle, {}) == ((), ())
+
+
+@pytest.mark.parametrize(("switch", "idle"), [(0.0, True), (1.0, False), (None, False)])
+def test_a_fence_that_does_nothing_is_told_of(switch: float | None, idle: bool) -> None:
+    fenced = Mission(HOME, (takeoff(HOME, 10.0), return_to_launch()), fence=(FenceCircle((47.4, 8.5), 100.0),))
+    vehicle = Table(Autopilot.ARDUPILOT, {} if switch is None else {"FENCE_ENABLE": switch})
+    words = "the fence does nothing on this vehicle: its FENCE_ENABLE is 0"
+    assert idle_fence(vehicle, fenced) == (words if idle else None)
+    assert idle_fence(vehicle, Mission(HOME, fenced.items)) is None

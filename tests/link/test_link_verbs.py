@@ -1,0 +1,182 @@
+"""The client's smaller verbs over loopback, and what becomes of them when something is in the way."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import BadInput
+from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.link import connect as connecting
+from ipoa_mission.link import orders
+from ipoa_mission.link import vehicle as verbs
+from ipoa_mission.link.channel import LinkDown
+from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.connect import connect, meet
+from ipoa_mission.link.dialogue import Ask, NoAnswer, Pause, TimeUp
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import ParamValue
+from ipoa_mission.link.orders import CommandRefused
+from ipoa_mission.link.signing import MOST_SIGNERS, persistent_signer
+from ipoa_mission.link.state import NotReady
+from ipoa_mission.link.tlog import TlogWriter
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+RALLY = (Geodetic(47.4001, 8.5, 25.0),)
+MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()), rally=RALLY)
+
+
+def met(autopilot: Autopilot, **habits: Any) -> Vehicle:
+    """The built-in autopilot at the other end of a loopback."""
+    return meet(Line(Loopback(Station(Mock(autopilot, HOME, **habits))), Codec(245, 190)))
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_counts_them(autopilot: Autopilot) -> None:
+    vehicle = met(autopilot)
+    vehicle.expect_on_ground()
+    vehicle.upload(MISSION)
+    assert vehicle.download().rally == RALLY
+    vehicle.set_current(1)
+    vehicle.home()  # while it answers, it tells what its current item is
+    current = vehicle.state.current
+    assert current is not None
+    assert current.seq == (2 if autopilot is Autopilot.ARDUPILOT else 1)
+    with pytest.raises((CommandRefused, NoAnswer)):
+        vehicle.set_current(99)
+    assert vehicle.record().path == ()
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_parameter_that_is_set_is_kept_and_one_that_there_is_not_is_an_error(autopilot: Autopilot) -> None:
+    vehicle = met(autopilot)
+    name = "WPNAV_SPEED" if autopilot is Autopilot.ARDUPILOT else "MPC_XY_CRUISE"
+    vehicle.set_parameter(name, 3.0)
+    assert vehicle.parameters([name]) == {name: 3.0}
+    assert vehicle.parameters([]) == {}
+    with pytest.raises(NoAnswer, match="when asked for NO_SUCH_NAME"):
+        vehicle.set_parameter("NO_SUCH_NAME", 1.0)
+
+
+def test_a_vehicle_that_is_armed_is_not_on_the_ground_to_be_prepared() -> None:
+    vehicle = met(Autopilot.PX4)
+    vehicle.upload(replace(MISSION, rally=()))
+    vehicle.prepare()
+    vehicle.start()
+    with pytest.raises(NotReady):
+        vehicle.expect_on_ground()
+
+
+def test_what_is_under_way_ends_when_it_has_been_given_its_time() -> None:
+    slow = Faults(delay_s=0.2)
+    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME)), BadPipe(slow, 0), BadPipe(slow, 1)), Codec(245, 190))
+    vehicle = meet(line)
+    vehicle.give_up_after(0.3)
+    with pytest.raises(TimeUp):
+        vehicle.download()
+    assert line.now() < 3.0
+
+
+def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    vehicle = met(Autopilot.ARDUPILOT)
+    monkeypatch.setattr(verbs, "STARTUP_S", 2.0)
+    monkeypatch.setattr(verbs, "autopilots_in", lambda heard: {})
+    vehicle.state.booted = False
+    with pytest.raises(NoAnswer, match="has not finished its start-up"):
+        vehicle.download()
+
+
+def test_whatever_ends_the_search_for_a_vehicle_closes_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Open(Line):
+        is_closed = False
+
+        def close(self) -> None:
+            self.is_closed = True
+
+    line = Open(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190))
+    monkeypatch.setattr(connecting, "open_line", lambda *_: line)
+    with pytest.raises(NoAnswer, match="no autopilot with system id 9"):
+        connect("udpin:127.0.0.1:0", system=9)
+    assert line.is_closed
+    monkeypatch.setattr(line, "receive", lambda until: (_ for _ in ()).throw(LinkDown("gone")))
+    line.is_closed = False
+    with pytest.raises(LinkDown, match="gone"):
+        connect("udpin:127.0.0.1:0")
+    assert line.is_closed
+
+
+def test_the_other_values_that_a_vehicle_tells_meanwhile_are_no_answer() -> None:
+    """A ParamValue of another name comes between the order and its answer."""
+    dialogue = orders.set_parameter("MPC_XY_CRUISE", 3.0, Autopilot.PX4)
+    step = next(dialogue)
+    while not isinstance(step, Ask):
+        step = dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0) if isinstance(step, Pause) else None)
+    assert dialogue.send(ParamValue("MPC_Z_P", 1.0, 9, 1, 0)) is None
+    with pytest.raises(StopIteration):
+        dialogue.send(ParamValue("MPC_XY_CRUISE", 3.0, 9, 1, 0))
+
+
+def test_two_ends_that_wait_for_each_other_for_ever_are_an_error() -> None:
+    class Silent:
+        deadline = math.inf
+
+        def receive(self, data: bytes, peer: object, now: float) -> None: ...
+
+        def tick(self, now: float) -> None: ...
+
+        def outgoing(self) -> list[tuple[bytes, object]]:
+            return []
+
+    with pytest.raises(RuntimeError, match="both ends wait for ever"):
+        Loopback(Silent()).receive(math.inf)
+
+
+def test_as_many_processes_sign_at_once_as_have_a_link_id(tmp_path: Path) -> None:
+    signers = [persistent_signer(bytes(32), tmp_path / "stamp") for _ in range(MOST_SIGNERS)]
+    assert len({signer.link_id for signer in signers}) == MOST_SIGNERS
+    with pytest.raises(BadInput, match=f"expected no more than {MOST_SIGNERS} processes"):
+        persistent_signer(bytes(32), tmp_path / "stamp")
+    signers[3].close()
+    signers[3].close()  # once more does nothing
+    assert persistent_signer(bytes(32), tmp_path / "stamp").link_id == 3
+
+
+def test_a_timestamp_that_cannot_be_locked_is_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr("ipoa_mission.link.timestamps._lock", refuse)
+    with pytest.raises(BadInput, match="cannot be locked: Operation not supported"):
+        persistent_signer(bytes(32), tmp_path / "stamp")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_disk_that_is_full_ends_the_log_and_not_the_flight(caplog: pytest.LogCaptureFixture) -> None:
+    with TlogWriter("/dev/full") as log:
+        for _ in range(3):
+            log.write(b"frame", 1.0)
+    assert len(caplog.messages) == 1
+    assert "/dev/full: cannot be written any more: No space left on device" in caplog.messages[0]
+
+
+def test_a_disk_that_takes_half_a_record_is_full(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    class Half:
+        def write(self, data: bytes) -> int:
+            return len(data) // 2
+
+        def close(self) -> None: ...
+
+    with TlogWriter(tmp_path / "x.tlog") as log:
+        log._file.close()
+        log._file = Half()  # type: ignore[assignment]
+        log.write(b"frame", 1.0)
+    assert "No space left on device" in caplog.messages[0]
