@@ -142,6 +142,8 @@ FLOWN_TO = frozenset(
 #: What an altitude of 0 is for: the ground is below a landing, and a take-off climbs to it.
 TO_THE_GROUND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
 TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
+#: What may stand before a take-off although it is a NAV command.
+MAY_PRECEDE_TAKEOFF = frozenset({Command.NAV_DELAY})
 #: Commands that end a flight on the ground.
 ENDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
 WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})

@@ -7,13 +7,21 @@ from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
-from ipoa_mission.commands import ENDINGS, HOLDING, TAKEOFFS, Command, Frame, command_name, plain_frame
+from ipoa_mission.commands import (
+    ENDINGS,
+    HOLDING,
+    MAY_PRECEDE_TAKEOFF,
+    TAKEOFFS,
+    Command,
+    Frame,
+    command_name,
+    plain_frame,
+)
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import to_wire
 
 LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits, in whole seconds
-MAY_PRECEDE_TAKEOFF = {Command.NAV_DELAY}
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
@@ -107,6 +115,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
             yield error(seq, first, f"expected the take-off first, not {command_name(first.command)}")
         else:
             yield warning(seq, first, "the mission has no take-off: it serves a vehicle that already flies")
+    yield from _waits_armed(mission, seq)
     least = DEFAULT_PARAMETERS[Autopilot.PX4]["NAV_MC_ALT_RAD"] + 1.0 if mission.autopilot is Autopilot.PX4 else 0.0
     for seq, item in moving:
         height = mission.altitude_above_home(item)
@@ -115,6 +124,16 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
                 yield warning(seq, item, f"a take-off to {height:g} m above home: ArduCopter climbs 1 m all the same")
             else:  # PX4 finds such a mission infeasible
                 yield error(seq, item, f"expected a take-off to more than {least:g} m above home, not to {height:g} m")
+
+
+def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
+    """ArduCopter that stands armed disarms by itself, in a mission too."""
+    if mission.autopilot is not Autopilot.ARDUPILOT:
+        return
+    stands = {**DEFAULT_PARAMETERS[Autopilot.ARDUPILOT], **mission.parameters}["DISARM_DELAY"]
+    for seq, item in enumerate(mission.items[: takeoff - 1], start=1):
+        if item.command == Command.NAV_DELAY and 0.0 < stands <= item.params[0]:
+            yield warning(seq, item, f"on the ground ArduCopter disarms after {stands:g} s (DISARM_DELAY; 0: never)")
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:

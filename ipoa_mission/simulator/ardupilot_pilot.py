@@ -96,15 +96,15 @@ class ArduPilotPilot:
         match item.command:
             case Command.NAV_TAKEOFF:
                 self._take_off(self._place(index)[2], self._done)
+            case Command.NAV_DELAY:
+                self._copter.hold(self._copter.wait_at(item))
+                self._then, self._flying = self._done, True
             case _ if self._now.landed:  # it stays on the ground
                 self._flying = False
             case Command.NAV_RETURN_TO_LAUNCH:
                 self._come_down(self._copter.return_home())
             case Command.NAV_LAND:
                 self._come_down(self._copter.land(self._place(index) if item.has_position else None))
-            case Command.NAV_DELAY:
-                self._copter.hold(self._copter.wait_at(item))
-                self._then = self._done
             case _:
                 program = self._now.program
                 onward, stop = program.onward(index), stop_at(program, index, self._copter.place)

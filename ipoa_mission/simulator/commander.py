@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from ipoa_mission.autopilots.modes import knows_mode, mode_name
-from ipoa_mission.commands import LAST_NAV, Command, Frame
+from ipoa_mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, Command, Frame
 from ipoa_mission.link.codec import EVERYONE
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
 from ipoa_mission.simulator.flight import FlightMode, MissionState
@@ -132,10 +132,10 @@ class Commander(Reporting):
         return result
 
     def _has_takeoff_first(self) -> bool:
-        """Whether the first command to come that moves the vehicle is a take-off; DO items may stand before it."""
+        """Whether the first command to come that moves the vehicle is a take-off; DO items and delays may precede."""
         first = 0 if self.flight.mission_state is MissionState.COMPLETE else self.flight.current
-        flown = (item.command for item in self._flown[first:] if item.command < LAST_NAV)
-        return next(flown, None) == Command.NAV_TAKEOFF
+        ahead = (item.command for item in self._flown[first:] if item.command < LAST_NAV)
+        return next((one for one in ahead if one not in MAY_PRECEDE_TAKEOFF), None) in TAKEOFFS
 
     def set_mode(self, params: Sequence[float]) -> CommandResult:
         """Command 176: main and sub mode for PX4, ArduPilot's one number."""

@@ -1,7 +1,7 @@
 """What the built-in autopilot is and tells by itself: its state, its streams, and what it says at once."""
 
 from ipoa_mission.autopilots.vehicle import Parameters
-from ipoa_mission.commands import LAST_NAV
+from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.items import QUADROTOR, Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
@@ -75,7 +75,14 @@ class Reporting:
         return ""
 
     def _is_standing(self) -> bool:
-        return self.flight.armed and self.flight.landed and self.flight.mode is FlightMode.HOLD
+        if not (self.flight.armed and self.flight.landed):
+            return False
+        return self.flight.mode is FlightMode.HOLD or self._delays()
+
+    def _delays(self) -> bool:
+        """Whether an ArduCopter waits in an item that only does that."""
+        at = self.flight.current
+        return self.habits.home_is_item_0 and at < len(self._flown) and self._flown[at].command == Command.NAV_DELAY
 
     # --- what is said unasked ---------------------------------------------------------------------------------------
 

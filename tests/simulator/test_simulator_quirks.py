@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.messages import (
     Ack,
@@ -31,6 +33,7 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.flight import FlightMode
+from ipoa_mission.simulator.fly import fly
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of
 
@@ -373,6 +376,22 @@ def test_ardupilot_will_not_start_a_mission_without_take_off() -> None:
     assert flown.command(400, 1.0) == OK
     answers = flown.hear(CommandLong(300))
     assert any(isinstance(said, Text) and said.text == "Auto: Missing Takeoff Cmd" for said in answers)
+
+
+@pytest.mark.parametrize(("disarm_delay", "lasts"), [(10.0, 10.0), (0.0, 110.0)])
+def test_ardupilot_waits_armed_before_its_take_off_as_long_as_it_may(disarm_delay: float, lasts: float) -> None:
+    # copter_nav_delay_takeoff.txt of ArduPilot, flown on ArduCopter 4.7.0-dev: disarmed after 10.0 s, else 110.0 s
+    items = (
+        change_speed(10.0),
+        Item(Command.NAV_DELAY, Frame.MISSION, (60.0, 0.0, 0.0, 0.0)),
+        takeoff(HOME, 20.0),
+        return_to_launch(),
+    )
+    mission = Mission(HOME, items, ARDUPILOT, parameters={"DISARM_DELAY": disarm_delay})
+    record = fly(mission)
+    assert (record.completed, record.total_s) == (disarm_delay == 0.0, pytest.approx(lasts, abs=1.0))
+    warned = [finding.message for finding in check_mission(mission) if "DISARM_DELAY" in finding.message]
+    assert len(warned) == (disarm_delay > 0.0)
 
 
 @pytest.mark.parametrize("autopilot", Autopilot)
