@@ -99,9 +99,10 @@ class Patience:
 
     A question is repeated after `answer_s` (an item of a list: `item_s`), or, with `adapt`, after the measured round
     trip and four times its spread. A silent link is given up after `retries` of `answer_s`; one on which the other side
-    is heard at all, after `alive_retries` repeats: losing a third of the packets is no reason to give up. For an item
-    of a list `item_retries` will do: the other side may have closed the list, which is then opened again. `total_s` is
-    the most that one verb of the client (an upload with its fence and rally points, a download) may take in all.
+    is heard at all, after `alive_retries` repeats, but no sooner than a silent one: losing a third of the packets is no
+    reason to give up, nor is an autopilot that is busy for some seconds. For an item of a list `item_retries` will do:
+    the other side may have closed the list, which is then opened again. `total_s` is the most that one verb of the
+    client (an upload with its fence and rally points, a download) may take in all.
     """
 
     answer_s: float = 1.5
@@ -309,8 +310,11 @@ class Exchange(Generic[T]):
         patience = self._patience
         if self._repeats < patience.retries:
             return False
-        most = patience.item_retries if item else patience.alive_retries
-        return self._repeats >= most or now - self._heard >= patience.silence_s
+        if now - self._heard >= patience.silence_s:
+            return True
+        if item:
+            return self._repeats >= patience.item_retries
+        return self._repeats >= patience.alive_retries and now - self._since >= patience.silence_s
 
     def _resume(self, message: Message | None) -> Step:
         try:
@@ -336,6 +340,8 @@ class Exchange(Generic[T]):
     def _say(self, message: Message, now: float) -> None:
         self._said = now
         self._wait_s = self._tempo.wait_s(isinstance(self._awaited, Ask) and self._awaited.item)
+        if self._repeats >= self._patience.alive_retries:  # so many at the link's pace are no use
+            self._wait_s = max(self._wait_s, self._patience.answer_s)
         self._outbox.append(message)
 
     def _finish(self, result: T) -> None:

@@ -9,6 +9,8 @@ from ipoa_mission.link.codec import Framer, Target
 
 #: A peer that was silent for so long has lost its claim to a name, and its place in a full house.
 CLAIM_S = 5.0
+#: From one transfer to the next of the same peer (an upload, and its reading back) [s].
+REST_S = 1.0
 MOST_PEERS = 32
 
 
@@ -50,6 +52,11 @@ class Routes:
             return False
         self._claims[name] = (peer, now)
         return True
+
+    def release(self, name: Target, now: float) -> None:
+        """Whoever speaks for this name alone has done: unless more comes within `REST_S` another may claim it."""
+        if name in self._claims:
+            self._claims[name] = (self._claims[name][0], now - CLAIM_S + REST_S)
 
     def heard_s(self, name: Target) -> float | None:
         """When this name was heard last, if it ever was."""

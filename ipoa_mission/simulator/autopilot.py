@@ -94,6 +94,10 @@ class Autopilot(Commander):
                     self._say(answer, source)
         self._tell_changes()
 
+    def transfers_with(self, client: Target) -> bool:
+        """Whether a list or a file is under way to or from a client."""
+        return self.transfers.is_under_way(client) or self._files.is_open(client)
+
     def tick(self, now: float) -> None:
         """Time has passed: fly on, ask again, stream."""
         self._now = max(self._now, now)

@@ -52,6 +52,11 @@ class FileService:
             session.last = _burst(question, session.reading or b"") if is_burst else (self._act(question, session),)
         return [answer.pack() for answer in session.last]
 
+    def is_open(self, client: Target) -> bool:
+        """Whether a client has a file open."""
+        session = self._sessions.get(client)
+        return session is not None and (session.reading is not None or session.writing is not None)
+
     def _act(self, question: FileMessage, session: Session) -> FileMessage:
         match question.opcode:
             case Opcode.RESET_SESSIONS:

@@ -41,6 +41,8 @@ class Station:
             if isinstance(message, TRANSFER) and not self._routes.claim(name, peer, now):
                 continue
             self.autopilot.receive(message, name, now)
+            if not self.autopilot.transfers_with(name):
+                self._routes.release(name, now)
 
     def tick(self, now: float) -> None:
         """Time has passed."""

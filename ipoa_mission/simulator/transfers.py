@@ -120,6 +120,12 @@ class Transfers:
         uploads = [one.exchange.deadline for one in self._incoming.values()]
         return min((*uploads, *(reader.deadline for reader in self._readers.values())), default=math.inf)
 
+    def is_under_way(self, client: Target) -> bool:
+        """Whether a list is under way to or from a client."""
+        return any(one.client == client for one in self._incoming.values()) or any(
+            reader == client for reader, _ in self._readers
+        )
+
     def listed(self, kind: int) -> tuple[Item, ...]:
         """A list as it is read back: ArduPilot's mission begins with its own home."""
         items = self.stores[MissionType(kind)].items

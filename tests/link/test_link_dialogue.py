@@ -57,6 +57,24 @@ def test_silence_is_an_error() -> None:
     assert exchange.deadline == pytest.approx(SPECIFIED.silence_s)
 
 
+def test_on_a_fast_link_who_is_busy_gets_no_less_patience_than_on_a_slow_one() -> None:
+    tempo = Tempo(SPECIFIED)
+    tempo.sample(0.001)
+    exchange = Exchange(asking(), 0.0, SPECIFIED, tempo)
+    said: list[float] = []
+
+    def wait() -> None:
+        while not exchange.finished:
+            said.extend(exchange.deadline for _ in exchange.outgoing())
+            exchange.receive(BEAT, exchange.deadline)
+            exchange.tick(exchange.deadline)
+
+    with pytest.raises(NoAnswer):
+        wait()
+    assert exchange.deadline == pytest.approx(SPECIFIED.silence_s, abs=SPECIFIED.answer_s)
+    assert SPECIFIED.alive_retries < len(said) < 30  # quickly at first, then at the specification's pace
+
+
 def test_who_is_heard_at_all_gets_more_patience() -> None:
     exchange = Exchange(asking(), 0.0, Patience(adapt=False))
     second = 0

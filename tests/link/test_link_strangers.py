@@ -14,7 +14,7 @@ from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import SPECIFIED
 from ipoa_mission.link.line import Contested, Line, SpeaksMavlink1
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Result
+from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Request, Result
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.station import Station
@@ -213,6 +213,21 @@ def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_
     net.strangers.append(disturb)
     vehicle.upload(MISSION)
     assert is_exact(net, "one", family)
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopilot) -> None:
+    one = station(family)
+
+    def answers(message: Message, peer: Peer, now: float) -> list[Peer | None]:
+        one.receive(Codec(*US).encode(message, VEHICLE, 0.0), peer, now)
+        heard = [(Codec(*US).decode(frame), to) for frame, to in one.outgoing()]
+        return [to for answer, to in heard if answer is not None and isinstance(answer.message, Request | Ack)]
+
+    assert answers(Count(0), "us", 10.0) == ["us"]
+    assert answers(Count(2), "next", 10.5) == []  # we may go on, and read back
+    assert answers(Count(2), "next", 11.1) == ["next"]
+    assert answers(Count(2), "us", 12.2) == []  # that one is under way
 
 
 def test_an_answer_to_one_of_two_stations_reaches_both_and_a_transfer_s_only_its_own() -> None:
