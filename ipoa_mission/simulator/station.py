@@ -38,10 +38,11 @@ class Station:
             message = heard.message
             if message is None or not heard.is_for(self._codec.system, self._codec.component):
                 continue
-            if isinstance(message, TRANSFER) and not self._routes.claim(name, peer, now):
+            transfers = isinstance(message, TRANSFER)
+            if transfers and not self._routes.claim(name, peer, now):
                 continue
             self.autopilot.receive(message, name, now)
-            if not self.autopilot.transfers_with(name):
+            if transfers and not self.autopilot.transfers_with(name):
                 self._routes.release(name, now)
 
     def tick(self, now: float) -> None:

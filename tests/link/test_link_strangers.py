@@ -226,6 +226,7 @@ def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopi
 
     assert answers(Count(0), "us", 10.0) == ["us"]
     assert answers(Count(2), "next", 10.5) == []  # we may go on, and read back
+    assert answers(Heartbeat(6, Firmware.INVALID), "next", 11.0) == []  # that renews nobody's claim
     assert answers(Count(2), "next", 11.1) == ["next"]
     assert answers(Count(2), "us", 12.2) == []  # that one is under way
 
