@@ -150,8 +150,7 @@ def pause(
 
     Example: `ipoa-mission pause --link udpin:127.0.0.1:14550`
     """
-    with connect_to(link, on_link, Path("pause.tlog")) as vehicle:
-        _order(vehicle, vehicle.pause, "holds its place", on_link.written(Path("pause.tlog")), as_json)
+    _order(link, on_link, as_json, "pause", "holds its place", lambda vehicle: vehicle.pause())
 
 
 def resume(
@@ -163,8 +162,7 @@ def resume(
 
     Example: `ipoa-mission resume --link udpin:127.0.0.1:14550`
     """
-    with connect_to(link, on_link, Path("resume.tlog")) as vehicle:
-        _order(vehicle, vehicle.resume, "goes on with its mission", on_link.written(Path("resume.tlog")), as_json)
+    _order(link, on_link, as_json, "resume", "goes on with its mission", lambda vehicle: vehicle.resume())
 
 
 def rtl(
@@ -176,8 +174,7 @@ def rtl(
 
     Example: `ipoa-mission rtl --link udpin:127.0.0.1:14550`
     """
-    with connect_to(link, on_link, Path("rtl.tlog")) as vehicle:
-        _order(vehicle, vehicle.return_to_launch, "comes home", on_link.written(Path("rtl.tlog")), as_json)
+    _order(link, on_link, as_json, "rtl", "comes home", lambda vehicle: vehicle.return_to_launch())
 
 
 def scan(
@@ -212,10 +209,14 @@ def scan(
         raise typer.Exit(1)
 
 
-def _order(vehicle: AnyVehicle, order: Callable[[], None], done: str, written: list[str], as_json: bool) -> None:
+def _order(
+    link: str, on_link: LinkOptions, as_json: bool, verb: str, done: str, order: Callable[[AnyVehicle], None]
+) -> None:
     """Give a flying vehicle an order, and say what it does now."""
-    with left_behind("the vehicle may have heard it"):
-        order()
+    usual = Path(f"{verb}.tlog")
+    with connect_to(link, on_link, usual) as vehicle, left_behind("the vehicle may have heard it"):
+        order(vehicle)
+    written = on_link.written(usual)
     if as_json:
         state = {"system": vehicle.system, "autopilot": str(vehicle.autopilot), "does": done}
         tell_json(state | {"mode": vehicle.mode, "written": written})
