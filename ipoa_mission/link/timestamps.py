@@ -7,8 +7,8 @@ that ends well leaves the timestamp that it signed last. So it never runs ahead 
 import logging
 import os
 import sys
+import weakref
 from pathlib import Path
-from typing import BinaryIO
 
 from ipoa_mission.errors import BadInput
 
@@ -24,27 +24,21 @@ LOCKED_AT = 1_000_000  # on Windows nobody can read what is locked: a byte far b
 
 
 class Timestamps:
-    """The file of one owner; `close` it for the next."""
+    """The file of one owner, by its descriptor; `close` it for the next."""
 
-    def __init__(self, path: Path, file: BinaryIO, last: int) -> None:
+    def __init__(self, path: Path, file: int, last: int) -> None:
         self.last = last
         self._path = path
         self._file = file
+        self.close = weakref.finalize(self, os.close, file)  # once, also for one whose owner forgot to
 
     def keep(self, last: int) -> None:
         """Write a timestamp down; a disk that takes nothing any more does not end a flight."""
         try:
-            self._file.seek(0)
-            self._file.write(b"%0*d\n" % (DIGITS, last))
+            os.lseek(self._file, 0, os.SEEK_SET)
+            os.write(self._file, b"%0*d\n" % (DIGITS, last))
         except OSError as error:
             log.warning("%s: cannot be written: %s; signing may be refused next time", self._path, error.strerror)
-
-    def close(self) -> None:
-        """Somebody else may own it."""
-        self._file.close()
-
-    def __del__(self) -> None:
-        self.close()
 
 
 def own_timestamps(path: Path) -> Timestamps | None:
@@ -54,28 +48,28 @@ def own_timestamps(path: Path) -> Timestamps | None:
         BadInput: it cannot be opened, or holds something else than a timestamp.
     """
     try:
-        file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600), "r+b", buffering=0)
+        file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
     except OSError as error:
         raise BadInput(f"{path}: cannot be opened: {error.strerror}") from error
     try:
         _lock(file)
-        words = file.read(DIGITS + 2).strip()
+        words = os.read(file, DIGITS + 2).strip()
     except (BlockingIOError, PermissionError):  # it is locked: on Linux, on Windows
-        file.close()
+        os.close(file)
         return None
     except OSError as error:
-        file.close()
+        os.close(file)
         raise BadInput(f"{path}: cannot be locked: {error.strerror}") from error
     if words and not (words.isdigit() and int(words) < MOST):
-        file.close()
+        os.close(file)
         raise BadInput(f"{path}: expected a timestamp of MAVLink signing, not {words.decode('ascii', 'replace')!r}")
     return Timestamps(path, file, int(words or b"0"))
 
 
-def _lock(file: BinaryIO) -> None:
+def _lock(file: int) -> None:
     if sys.platform == "win32":
-        file.seek(LOCKED_AT)
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        file.seek(0)
+        os.lseek(file, LOCKED_AT, os.SEEK_SET)
+        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+        os.lseek(file, 0, os.SEEK_SET)
     else:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

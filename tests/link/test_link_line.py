@@ -1,6 +1,8 @@
 """Connection strings, sockets, routes, logs, several vehicles, signed links: the client's verbs over real loopback."""
 
+import gc
 import hashlib
+import os
 import threading
 from collections.abc import Callable
 from dataclasses import replace
@@ -301,10 +303,19 @@ full_disk = pytest.mark.skipif(not FULL.exists(), reason="this system has no /de
 
 @full_disk
 def test_a_full_disk_does_not_end_what_is_signed(caplog: pytest.LogCaptureFixture) -> None:
-    with FULL.open("r+b", buffering=0) as file:
-        signer = Signer(KEY, 0, Timestamps(FULL, file, 0))
-        assert signer.signature(b"\xfd", NOW)
-        assert "/dev/full: cannot be written: No space left on device" in caplog.text
+    signer = Signer(KEY, 0, Timestamps(FULL, os.open(FULL, os.O_RDWR), 0))
+    assert signer.signature(b"\xfd", NOW)
+    assert "/dev/full: cannot be written: No space left on device" in caplog.text
+    signer.close()
+
+
+def test_timestamps_that_nobody_closed_are_the_next_ones_when_their_owner_is_collected(tmp_path: Path) -> None:
+    forgotten = persistent_signer(KEY, tmp_path / "timestamp")
+    forgotten.itself = forgotten  # type: ignore[attr-defined]
+    assert persistent_signer(KEY, tmp_path / "timestamp").link_id == 1
+    del forgotten
+    gc.collect()
+    assert persistent_signer(KEY, tmp_path / "timestamp").link_id == 0
 
 
 @full_disk
