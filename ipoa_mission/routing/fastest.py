@@ -27,6 +27,7 @@ class RouteSearch:
 
     starts: int = 2  # routes of different numbers of waypoints are improved
     trials: int = 100  # of leaving a waypoint out or moving it
+    patience: int = 40  # after so many that gain nothing a step is given up
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
     least_gain_s: float = 0.1  # a change must save so much
     equal_share: float = 0.005  # of the time, that is not worth less room
@@ -99,15 +100,15 @@ def _improve(route: Route, flown: Flown, scenario: Scenario) -> Route:
     for step in SEARCH.step_shares:
         gained = True
         while gained and trials > 0:
-            gained = False
+            gained, patience = False, SEARCH.patience
             for changed in _changes(route.points, step * scenario.route.tolerance, scenario.via_points):
-                trials -= 1
+                trials, patience = trials - 1, patience - 1
                 candidate = replace(route, points=changed)
                 flown = sketch(candidate, curve, scenario)
                 if flown.seconds < seconds - SEARCH.least_gain_s and _is_fit(candidate, flown, scenario):
                     route, seconds, gained = candidate, flown.seconds, True
                     break
-                if trials <= 0:
+                if trials <= 0 or patience <= 0:
                     break
     return route
 

@@ -17,9 +17,10 @@ from ipoa_mission.tube.promise import Kept, Promise, promise_of
 from ipoa_mission.tube.room import with_room
 from ipoa_mission.world.obstacles import Obstacle
 
-#: At how many tight places the tube is given room, and whether gaps stay open; tried in this order until a route is
-#: safe. Less room than is needed for sure is quicker, and mostly enough.
-ROOMS = ((0.5, False), (4.0, False), (0.5, True))
+#: At how many tight places the tube is given room, whether gaps stay open, and up to which share of the height that the
+#: lowest given place has to spare the path is to be higher over steep ground. Tried in this order until a route is safe:
+#: less room than is needed for sure is quicker, and mostly enough.
+ROOMS = ((0.5, False, 0.9), (4.0, False, 9.0), (0.5, True, 0.9))
 AROUND = 50.0  # what is on the other side of a gap is looked for so far away [m]
 SLOWER = (0.5, 0.25)  # shares of the cruise speed that are tried before a gap is called too narrow at any speed
 
@@ -36,12 +37,13 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> tuple[P
     if scenario.safety.chance is None:
         plan = plan_path(scenario, seed, progress)
         return plan, weigh_routes(plan, scenario)
-    sought, closed = list[tuple[Obstacle, ...]](), False
-    for tight, keep_gaps in ROOMS:
-        roomy = with_room(scenario, tight, keep_gaps)
-        if (closed and not keep_gaps) or roomy.airspace.obstacles in sought:
+    sought, closed = list[tuple[tuple[Obstacle, ...], float]](), False
+    for tight, keep_gaps, share in ROOMS:
+        roomy = with_room(scenario, tight, keep_gaps, share)
+        room = roomy.airspace.obstacles, roomy.limits.height_above_ground
+        if (closed and not keep_gaps) or room in sought:
             continue  # where there is no path, there is none with more room
-        sought.append(roomy.airspace.obstacles)
+        sought.append(room)
         try:
             plan = plan_path(roomy, seed, progress)
         except NoPath:
@@ -49,10 +51,19 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> tuple[P
             continue
         plan = replace(plan, cost=curve_cost(plan.curve, scenario), proof=prove_curve(plan.curve, scenario))
         try:
-            return plan, weigh_routes(plan, scenario)
+            options = weigh_routes(plan, scenario)
         except NoRoute:
             continue
+        if _promised(options, scenario):
+            return plan, options
     raise _too_narrow(plan_path(scenario, seed, progress), scenario)
+
+
+def _promised(options: tuple[Option, ...], scenario: Scenario) -> bool:
+    """Whether the route asked for keeps its limits also where it is looked at from the arming on, in other passes."""
+    route = next(option.route for option in options if option.mode == scenario.route.mode)
+    broken = promise_of(draft_mission(route, scenario), scenario).broken
+    return not any(kept.on_the_way for kept in broken)
 
 
 def _too_narrow(plan: Plan, scenario: Scenario) -> NoPath:

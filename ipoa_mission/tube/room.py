@@ -1,8 +1,7 @@
 """Room for the tube while a path is sought: the same scene, with everything larger by what the tube needs there.
 
 Obstacles grow by the tube at a usual number of tight places. One grows less where it would close in on a place that the
-scenario gives, and, if asked, where it would close a gap that is wide enough for the predicted path. Over steep ground
-the path is to be higher, but not for that than a given place.
+scenario gives, and, if asked, where it would close a gap that is wide enough for the predicted path.
 """
 
 import numpy as np
@@ -20,8 +19,11 @@ from ipoa_mission.world.polygon import Polygon, rings_of
 LEAST_GROWTH = 0.01  # obstacles that would grow by less are left as they are [m]
 
 
-def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scenario:
-    """The scenario with room for its autopilot's tube at so many tight places; with `keep_gaps` it closes no gap."""
+def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: float = 9.0) -> Scenario:
+    """The scenario with room for its autopilot's tube at so many tight places; with `keep_gaps` it closes no gap.
+
+    Over steep ground the path is to be higher, by that `share` at most of what the lowest given place has to spare.
+    """
     chance = scenario.safety.chance
     if chance is None:
         return scenario
@@ -34,7 +36,7 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scen
         for body, by in zip(airspace.obstacles, growth.tolist(), strict=True)
     )
     slope = _usual_slope(airspace) * rim.level
-    roomier = raised(scenario, max(rim.down, min(rim.down + slope, _spare_height(scenario))))
+    roomier = raised(scenario, max(rim.down, min(rim.down + slope, share * _spare_height(scenario))))
     if (ceiling := scenario.planning.max_height_above_ground) is not None:
         lower = max(ceiling - rim.up - slope, roomier.planning.min_height_above_ground or 0.0)
         roomier = roomier.model_copy(
@@ -47,7 +49,7 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scen
 def _spare_height(scenario: Scenario) -> float:
     """How much higher above ground than required the lowest of the given places is [m]."""
     heights = scenario.places[:, 2] - scenario.airspace.ground(scenario.places)
-    return float(heights.min()) - scenario.limits.height_above_ground - 2 * LEAST_GROWTH
+    return float(heights.min()) - scenario.limits.height_above_ground
 
 
 def _growth(scenario: Scenario, level: float, keep_gaps: bool) -> Vector:
