@@ -58,19 +58,18 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Route:
     return MODES[mode](plan, scenario)
 
 
-def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
+def weigh_routes(plan: Plan, scenario: Scenario, needed: str | None = None) -> tuple[Option, ...]:
     """What every mode that this autopilot can fly would come to, quickest first.
 
     Raises:
-        BadInput: as `assemble`.
-        NoRoute: no choice of waypoints of the mode that the scenario asks for keeps the required clearance.
+        BadInput, NoRoute: as `assemble`, of the mode that is `needed`; the others are left out where they fail.
     """
-    flights, asked = [], scenario.route.mode
-    for mode in (asked, *(mode for mode in MODES if mode != asked)):
+    flights = []
+    for mode in sorted(MODES, key=lambda mode: mode != needed):
         try:
             route = choose_route(plan, scenario, mode)
         except (BadInput, NoRoute):
-            if mode == asked:
+            if mode == needed:
                 raise
             continue
         flights.append((mode, route, fly(route, plan.curve, scenario)))

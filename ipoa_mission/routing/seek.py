@@ -32,11 +32,12 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> tuple[P
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place; the autopilot
             does not fly the kind of waypoints that the scenario asks for.
         NoPath: a given place breaks a limit, no path was found that keeps them all, or too few flights would keep them.
+        NoRoute: no choice of waypoints of that kind keeps the limits.
     """
     expect_mode(scenario.route.mode, scenario.vehicle.autopilot)
     if scenario.safety.chance is None:
         plan = plan_path(scenario, seed, progress)
-        return plan, weigh_routes(plan, scenario)
+        return plan, weigh_routes(plan, scenario, needed=scenario.route.mode)
     sought, closed = list[tuple[tuple[Obstacle, ...], float]](), False
     for tight, keep_gaps, share in ROOMS:
         roomy = with_room(scenario, tight, keep_gaps, share)
@@ -51,7 +52,7 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> tuple[P
             continue
         plan = replace(plan, cost=curve_cost(plan.curve, scenario), proof=prove_curve(plan.curve, scenario))
         try:
-            options = weigh_routes(plan, scenario)
+            options = weigh_routes(plan, scenario, needed=scenario.route.mode)
         except NoRoute:
             continue
         if _promised(options, scenario):

@@ -10,6 +10,10 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import NoPath
+from ipoa_mission.progress import silent
+from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.approach import approaches
 from ipoa_mission.tube.course import Course
@@ -136,6 +140,40 @@ def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Calla
     safety = scenario.safety.model_copy(update={"confidence": "nominal"})
     nominal = scenario.model_copy(update={"safety": safety})
     assert with_room(nominal, 1.0) is nominal
+
+
+def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_places_are() -> None:
+    slope = {"kind": "grid", "east": -50.0, "north": -50.0, "spacing": 200.0, "heights": [[0.0, 800.0], [0.0, 800.0]]}
+    table = {
+        "home": {"latitude_deg": 47.0, "longitude_deg": 8.0},
+        "start": {"east": 0.0, "north": 0.0, "height_above_ground": 12.0},
+        "goal": {"east": 100.0, "north": 0.0, "height_above_ground": 20.0},
+        "vehicle": {"autopilot": "px4", "radius": 0.5},
+        "terrain": slope,
+    }
+    scenario = Scenario.model_validate(table)
+    least, rim = scenario.limits.height_above_ground, rim_of(PX4, 0.01)
+    wanted = least + rim.down + 4.0 * rim.level
+    assert with_room(scenario, 1.0).limits.height_above_ground == pytest.approx(wanted)
+    assert with_room(scenario, 1.0, share=0.5).limits.height_above_ground == pytest.approx((least + 12.0) / 2)
+    assert with_room(scenario, 1.0, share=0.1).limits.height_above_ground == pytest.approx(least + rim.down)
+
+
+def test_where_there_is_no_path_none_with_more_room_is_sought(
+    scenario_of: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """These two poles leave no gap that could be kept open: what is left is the path without room, to tell why."""
+    sought = []
+
+    def nowhere(task: Scenario, *_: object) -> Plan:
+        sought.append(task)
+        raise NoPath("closed")
+
+    monkeypatch.setattr("ipoa_mission.routing.seek.plan_path", nowhere)
+    with pytest.raises(NoPath, match="closed"):
+        plan_with_room(scenario := scenario_of(), 0, silent)
+    assert len(sought) == 2
+    assert sought[-1] is scenario
 
 
 @pytest.fixture
