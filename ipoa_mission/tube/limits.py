@@ -65,18 +65,13 @@ def raised(scenario: Scenario, by: float) -> Scenario:
 def _heights_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:
     """Round a place that lies lower than the tube allows, its own height is what the predicted path must keep."""
     higher, least = raised(scenario, rim.down), scenario.limits.height_above_ground
-    tightest: dict[str, Check] = {}
-    for side in _sides(rim.level if scenario.airspace.terrain.steepness > 0 else 0.0):
-        for check in prove_heights(path + side, higher):
-            if check.limit == "ceiling":
-                moved = replace(check, nearest=_more(check.nearest, rim.up))
-            elif check.limit == "ground" and check.required >= least + rim.down:
-                moved = replace(check, nearest=_more(check.nearest, -rim.down), required=least)
-            else:
-                continue
-            if check.limit not in tightest or moved.slack < tightest[check.limit].slack:
-                tightest[check.limit] = moved
-    yield from tightest.values()
+    sides = _sides(rim.level if scenario.airspace.terrain.steepness > 0 else 0.0)
+    to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
+    for check in prove_heights(np.vstack(to_and_fro), higher):
+        if check.limit == "ceiling":
+            yield replace(check, nearest=_more(check.nearest, rim.up))
+        elif check.limit == "ground" and check.required >= least + rim.down:
+            yield replace(check, nearest=_more(check.nearest, -rim.down), required=least)
 
 
 def _bounds_kept(path: Points, scenario: Scenario, rim: Rim) -> Check | None:
