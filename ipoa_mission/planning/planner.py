@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.planning.cost import curve_cost, even_cost
+from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
 from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
@@ -26,7 +26,8 @@ from ipoa_mission.progress import Progress, silent
 
 __all__ = ["NoPath", "plan_path"]
 
-Proved: TypeAlias = tuple[Spline, Proof]
+Proved: TypeAlias = tuple[Spline, Proof, CostTerms]
+Settled: TypeAlias = tuple[Trail, Proof, CostTerms]
 
 
 def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy = USUAL) -> Plan:
@@ -45,11 +46,11 @@ def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strate
     searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
-    safe = [(curve_cost(curve, task), curve, proof) for curve, proof in curves if proof.holds]
+    safe = [proved for proved in curves if proved[1].holds]
     if not safe:
-        nearest = max((proof for _, proof in curves), key=lambda proof: proof.worst.slack)
+        nearest = max((proof for _, proof, _ in curves), key=lambda proof: proof.worst.slack)
         raise explain(problem, nearest) if as_printed else not_found(nearest)
-    cost, curve, proof = min(safe, key=lambda planned: planned[0].total)
+    curve, proof, cost = min(safe, key=lambda proved: proved[2].total)
     return Plan(curve, cost, proof, task.optimizer.name, seed, *searcher.history())
 
 
@@ -58,25 +59,25 @@ def _search_once(searcher: Searcher, progress: Progress) -> Proved:
     task = searcher.problem.task
     straight = follow(task.places, task.planning.control_points, task)
     searched = searcher.search(straight, 2 * searcher.strategy.straight_width, progress=progress)
-    return searched.curve, prove_curve(searched.curve, task)
+    return searched.curve, prove_curve(searched.curve, task), curve_cost(searched.curve, task)
 
 
 def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
     """A few settled curves; if none of them holds, the search begins anew with guesses from a finer lattice."""
-    problem, strategy, proved = searcher.problem, searcher.strategy, list[tuple[Trail, Proof]]()
+    problem, strategy, proved = searcher.problem, searcher.strategy, list[Settled]()
     for coarsest in range(len(strategy.lattice.refinements) - 1):
         improved = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
         for trail in improved[: strategy.max_settled]:
             proved.append(_settle(trail, searcher))
-            if sum(proof.holds for _, proof in proved) == strategy.settled:
+            if sum(proof.holds for _, proof, _ in proved) == strategy.settled:
                 break
-        if safe := [trail for trail, proof in proved if proof.holds]:
+        if safe := [trail for trail, proof, _ in proved if proof.holds]:
             finer = _finer(min(safe, key=problem.cost), strategy)
             proved.append(_settle(finer, searcher, enough=1e-8))
             break
         if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why
-    return [(trail.curve, proof) for trail, proof in proved]
+    return [(trail.curve, proof, cost) for trail, proof, cost in proved]
 
 
 def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Trail]:
@@ -126,17 +127,18 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
     return [trail for _, trail in improved]
 
 
-def _settle(trail: Trail, searcher: Searcher, enough: float = 1e-7) -> tuple[Trail, Proof]:
+def _settle(trail: Trail, searcher: Searcher, enough: float = 1e-7) -> Settled:
     """The curve settled; if control points that piled up hide a loop of it, once more with them evenly apart."""
     problem, task = searcher.problem, searcher.problem.task
     settled, proof = settle(trail, problem, enough)
-    cost = curve_cost(settled.curve, task).total
-    if cost <= searcher.strategy.hidden_loop * even_cost(settled.curve, task).total:
-        return settled, proof
+    cost = curve_cost(settled.curve, task)
+    if cost.total <= searcher.strategy.hidden_loop * even_cost(settled.curve, task).total:
+        return settled, proof, cost
     count = len(settled.curve.control)
     even, even_proof = settle(follow(settled.curve.sample(4 * count), count - 2, task), problem, enough)
-    cheaper = curve_cost(even.curve, task).total < cost
-    return (even, even_proof) if even_proof.holds and (cheaper or not proof.holds) else (settled, proof)
+    even_terms = curve_cost(even.curve, task)
+    is_better = even_proof.holds and (even_terms.total < cost.total or not proof.holds)
+    return (even, even_proof, even_terms) if is_better else (settled, proof, cost)
 
 
 def _finer(trail: Trail, strategy: SearchStrategy) -> Trail:
