@@ -20,7 +20,7 @@ from ipoa_mission.world.obstacles import Obstacle
 #: At how many tight places the tube is given room, whether gaps stay open, and by which share of the height that the
 #: lowest given place has to spare the path may have to be higher over steep ground. Tried in this order until a route
 #: is safe: less room than is needed for sure is quicker, and mostly enough.
-ROOMS = ((0.5, False, 0.9), (4.0, False, 9.0), (0.5, True, 0.9))
+ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
 AROUND = 50.0  # what is on the other side of a gap is looked for so far away [m]
 SLOWER = (0.5, 0.25)  # shares of the cruise speed that are tried before a gap is called too narrow at any speed
 
