@@ -56,7 +56,7 @@ def check_mission(
                 finding for finding in check_clearance(mission, scenario, promise) if finding.seq not in judged
             ]
             findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
-            if promise is not None:
+            if promise is not None and not any(finding.severity is Severity.ERROR for finding in findings):
                 findings += check_failsafe_return(mission, promise.flight)
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
 
