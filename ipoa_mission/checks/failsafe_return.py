@@ -61,7 +61,7 @@ def check_failsafe_return(mission: Mission, flight: PredictedFlight) -> Iterator
         some = [one for one in broken if (one.part == RETURNS) is going]
         if some:
             worst = min(some, key=lambda one: one.check.slack)
-            message = f"{_items_in_words(some)}: {order} ordered on the way there {verb} {worst.check.words()}"
+            message = f"{_items_in_words(some)}: {order} on the way there {verb} {worst.check.words()}"
             yield Finding(
                 Severity.WARNING, worst.seq, message, _remedy(mission, flight.scenario, stops, some) if going else None
             )

@@ -83,7 +83,7 @@ def test_a_clear_way_home_is_nothing_to_speak_of(autopilot: Autopilot) -> None:
 @pytest.mark.parametrize("autopilot", Autopilot)
 def test_no_height_helps_where_it_brakes_into_a_wall(autopilot: Autopilot) -> None:
     (braking,) = check_failsafe_return(*flight_in(scene(autopilot, WALL)))
-    assert "RTL or pause ordered on the way there brakes and climbs" in braking.message
+    assert "RTL or pause on the way there brakes and climbs" in braking.message
     assert "from wall" in braking.message
     assert braking.hint is None
 
