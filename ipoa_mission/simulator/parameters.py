@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from types import MappingProxyType
 
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS, OTHER_PARAMETERS
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -10,54 +9,24 @@ from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRe
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
 
 INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
-_AS_DECLARED: Mapping[Autopilot, Mapping[int, tuple[str, ...]]] = {
+_AS_DECLARED: Mapping[Autopilot, Mapping[int, str]] = {
     Autopilot.ARDUPILOT: {
-        INT8: (
-            "WP_YAW_BEHAVIOR",
-            "DISARM_DELAY",
-            "FRAME_CLASS",
-            "FENCE_ENABLE",
-            "FENCE_ACTION",
-            "FENCE_TYPE",
-            "RTL_ALT_TYPE",
-            "MIS_RESTART",
-            "LOG_DISARMED",
-            "TERRAIN_ENABLE",
-        ),
-        INT16: (
-            "ANGLE_MAX",
-            "LAND_SPEED",
-            "LAND_SPEED_HIGH",
-            "LAND_ALT_LOW",
-            "RTL_SPEED",
-            "RTL_ALT_FINAL",
-            "RTL_CLIMB_MIN",
-            "MAV_SYSID",
-            "FENCE_OPTIONS",
-            "MIS_OPTIONS",
-        ),
-        INT32: ("RTL_ALT", "RTL_LOIT_TIME", "AUTO_OPTIONS", "GUID_OPTIONS", "ARMING_CHECK"),
+        INT8: "WP_YAW_BEHAVIOR DISARM_DELAY FRAME_CLASS FENCE_ENABLE FENCE_ACTION FENCE_TYPE RTL_ALT_TYPE MIS_RESTART "
+        "LOG_DISARMED TERRAIN_ENABLE",
+        INT16: "ANGLE_MAX LAND_SPEED LAND_SPEED_HIGH LAND_ALT_LOW RTL_SPEED RTL_ALT_FINAL RTL_CLIMB_MIN MAV_SYSID "
+        "FENCE_OPTIONS MIS_OPTIONS",
+        INT32: "RTL_ALT RTL_LOIT_TIME AUTO_OPTIONS GUID_OPTIONS ARMING_CHECK",
     },
     Autopilot.PX4: {
-        INT32: (
-            "MPC_YAW_MODE",
-            "RTL_CONE_ANG",
-            "MAV_SYS_ID",
-            "SYS_AUTOSTART",
-            "GF_ACTION",
-            "MIS_TKO_LAND_REQ",
-            "COM_RC_IN_MODE",
-            "NAV_DLL_ACT",
-        ),
+        INT32: "MPC_YAW_MODE RTL_CONE_ANG MAV_SYS_ID SYS_AUTOSTART GF_ACTION MIS_TKO_LAND_REQ COM_RC_IN_MODE "
+        "NAV_DLL_ACT",
     },
 }
 #: What the real ones declare, by name; a name that is not here holds a float.
-TYPES: Mapping[Autopilot, Mapping[str, int]] = MappingProxyType(
-    {
-        autopilot: MappingProxyType({name: kind for kind, names in kinds.items() for name in names})
-        for autopilot, kinds in _AS_DECLARED.items()
-    }
-)
+TYPES: Mapping[Autopilot, Mapping[str, int]] = {
+    autopilot: {name: kind for kind, names in kinds.items() for name in names.split()}
+    for autopilot, kinds in _AS_DECLARED.items()
+}
 #: PARAM_VALUE.param_index of ArduPilot where a parameter was asked for by its name.
 BY_NAME = 65535
 

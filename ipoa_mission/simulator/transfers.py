@@ -7,7 +7,6 @@ import math
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 from ipoa_mission.commands import SAME_FRAME
 from ipoa_mission.errors import MissionError
@@ -43,7 +42,7 @@ KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
 #: Values of an item's `current` that make it an order of its own, and the answer of a vehicle that is not in guided
 #: mode: "go there now" is refused, "change altitude" is accepted and does nothing.
-ORDERS: Mapping[int, int] = MappingProxyType({2: Result.ERROR, 3: Result.ACCEPTED})
+ORDERS: Mapping[int, int] = {2: Result.ERROR, 3: Result.ACCEPTED}
 
 
 @dataclass
