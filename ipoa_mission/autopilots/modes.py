@@ -1,5 +1,6 @@
-"""Flight modes by the autopilots' own numbers and names, and what a vehicle in each of them does by itself."""
+"""Flight modes by the autopilots' own numbers and names, what a vehicle in each does by itself; versions modeled."""
 
+import re
 from collections.abc import Mapping
 
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -30,19 +31,8 @@ LAND_MODES: Mapping[Autopilot, frozenset[int]] = {
 
 _NAMES: Mapping[Autopilot, Mapping[int, str]] = {
     Autopilot.ARDUPILOT: {
-        0: "STABILIZE",
-        1: "ACRO",
-        2: "ALT_HOLD",
-        3: "AUTO",
-        4: "GUIDED",
-        5: "LOITER",
-        6: "RTL",
-        7: "CIRCLE",
-        9: "LAND",
-        16: "POSHOLD",
-        17: "BRAKE",
-        21: "SMART_RTL",
-        27: "AUTO_RTL",
+        **dict(enumerate(("STABILIZE", "ACRO", "ALT_HOLD", "AUTO", "GUIDED", "LOITER", "RTL", "CIRCLE"))),
+        **{9: "LAND", 16: "POSHOLD", 17: "BRAKE", 21: "SMART_RTL", 27: "AUTO_RTL"},
     },
     Autopilot.PX4: {
         px4_mode(1): "MANUAL",
@@ -78,3 +68,24 @@ def does_next(autopilot: Autopilot, custom_mode: int) -> str:
 def knows_mode(autopilot: Autopilot, custom_mode: int) -> bool:
     """Whether the autopilot has a mode of this number, as far as this table knows."""
     return custom_mode in _NAMES[autopilot]
+
+
+#: The oldest version whose habits the models have, and its name.
+OLDEST = {Autopilot.ARDUPILOT: ("ArduCopter", (4, 0)), Autopilot.PX4: ("PX4", (1, 13))}
+
+
+def beyond_the_model(autopilot: Autopilot, version: str) -> str | None:
+    """What to say of times that are estimated for a version; None where the model is of it.
+
+    >>> beyond_the_model(Autopilot.PX4, "1.15.0-dev")
+    >>> beyond_the_model(Autopilot.ARDUPILOT, "3.5.7")
+    'flown by ArduCopter 3.5.7; the model is of 4.0 and later, and its times may be off'
+    """
+    name, oldest = OLDEST[autopilot]
+    least = ".".join(map(str, oldest))
+    numbers = re.match(r"(\d+)\.(\d+)", version)
+    if numbers is None:
+        return f"the log does not say which {name} flew it; the model is of {least} and later"
+    if tuple(map(int, numbers.groups())) >= oldest:
+        return None
+    return f"flown by {name} {version}; the model is of {least} and later, and its times may be off"

@@ -1,21 +1,23 @@
-"""`fly`: a mission in the air, on a real vehicle or on the built-in autopilot."""
+"""`fly` and `demo`: a mission in the air, on a real vehicle or on the built-in autopilot."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.folders import expect_folder, make_folder
 from ipoa_mission.cli.groups import FaultOptions, FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
+    NAMES,
     ForceOption,
     JsonOption,
     OutOption,
     ReportOption,
+    SeedOption,
     link_option,
+    or_packed,
 )
-from ipoa_mission.cli.packed import or_packed
+from ipoa_mission.cli.overwriting import expect_folder, make_folder
 from ipoa_mission.cli.telling import progress_bar, tell
 from ipoa_mission.cli.vehicles import connect_to, states_firmware
 from ipoa_mission.errors import BadInput
@@ -164,3 +166,17 @@ def _write(flight: "Flight", folder: Path, as_json: bool) -> list[Path]:
         tell_routes(flight)
         tell(f"written: {', '.join(map(str, written))}")
     return written
+
+
+def demo(
+    out: OutOption = Path("demo"), seed: SeedOption = 0, force: ForceOption = False, as_json: JsonOption = False
+) -> None:
+    """Plan a flight over a campus, write its files, upload it to the built-in autopilot, fly it, report.
+
+    The files go to the folder `demo`: campus.plan for QGroundControl, campus.html for a browser. It is
+    `ipoa-mission fly campus --out demo --report`.
+
+    Example: `ipoa-mission demo`
+    """
+    ways = SearchOptions(seed=seed), FlownByOptions(), LinkOptions(), FaultOptions()
+    fly(or_packed(Path(NAMES[0])), *ways, out=out, report=True, force=force, as_json=as_json)

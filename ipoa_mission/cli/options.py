@@ -10,12 +10,16 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
-from ipoa_mission.cli.packed import or_packed
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.wind import Wind
 
+#: Scenarios that are packed with the program, to be planned by their name.
+NAMES = ("campus",)
+_PACKAGE = Path(__file__).parents[1]
+#: In a wheel they are inside the package, in the repository where all missions are.
+_FOLDERS = (_PACKAGE / "missions", _PACKAGE.parent / "missions")
 #: Options that `--help` gathers under a heading.
 link_option = partial(typer.Option, rich_help_panel="The link")
 bad_link_option = partial(typer.Option, rich_help_panel="A worse link than there is, to see what happens")
@@ -45,6 +49,14 @@ class Optimizer(StrEnum):
     MPOA = "mpoa"
     HHO = "hho"
     ADAPTIVE_PELICAN = "adaptive-pelican"
+
+
+def or_packed(path: Path) -> Path:
+    """The file that was named; where there is none and the name is one of `NAMES`, the scenario of that name."""
+    if str(path) not in NAMES or path.exists():
+        return path
+    files = [folder / f"{path}.toml" for folder in _FOLDERS]
+    return next((file for file in files if file.is_file()), path)
 
 
 def expect_scenario(path: Path) -> Path:
@@ -80,8 +92,7 @@ ScenarioOption: TypeAlias = Annotated[
     ),
 ]
 ForceOption: TypeAlias = Annotated[
-    bool,
-    typer.Option("--force", metavar="", help="Write over files that are there, also those not written by a plan."),
+    bool, typer.Option("--force", metavar="", help="Write over files that are there, also those not written by a plan.")
 ]
 OutOption: TypeAlias = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the files; made if absent.")
@@ -98,8 +109,7 @@ ParameterOption: TypeAlias = Annotated[
     ),
 ]
 ParameterFileOption: TypeAlias = Annotated[
-    Path | None,
-    typer.Option("--param-file", metavar="FILE", help="A file of such parameters: .parm or .params."),
+    Path | None, typer.Option("--param-file", metavar="FILE", help="A file of such parameters: .parm or .params.")
 ]
 LinkOption: TypeAlias = Annotated[
     str,

@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.experiments.ranking import ranking
 from ipoa_mission.experiments.rows import Row, runs_of
-from ipoa_mission.experiments.statistics import holm, places, rank_sum, told_apart
+from ipoa_mission.experiments.statistics import holm, places, rank_sum, ranking, told_apart
 from ipoa_mission.experiments.tables import Table, factor, number
 
 FLOOR = 1e-8  # errors below it count as it, as the CEC competitions have it

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.maps import MAPS, WEIGHTS
-from ipoa_mission.experiments.ranking import ranking
 from ipoa_mission.experiments.rows import Row, runs_of
-from ipoa_mission.experiments.statistics import places, told_apart
+from ipoa_mission.experiments.statistics import places, ranking, told_apart
 from ipoa_mission.experiments.tables import Table, number, per_cent
 
 _MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
