@@ -163,10 +163,7 @@ class FaultOptions:
     nak_at: Annotated[
         int | None,
         bad_link_option(
-            "--nak-at",
-            metavar="N",
-            min=0,
-            help="Refuse item N as it is sent: from 0, which on ArduPilot is home.",
+            "--nak-at", metavar="N", min=0, help="Refuse item N as it is sent: from 0, which on ArduPilot is home."
         ),
     ] = None
 

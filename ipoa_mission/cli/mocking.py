@@ -25,12 +25,7 @@ def mock(
     worse: FaultOptions,
     autopilot: Annotated[Autopilot, typer.Option("--autopilot", help="Whom to answer as.")] = Autopilot.PX4,
     link: Annotated[
-        str,
-        link_option(
-            "--link",
-            metavar="URL",
-            help="udpin or udpout, tcpin; loopback unless you name another host.",
-        ),
+        str, link_option("--link", metavar="URL", help="udpin or udpout, tcpin; loopback unless you name another host.")
     ] = "udpin:127.0.0.1:14540",
     home: Annotated[
         tuple[float, float, float],

@@ -8,13 +8,7 @@ from typing import Annotated
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import (
-    AutopilotOption,
-    FileArgument,
-    ForceOption,
-    JsonOption,
-    ScenarioOption,
-)
+from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
@@ -32,10 +26,7 @@ class Form(StrEnum):
 
 
 def show(
-    file: FileArgument,
-    flown_by: FlownByOptions,
-    scenario: ScenarioOption = None,
-    as_json: JsonOption = False,
+    file: FileArgument, flown_by: FlownByOptions, scenario: ScenarioOption = None, as_json: JsonOption = False
 ) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and when each item will be done.
 

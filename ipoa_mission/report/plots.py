@@ -46,10 +46,7 @@ STYLE: Mapping[str, Any] = {
 
 
 def draw_views(
-    scenario: Scenario,
-    paths: Mapping[str, Points],
-    views: Sequence[View] = ("space", "top", "front"),
-    title: str = "",
+    scenario: Scenario, paths: Mapping[str, Points], views: Sequence[View] = ("space", "top", "front"), title: str = ""
 ) -> Figure:
     """The scenario with its paths, each (n, 3) under its name, in the views asked for, as in the paper's Figures 9-11.
 
@@ -76,10 +73,7 @@ def draw_views(
 
 
 def draw_convergence(
-    curves: Mapping[str, tuple[Vector, Vector]],
-    title: str = "",
-    y_label: str = "best cost",
-    logarithmic: bool = False,
+    curves: Mapping[str, tuple[Vector, Vector]], title: str = "", y_label: str = "best cost", logarithmic: bool = False
 ) -> Figure:
     """Best cost known over evaluations spent, a curve (evaluations (n,), costs (n,)) for each name."""
     with matplotlib.rc_context(dict(STYLE)):

@@ -19,7 +19,7 @@ _AS_DECLARED: Mapping[Autopilot, Mapping[int, str]] = {
     },
     Autopilot.PX4: {
         INT32: "MPC_YAW_MODE RTL_CONE_ANG MAV_SYS_ID SYS_AUTOSTART GF_ACTION MIS_TKO_LAND_REQ COM_RC_IN_MODE "
-        "NAV_DLL_ACT",
+        "NAV_DLL_ACT"
     },
 }
 #: What the real ones declare, by name; a name that is not here holds a float.

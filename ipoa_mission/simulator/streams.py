@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Set
+from dataclasses import astuple
 
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
@@ -133,12 +134,8 @@ FROM_FLIGHT: Mapping[str, Callable[[Flight, float], Message]] = {
     "VFR_HUD": _hud,
     "EXTENDED_SYS_STATE": lambda flight, now: ExtendedState(1 if flight.landed else 2),
     "SYSTEM_TIME": lambda flight, now: SystemTime(0.0, now),
-    "HOME_POSITION": lambda flight, now: HomePosition(
-        flight.home.latitude_deg, flight.home.longitude_deg, flight.home.altitude
-    ),
-    "GPS_GLOBAL_ORIGIN": lambda flight, now: GlobalOrigin(
-        flight.home.latitude_deg, flight.home.longitude_deg, flight.home.altitude
-    ),
+    "HOME_POSITION": lambda flight, now: HomePosition(*astuple(flight.home)),
+    "GPS_GLOBAL_ORIGIN": lambda flight, now: GlobalOrigin(*astuple(flight.home)),
 }
 
 
