@@ -31,8 +31,19 @@ LAND_MODES: Mapping[Autopilot, frozenset[int]] = {
 
 _NAMES: Mapping[Autopilot, Mapping[int, str]] = {
     Autopilot.ARDUPILOT: {
-        **dict(enumerate(("STABILIZE", "ACRO", "ALT_HOLD", "AUTO", "GUIDED", "LOITER", "RTL", "CIRCLE"))),
-        **{9: "LAND", 16: "POSHOLD", 17: "BRAKE", 21: "SMART_RTL", 27: "AUTO_RTL"},
+        0: "STABILIZE",
+        1: "ACRO",
+        2: "ALT_HOLD",
+        3: "AUTO",
+        4: "GUIDED",
+        5: "LOITER",
+        6: "RTL",
+        7: "CIRCLE",
+        9: "LAND",
+        16: "POSHOLD",
+        17: "BRAKE",
+        21: "SMART_RTL",
+        27: "AUTO_RTL",
     },
     Autopilot.PX4: {
         px4_mode(1): "MANUAL",

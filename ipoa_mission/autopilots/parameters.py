@@ -48,6 +48,19 @@ OTHER_PARAMETERS: Mapping[Autopilot, Parameters] = {
     },
 }
 
+INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
+_AS_DECLARED = {
+    INT8: "WP_YAW_BEHAVIOR DISARM_DELAY FRAME_CLASS FENCE_ENABLE FENCE_ACTION FENCE_TYPE RTL_ALT_TYPE MIS_RESTART "
+    "LOG_DISARMED TERRAIN_ENABLE",
+    INT16: "ANGLE_MAX LAND_SPEED LAND_SPEED_HIGH LAND_ALT_LOW RTL_SPEED RTL_ALT_FINAL RTL_CLIMB_MIN MAV_SYSID "
+    "FENCE_OPTIONS MIS_OPTIONS",
+    INT32: "RTL_ALT RTL_LOIT_TIME AUTO_OPTIONS GUID_OPTIONS ARMING_CHECK "  # ArduCopter's, then PX4's
+    "MPC_YAW_MODE MPC_USE_HTE RTL_CONE_ANG MAV_SYS_ID SYS_AUTOSTART GF_ACTION MIS_TKO_LAND_REQ COM_RC_IN_MODE "
+    "NAV_DLL_ACT",
+}
+#: What the autopilots declare, by name; a name that is not here holds a float.
+TYPES: Mapping[str, int] = {name: kind for kind, names in _AS_DECLARED.items() for name in names.split()}
+
 #: ArduCopter's name and PX4's for what does the same.
 _COUNTERPARTS: Mapping[str, str] = {
     "WPNAV_SPEED": "MPC_XY_CRUISE",

@@ -7,6 +7,7 @@ import typer
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import FileArgument, JsonOption, ScenarioOption
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
+from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.timing.estimate import Estimate
@@ -23,7 +24,6 @@ def check(
     """
     from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.cli.reading import read_with_parameters, read_world
-    from ipoa_mission.errors import BadInput
 
     mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
     air = flown_by.air
@@ -72,7 +72,6 @@ def estimate(
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.commands import short_name
-    from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
 
     mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)

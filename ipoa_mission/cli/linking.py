@@ -9,8 +9,10 @@ import typer
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
+from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.telling import notes, tell, tell_json
 from ipoa_mission.cli.vehicles import connect_to, get, put, states_firmware
+from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.link.vehicle import Vehicle
@@ -57,8 +59,6 @@ def download(
 
     Example: `ipoa-mission download vehicle.plan --link tcp:127.0.0.1:5760`
     """
-    from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.errors import BadInput
     from ipoa_mission.mission.files import write_mission
 
     if file.suffix.lower() not in (".plan", ".waypoints"):

@@ -17,6 +17,7 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
 )
 from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.errors import BadInput
 
 ZURICH = (47.397742, 8.545594, 488.0)
 
@@ -49,7 +50,6 @@ def mock(
     """
     from ipoa_mission.autopilots.parameters import expect_own
     from ipoa_mission.cli.signing import signer_of
-    from ipoa_mission.errors import BadInput
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.autopilot import Autopilot as Mock
     from ipoa_mission.simulator.server import serve

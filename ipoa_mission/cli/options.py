@@ -1,7 +1,6 @@
 """Options that several verbs share, each said once."""
 
 import math
-from dataclasses import replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -150,25 +149,26 @@ def read_wind_option(given: str | None, profile: str | None = None) -> "Wind | N
         if profile is not None:
             raise BadInput(f"--wind-profile {profile}: expected a --wind that it belongs to")
         return None
-    speed, at, direction = given.partition("@")
-    try:
-        wind = Wind(float(speed), float(direction))
-    except ValueError:
-        wind = Wind(math.nan)
-    if not (at and 0 <= wind.speed < math.inf and abs(wind.from_deg) <= 360):
+    speed, from_deg = _pair(given)
+    if not (0 <= speed < math.inf and abs(from_deg) <= 360):
         raise BadInput(
             f"--wind {given}: expected a speed in m/s and where it blows from, in degrees up to 360, like 6@270"
         )
     if profile is None:
-        return wind
-    exponent, at, height = profile.partition("@")
-    try:
-        wind = replace(wind, exponent=float(exponent), gradient_height=float(height))
-    except ValueError:
-        wind = replace(wind, exponent=math.nan)
-    if not (at and 0 <= wind.exponent < math.inf and 0 < wind.gradient_height < math.inf):
+        return Wind(speed, from_deg)
+    exponent, height = _pair(profile)
+    if not (0 <= exponent < math.inf and 0 < height < math.inf):
         raise BadInput(f"--wind-profile {profile}: expected an exponent and the gradient height in m, like 0.14@60")
-    return wind
+    return Wind(speed, from_deg, exponent, height)
+
+
+def _pair(text: str) -> tuple[float, float]:
+    """Two numbers with an @ between; NaN where they are none."""
+    one, _, other = text.partition("@")
+    try:
+        return float(one), float(other)
+    except ValueError:
+        return math.nan, math.nan
 
 
 def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:

@@ -12,6 +12,7 @@ from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import Backend
 from ipoa_mission.cli.overwriting import expect_log
 from ipoa_mission.cli.telling import progress_bar
+from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.items import Mission
@@ -31,7 +32,6 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path) -> "Vehicle":
         LinkDown, NoAnswer: there is nobody.
     """
     from ipoa_mission.cli.signing import signer_of
-    from ipoa_mission.errors import BadInput
 
     expect_log(options.log)
     timeout = options.timeout

@@ -30,14 +30,14 @@ def holm(p: Sequence[float]) -> list[float]:
     return [float(c) for c in result]
 
 
-def told_apart(pairs: Sequence[tuple[Samples, Samples]], level: float = 0.05) -> list[str]:
+def told_apart(pairs: Sequence[tuple[Samples, Samples]]) -> list[str]:
     """For each pair of samples of costs: is the first told from the second, and how?
 
-    "+" the first is lower, "-" it is higher, by the rank-sum test with Holm's correction over all pairs; "=" at that
-    level they are not told apart.
+    "+" the first is lower, "-" it is higher, by the rank-sum test with Holm's correction over all pairs; "=" at 0.05
+    they are not told apart.
     """
     corrected = holm([rank_sum(a, b) for a, b in pairs])
-    return ["=" if p >= level else "+" if _is_lower(a, b) else "-" for (a, b), p in zip(pairs, corrected, strict=True)]
+    return ["=" if p >= 0.05 else "+" if _is_lower(a, b) else "-" for (a, b), p in zip(pairs, corrected, strict=True)]
 
 
 def _is_lower(a: Samples, b: Samples) -> bool:

@@ -141,7 +141,6 @@ _LAYOUTS: tuple[Layout[Any], ...] = (
     plain("PARAM_REQUEST_READ", m.ParamRequestRead, param_id=_ID),
     plain("PARAM_SET", m.ParamSet, param_id=_ID),
     plain("PARAM_VALUE", m.ParamValue, param_id=_ID),
-    plain("REQUEST_DATA_STREAM", m.RequestDataStream),
     plain("MESSAGE_INTERVAL", m.MessageInterval),
     plain(
         "FILE_TRANSFER_PROTOCOL",
