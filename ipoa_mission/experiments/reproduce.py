@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments import beyond, figures, map_figures, paper, paper_maps
+from ipoa_mission.experiments import beyond, figures, paper, paper_maps
 from ipoa_mission.experiments.campus import campus_scenario
 from ipoa_mission.experiments.executors import open_executor
 from ipoa_mission.experiments.maps import map_scenario
@@ -44,7 +44,7 @@ def _of(make: Callable[..., Table | str], *needs: Series) -> Item:
 
 
 def _paths(*cases: str) -> Callable[[Sequence[Row]], str]:
-    return lambda rows: map_figures.paths_on_maps(rows, {case: map_scenario(case) for case in cases})
+    return lambda rows: figures.paths_on_maps(rows, {case: map_scenario(case) for case in cases})
 
 
 ITEMS: dict[str, Item] = {
@@ -57,7 +57,7 @@ ITEMS: dict[str, Item] = {
     "dimension": _of(paper.dimension_of_the_print, CEC_D20, CEC_D10),
     "contradictions": _of(paper.contradictions),
     "table-8": _of(paper_maps.table_8, CAMPUS),
-    "figure-11": _of(lambda rows: map_figures.paths_on_maps(rows, {"campus": campus_scenario()}), CAMPUS),
+    "figure-11": _of(lambda rows: figures.paths_on_maps(rows, {"campus": campus_scenario()}), CAMPUS),
     "improvements": _of(paper_maps.table_improvements),
     "beyond": _of(lambda paper, rivals: beyond.table_beyond(rivals, paper), CEC_D20, CEC_BEYOND),
     "table-5": _of(paper_maps.table_5, MAPS_PAPER),
