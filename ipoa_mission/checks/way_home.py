@@ -23,10 +23,7 @@ TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
 SAG = 0.3  # the predicted way home is up to so much lower than it is set [m]
 
 #: The parameter for the return altitude, and its unit in metres.
-PARAMETERS = {
-    Autopilot.PX4: ("RTL_RETURN_ALT", 1.0),
-    Autopilot.ARDUPILOT: ("RTL_ALT", 0.01),
-}
+PARAMETERS = {Autopilot.PX4: ("RTL_RETURN_ALT", 1.0), Autopilot.ARDUPILOT: ("RTL_ALT", 0.01)}
 
 
 def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:

@@ -137,14 +137,7 @@ class Flight:
         from ipoa_mission.report.page import Subject, page_html
 
         subject = Subject(
-            self.scenario,
-            self.plan,
-            self.mission,
-            self.estimate,
-            self.remarks,
-            self.proof,
-            self.promise,
-            self.energy,
+            self.scenario, self.plan, self.mission, self.estimate, self.remarks, self.proof, self.promise, self.energy
         )
         write_atomically(Path(path), page_html(subject, record))
 
