@@ -137,14 +137,7 @@ class Flight:
         from ipoa_mission.report.page import Subject, page_html
 
         subject = Subject(
-            self.scenario,
-            self.plan,
-            self.mission,
-            self.estimate,
-            self.remarks,
-            self.proof,
-            self.promise,
-            self.energy,
+            self.scenario, self.plan, self.mission, self.estimate, self.remarks, self.proof, self.promise, self.energy
         )
         write_atomically(Path(path), page_html(subject, record))
 
@@ -177,7 +170,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     predicted = estimate(mission, wind=scenario.wind.air())
     energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
     expect_to_come_home(scenario, energy)
-    messages = (finding.message for finding in findings)
+    messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (*climb_for_way_home(mission), *slowed_for_ground(mission, scenario))
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     proof = prove_mission(mission, scenario)
