@@ -13,7 +13,11 @@ from ipoa_mission.cli.options import (
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 
 if TYPE_CHECKING:
+    from ipoa_mission.energy.flight import Consumption
+    from ipoa_mission.items import Mission
+    from ipoa_mission.scenario import Scenario
     from ipoa_mission.timing.estimate import Estimate
+    from ipoa_mission.timing.prediction import Track
 
 
 def check(
@@ -92,8 +96,10 @@ def estimate(
     mission, air = in_world(mission, world, flown_by.air)
     prediction = predict(mission, wind=air)
     remarks += prediction.remarks
+    energy = _energy(mission, world, prediction.track)
     if as_json:
-        tell_json(estimate_as_json(prediction) | {"remarks": list(remarks)})
+        energy_wh = None if energy is None else round(energy.energy_wh, 3)
+        tell_json(estimate_as_json(prediction) | {"energy_wh": energy_wh, "remarks": list(remarks)})
         return
     rows = [
         (
@@ -117,7 +123,22 @@ def estimate(
         *route_in_words(prediction),
         f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f}); "
         f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
+        *energy_in_words(energy),
     )
+
+
+def _energy(mission: "Mission", world: "Scenario | None", track: "Track") -> "Consumption | None":
+    """What the flight takes, as far as the scenario and what was learned of the vehicle know it."""
+    if (world is None and mission.vehicle is None) or len(track.times) < 2:
+        return None
+    from ipoa_mission.scenario.budget import flight_energy
+
+    return flight_energy(world, track.times, track.points, track.speeds, mission.vehicle)
+
+
+def energy_in_words(energy: "Consumption | None") -> list[str]:
+    """What a flight takes, in a line; nothing where that is not known."""
+    return [] if energy is None else [f"energy {energy.energy_wh:.1f} Wh, {energy.mean_w:.0f} W on average"]
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:

@@ -135,7 +135,9 @@ WindProfileOption: TypeAlias = Annotated[
 ]
 LearnedOption: TypeAlias = Annotated[
     Path | None,
-    typer.Option("--vehicle", metavar="FILE", help="A vehicle that `learn` has written: its own drag, lag and delays."),
+    typer.Option(
+        "--vehicle", metavar="FILE", help="A vehicle that `learn` has written: drag, lag, delays, hover power."
+    ),
 ]
 LinkOption: TypeAlias = Annotated[
     str,

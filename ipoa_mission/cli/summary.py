@@ -1,5 +1,6 @@
 """What a planned flight is like, in a few lines for a human."""
 
+from ipoa_mission.cli.checking import energy_in_words
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.tube.promise import Promise
@@ -13,9 +14,7 @@ def describe(flight: Flight) -> list[str]:
         *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s; QGroundControl would say {estimate.qgroundcontrol_s:.0f} s",
     ]
-    if flight.energy is not None:
-        lines.append(f"energy {flight.energy.energy_wh:.1f} Wh, {flight.energy.mean_w:.0f} W on average")
-    return [*lines, *(f"note: {remark}" for remark in flight.remarks)]
+    return [*lines, *energy_in_words(flight.energy), *(f"note: {remark}" for remark in flight.remarks)]
 
 
 def promised(promise: Promise | None) -> list[str]:

@@ -6,6 +6,8 @@ from typing import Any
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.layout import Fields, Layout, plain
 
+NO_CELL = 0xFFFF  # BATTERY_STATUS.voltages
+
 
 def _e7(latitude_deg: float, longitude_deg: float) -> tuple[int, int]:
     return saturated(latitude_deg * 1e7), saturated(longitude_deg * 1e7)
@@ -89,12 +91,23 @@ def _write_status(s: telemetry.SystemStatus) -> Fields:
         "onboard_control_sensors_health": s.health,
         "load": 200,
         "voltage_battery": round(s.voltage * 1000),
-        "current_battery": -1,
+        "current_battery": round(s.current * 100),
         "battery_remaining": s.battery_remaining,
         **dict.fromkeys(
             ("drop_rate_comm", "errors_comm", "errors_count1", "errors_count2", "errors_count3", "errors_count4"), 0
         ),
     }
+
+
+def _write_battery(b: telemetry.BatteryStatus) -> Fields:
+    volts = [round(b.voltage * 1000), *[NO_CELL] * 9]
+    return {"id": b.id, "voltages": volts, "current_battery": round(b.current * 100)}
+
+
+def _read_battery(raw: Any) -> telemetry.BatteryStatus:
+    """The cells of a pack, or all of it in the first ones."""
+    cells = [cell for cell in raw.voltages if cell != NO_CELL] + list(raw.voltages_ext)
+    return telemetry.BatteryStatus(raw.id, sum(cells) / 1000, raw.current_battery / 100)
 
 
 LAYOUTS: tuple[Layout[Any], ...] = (
@@ -157,8 +170,10 @@ LAYOUTS: tuple[Layout[Any], ...] = (
             raw.onboard_control_sensors_health,
             raw.voltage_battery / 1000,
             raw.battery_remaining,
+            raw.current_battery / 100,
         ),
     ),
+    Layout("BATTERY_STATUS", telemetry.BatteryStatus, _write_battery, _read_battery),
     plain("EXTENDED_SYS_STATE", telemetry.ExtendedState),
     Layout(
         "SYSTEM_TIME",

@@ -1,0 +1,37 @@
+"""Where a logged flight was, as arrays by the time since its arming."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.link.flight_log import LoggedFlight
+from ipoa_mission.link.telemetry import Position
+
+CLEAR = 2.0  # above home [m]: out of the ground's reach
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Times (n,) [s], heights above home (n,) [m], velocity north, east, down (n, 3) [m/s]; home's altitude [m]."""
+
+    times: Vector
+    heights: Vector
+    velocity: Points
+    home_altitude: float
+
+    def height_at(self, times: Vector) -> Vector:
+        """Heights (m,) [m] at these times."""
+        return np.interp(times, self.times, self.heights)
+
+    def velocity_at(self, times: Vector) -> Points:
+        """Velocities (m, 3) [m/s] at these times."""
+        return np.column_stack([np.interp(times, self.times, axis) for axis in self.velocity.T])
+
+
+def track_of(flight: LoggedFlight) -> Track:
+    """The track of a flight, one place at least."""
+    places = {place.time_s - flight.armed_s: place for place in flight.messages if isinstance(place, Position)}
+    rows = np.array([(at, place.height, *place.velocity) for at, place in sorted(places.items())])
+    first = next(iter(places.values()))
+    return Track(rows[:, 0], rows[:, 1], rows[:, 2:], first.altitude - first.height)
