@@ -66,7 +66,7 @@ def learn(
         return
     columns = ["flight", "flown\ns", "estimated\ns", "with the\nvehicle s", "measured\nWh", "estimated\nWh"]
     tell_table("each flight by what the others tell", columns, [_row(one) for one in judged])
-    tell(*_words(vehicle))
+    tell(*_words(vehicle, flights))
     if before > 0:
         tell(f"median error of a flight {after:.1%}, {before:.1%} without")
     if energy is not None:
@@ -108,13 +108,14 @@ def _row(one: "LeftOut") -> tuple[str, ...]:
     return one.name, *(f"{number:.1f}" if number else "" for number in numbers)
 
 
-def _words(vehicle: "LearnedVehicle") -> Iterator[str]:
+def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str]:
     from ipoa_mission.learn.vehicle_file import NUMBERS, UNITS
 
     for name in NUMBERS:
         learned = getattr(vehicle, name)
         if learned is None:
-            yield f"{name}: as the simulated vehicle, or not told by the flights"
+            reasons = dict.fromkeys(flight.witness.reasons.get(name, "") for flight in flights)
+            yield f"{name}: as the simulated vehicle, or not told{''.join(f'; {why}' for why in reasons if why)}"
         else:
             yield f"{name}: {learned.value:.3g} ({learned.low:.3g} to {learned.high:.3g}), {UNITS[name]}"
 

@@ -135,9 +135,7 @@ WindProfileOption: TypeAlias = Annotated[
 ]
 LearnedOption: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        "--vehicle", metavar="FILE", help="A vehicle that `learn` has written: drag, lag, delays, hover power."
-    ),
+    typer.Option("--vehicle", metavar="FILE", help="A vehicle that `learn` has written: drag, lag, delays, power."),
 ]
 LinkOption: TypeAlias = Annotated[
     str,

@@ -135,7 +135,6 @@ def flights_in(
     for number, flight in enumerate(log.flights, 1):
         name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
         witness = witness_of(flight)
-        left_out += [f"{name}: {reason}" for reason in witness.reasons]
         evidence = Evidence(name, Mission(NOWHERE, (), log.autopilot), (), np.empty(0), np.empty(0))
         try:
             if flight.in_mission:
@@ -146,4 +145,6 @@ def flights_in(
             left_out.append(str(error))
         if evidence.visits or witness.leaned or witness.hover_w:
             usable.append(replace(evidence, witness=witness))
+        else:
+            left_out += [f"{name}: {reason}" for reason in witness.reasons.values()]
     return usable, left_out, log.version, log.autopilot

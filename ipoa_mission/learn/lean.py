@@ -16,7 +16,8 @@ from ipoa_mission.learn.track import CLEAR, Track
 
 EVERY, SMOOTHED, ALONE = 0.2, 5, 10  # samples: their distance [s], how many are averaged, one in how many is its own
 STEADY = 1.0  # the most climb [m/s] and acceleration [m/s^2]
-FAST, LEAST_S = 3.0, 10.0  # below this speed [m/s] drag is no more than the lean's own error; so long above it
+FAST, LEAST_S = 2.5, 5.0  # below this speed [m/s] drag is no more than the lean's own error; so long above it
+HIGH = 0.6  # of the greatest height: below, the wind is another
 AS_A_MODEL = 0.05  # standard deviation of ln drag from flight to flight: it is no mere factor
 #: Standard deviations of what is believed before: ln drag, wind north and east [m/s], askew ahead and right [m/s^2].
 BELIEVED = np.array([0.7, 3.0, 3.0, 0.2, 0.2])
@@ -38,7 +39,8 @@ def drag_by_lean(attitude: Points, track: Track, autopilot: Autopilot) -> tuple[
     gained = _smoothed(np.gradient(velocity[:, :2], EVERY, axis=0))
     pull = _smoothed(-GRAVITY * axes[:, :2, 2] / axes[:, 2, 2, None])
     steady = (np.abs(gained).max(axis=1) < STEADY) & (np.abs(velocity[:, 2]) < STEADY)
-    steady &= (track.height_at(times) > CLEAR) & (axes[:, 2, 2] > 0.0)
+    high = max(CLEAR, HIGH * float(track.heights.max()))
+    steady &= (track.height_at(times) > high) & (axes[:, 2, 2] > 0.0)
     steady[:SMOOTHED] = steady[-SMOOTHED:] = False
     fast_s = (np.hypot(*velocity[steady, :2].T) > FAST).sum() * EVERY
     if fast_s < LEAST_S:

@@ -1,7 +1,7 @@
 """What a log measured of a flight besides its times: the power in hover, the energy, and the drag by the lean."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.special import stdtrit
@@ -20,7 +20,7 @@ TOLD = 0.25  # of the power: a hover power that is less sure on either side has 
 
 @dataclass(frozen=True)
 class Witness:
-    """None where the log does not tell, and `reasons` says why.
+    """None where the log does not tell, and `reasons` says why, by the name of the vehicle's number.
 
     `leaned`: the logarithm of the drag over the simulated vehicle's, and its standard deviation.
     """
@@ -28,25 +28,25 @@ class Witness:
     leaned: tuple[float, float] | None = None
     hover_w: float | None = None
     energy_wh: float | None = None
-    reasons: tuple[str, ...] = ()
+    reasons: Mapping[str, str] = field(default_factory=dict)
 
 
 def witness_of(flight: LoggedFlight) -> Witness:
     """All that the log measured of a flight."""
     track = track_of(flight)
     leaned = hover_w = energy_wh = None
-    reasons = []
+    reasons = {}
     try:
         leaned = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
     except MissionError as error:
-        reasons.append(f"no drag by its lean: {error}")
+        reasons["drag"] = str(error)
     try:
         times, watts = flight.measured.power().T
         energy_wh = float(np.trapezoid(watts, times)) / SECONDS_AN_HOUR
         hover_w = _in_hover(times, watts, track)
     except MissionError as error:
-        reasons.append(f"no hover power: {error}")
-    return Witness(leaned, hover_w, energy_wh, tuple(reasons))
+        reasons["hover_power"] = str(error)
+    return Witness(leaned, hover_w, energy_wh, reasons)
 
 
 def _in_hover(times: np.ndarray, watts: np.ndarray, track: Track) -> float:
