@@ -123,7 +123,7 @@ def estimate(
         *route_in_words(prediction),
         f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f}); "
         f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
-        *energy_in_words(energy),
+        *([] if energy is None else [f"energy {energy}"]),
     )
 
 
@@ -134,11 +134,6 @@ def _energy(mission: "Mission", world: "Scenario | None", track: "Track") -> "Co
     from ipoa_mission.scenario.budget import flight_energy
 
     return flight_energy(world, track.times, track.points, track.speeds, mission.vehicle)
-
-
-def energy_in_words(energy: "Consumption | None") -> list[str]:
-    """What a flight takes, in a line; nothing where that is not known."""
-    return [] if energy is None else [f"energy {energy.energy_wh:.1f} Wh, {energy.mean_w:.0f} W on average"]
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:

@@ -1,6 +1,5 @@
 """What a planned flight is like, in a few lines for a human."""
 
-from ipoa_mission.cli.checking import energy_in_words
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.tube.promise import Promise
@@ -14,7 +13,8 @@ def describe(flight: Flight) -> list[str]:
         *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s; QGroundControl would say {estimate.qgroundcontrol_s:.0f} s",
     ]
-    return [*lines, *energy_in_words(flight.energy), *(f"note: {remark}" for remark in flight.remarks)]
+    lines += [] if flight.energy is None else [f"energy {flight.energy}"]
+    return [*lines, *(f"note: {remark}" for remark in flight.remarks)]
 
 
 def promised(promise: Promise | None) -> list[str]:

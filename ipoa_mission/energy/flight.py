@@ -40,6 +40,9 @@ class Consumption:
     peak_w: float
     spans_w: Vector
 
+    def __str__(self) -> str:
+        return f"{self.energy_wh:.1f} Wh, {self.mean_w:.0f} W on average"
+
     def left(self, battery: Battery) -> float:
         """The share of the battery that is left after the flight; negative if it is not enough."""
         return 1 - self.energy_wh / battery.capacity_wh

@@ -2,6 +2,7 @@
 
 import math
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,7 @@ LAYOUTS = {
 PARM = ("PARM", "Q16sf", "QNf", "TimeUS,Name,Value")
 
 
-def logged(path: Path, *kinds: tuple[tuple[str, str, str, str], list[tuple[object, ...]]]) -> LoggedFlight:
+def logged(path: Path, *kinds: tuple[tuple[str, str, str, str], Sequence[tuple[object, ...]]]) -> LoggedFlight:
     """A recorded flight with these records too, their values after the time; every value a second later."""
     data = (LOGS / "sitl-ardupilot.bin").read_bytes()
     armed_s = read_flights(LOGS / "sitl-ardupilot.bin").flights[0].armed_s

@@ -2,7 +2,8 @@
 
     python -m tools.fly.trim_log LOG TRIMMED [--every S]
 
-Positions, attitudes and batteries (but those of a .tlog) are thinned out to one every S seconds of the vehicle's clock (default 0.5), everything that tells of arming,
+Positions, attitudes and batteries (but those of a .tlog) are thinned out to one every S seconds of the vehicle's clock
+(default 0.5), everything that tells of arming,
 modes, items, words, home, version and the models' parameters stays as it is, byte for byte.
 """
 
