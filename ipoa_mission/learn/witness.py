@@ -33,9 +33,12 @@ class Witness:
 
 def witness_of(flight: LoggedFlight) -> Witness:
     """All that the log measured of a flight."""
-    track = track_of(flight)
     leaned = hover_w = energy_wh = None
     reasons = {}
+    try:
+        track = track_of(flight)
+    except MissionError as error:
+        return Witness(reasons={"drag": str(error), "hover_power": str(error)})
     try:
         leaned = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
     except MissionError as error:

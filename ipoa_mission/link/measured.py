@@ -9,6 +9,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
 
 Battery = tuple[float, float, float]  # time [s], volts, amperes; NaN or negative where they are not measured
+MOST = 10_000.0  # volts or amperes: more are of a damaged log
 LIKE_A_CONSTANT = 1e-3  # of its mean: a measured current varies by more
 
 
@@ -27,7 +28,9 @@ class Measured:
     def of(cls, batteries: Iterable[Iterable[Battery]], attitude: Iterable[tuple[float, ...]] | Points) -> "Measured":
         """Out of rows in any order of time; batteries whose voltage is not measured are left out."""
         read = (_sorted(battery, 3) for battery in batteries)
-        return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), _sorted(attitude, 4))
+        leaned = _sorted(attitude, 4)
+        sound = (np.abs(leaned[:, 1:]) < 2 * np.pi + 0.01).all(axis=1)  # yaw may be told from 0 to 360 degrees
+        return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), leaned[sound])
 
     def between(self, begin: float, end: float) -> "Measured":
         """The same from `begin` to `end`, times from `begin` on."""
@@ -42,7 +45,8 @@ class Measured:
         """
         given, reasons = [], []
         for battery in self.batteries:
-            sound = battery[(battery[:, 1] > 0) & (battery[:, 2] >= 0)]
+            volts, current = battery[:, 1], battery[:, 2]
+            sound = battery[(volts > 0) & (volts < MOST) & (current >= 0) & (current < MOST)]
             amperes = sound[:, 2]
             if len(sound) < 2 or amperes.max() <= 0:
                 reasons.append("its battery has no current sensor: 0 A or -1 all the time")
