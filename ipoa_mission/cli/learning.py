@@ -38,7 +38,7 @@ def learn(
 
     Example: `ipoa-mission learn monday.bin tuesday.bin --out vehicle.toml`
     """
-    from dataclasses import replace
+    from dataclasses import asdict, replace
 
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.files import write_atomically
@@ -62,7 +62,8 @@ def learn(
     energy = energy_error(judged)
     if as_json:
         told = {"energy_error": energy and round(energy, 5), "remarks": remarks, "written": str(out)}
-        tell_json(_as_json(vehicle, judged, (before, after)) | told)
+        why = {name: _reasons(name, flights) for name, learned in asdict(vehicle).items() if learned is None}
+        tell_json(_as_json(vehicle, judged, (before, after)) | {"not_told": why} | told)
         return
     columns = ["flight", "flown\ns", "estimated\ns", "with the\nvehicle s", "measured\nWh", "estimated\nWh"]
     tell_table("each flight by what the others tell", columns, [_row(one) for one in judged])
@@ -108,14 +109,19 @@ def _row(one: "LeftOut") -> tuple[str, ...]:
     return one.name, *(f"{number:.1f}" if number else "" for number in numbers)
 
 
+def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
+    """Why flights do not tell a number of the vehicle, each reason once."""
+    told = (flight.witness.reasons.get(name) for flight in flights)
+    return [reason for reason in dict.fromkeys(told) if reason]
+
+
 def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str]:
     from ipoa_mission.learn.vehicle_file import NUMBERS, UNITS
 
     for name in NUMBERS:
         learned = getattr(vehicle, name)
         if learned is None:
-            reasons = dict.fromkeys(flight.witness.reasons.get(name, "") for flight in flights)
-            yield f"{name}: as the simulated vehicle, or not told{''.join(f'; {why}' for why in reasons if why)}"
+            yield "; ".join([f"{name}: as the simulated vehicle, or not told", *_reasons(name, flights)])
         else:
             yield f"{name}: {learned.value:.3g} ({learned.low:.3g} to {learned.high:.3g}), {UNITS[name]}"
 

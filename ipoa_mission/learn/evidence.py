@@ -43,10 +43,13 @@ class Evidence:
     witness: Witness = field(default_factory=Witness)
 
     def energy(self, vehicle: LearnedVehicle) -> float | None:
-        """What the whole mission takes of this vehicle [Wh]; None where its hover power or the mission is not known."""
+        """What the mission takes of this vehicle [Wh]; None where its hover power or the mission's end is not known."""
         if not self.visits or vehicle.hover_power is None:
             return None
-        track = predict(replace(self.mission, vehicle=vehicle), fast=True)[1].track
+        route, prediction = predict(replace(self.mission, vehicle=vehicle), fast=True)
+        if self.visits[-1] + 1 < len(route.visits):
+            return None
+        track = prediction.track
         return hovering(vehicle.hover_power.value, track.times, track.points, track.speeds).energy_wh
 
     def forecast(self, vehicle: LearnedVehicle | None) -> Vector:

@@ -65,12 +65,13 @@ def _in_hover(times: np.ndarray, watts: np.ndarray, track: Track) -> float:
 def hover_power(flights: Sequence[Witness]) -> Learned | None:
     """The mean over flights [W] with its interval; None where they do not tell, as one alone does not.
 
-    >>> hover_power([Witness(hover_w=power) for power in (264.0, 266.0, 268.0)])
-    Learned(value=266.0, low=262.628..., high=269.371...)
+    >>> power = hover_power([Witness(hover_w=watts) for watts in (264.0, 266.0, 268.0)])
+    >>> round(power.low), power.value, round(power.high)
+    (263, 266.0, 269)
     """
     powers = np.array([flight.hover_w for flight in flights if flight.hover_w is not None])
     if len(powers) < 2:
         return None
-    mean, error = float(powers.mean()), float(powers.std(ddof=1)) / np.sqrt(len(powers))
-    aside = float(stdtrit(len(powers) - 1, NINE_IN_TEN)) * error
+    mean, error = float(powers.mean()), powers.std(ddof=1) / np.sqrt(len(powers))
+    aside = float(stdtrit(len(powers) - 1, NINE_IN_TEN) * error)
     return Learned(mean, mean - aside, mean + aside) if aside <= TOLD * mean else None

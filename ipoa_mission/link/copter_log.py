@@ -1,6 +1,4 @@
-"""A log that ArduPilot itself wrote (`.bin`): where it was, what it did, which item it turned to, how it was set, what
-it measured.
-"""
+"""A log that ArduPilot itself wrote (`.bin`): where it was, what it did and measured, its items, how it was set."""
 
 import math
 import re
@@ -30,8 +28,7 @@ FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 BATTERIES = {"BAT": 0, "CURR": 0, "BAT2": 1, "CUR2": 1, "BAT3": 2, "BAT4": 3}
 #: BATTn_MONITOR of those that count another battery once more (ESCs, sum), or fuel.
 SECONDHAND = frozenset({9, 10, 11, 12, 18, 24, 27})
-EVENTS = frozenset({"POS", "XKF1", "NKF1", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
-KINDS = EVENTS | BATTERIES.keys() | {"ATT"}
+KINDS = frozenset({*BATTERIES, "POS", "XKF1", "NKF1", "ATT", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
 #: What flew, in the log's own words: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
 NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
 
