@@ -6,6 +6,7 @@ the velocity less the wind. Factor, wind and a lean that is measured askew are f
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
@@ -15,6 +16,7 @@ from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.learn.track import CLEAR, Track
 
 EVERY, SMOOTHED, ALONE = 0.2, 5, 10  # samples: their distance [s], how many are averaged, one in how many is its own
+GAP = 2.0  # between two attitudes [s]: what is between them is not known
 STEADY = 1.0  # the most climb [m/s] and acceleration [m/s^2]
 FAST, LEAST_S = 2.5, 5.0  # below this speed [m/s] drag is no more than the lean's own error; so long above it
 HIGH = 0.6  # of the greatest height: below, the wind is another
@@ -34,13 +36,15 @@ def drag_by_lean(attitude: Points, track: Track, autopilot: Autopilot) -> tuple[
     if len(attitude) < 2 or np.ptp(attitude[:, 0]) < LEAST_S:
         raise MissionError("it has no attitudes")
     times = np.arange(attitude[0, 0], attitude[-1, 0], EVERY)
-    axes = _axes(*(np.interp(times, attitude[:, 0], np.unwrap(angle)) for angle in attitude[:, 1:].T))
-    velocity = track.velocity_at(times)
+    angles = np.column_stack([np.interp(times, attitude[:, 0], np.unwrap(angle)) for angle in attitude[:, :0:-1].T])
+    axes = Rotation.from_euler("ZYX", angles).as_matrix()  # columns ahead, right and down, each north, east, down
+    heights, velocity = track.at(times)
     gained = _smoothed(np.gradient(velocity[:, :2], EVERY, axis=0))
     pull = _smoothed(-GRAVITY * axes[:, :2, 2] / axes[:, 2, 2, None])
     steady = (np.abs(gained).max(axis=1) < STEADY) & (np.abs(velocity[:, 2]) < STEADY)
     high = max(CLEAR, HIGH * float(track.heights.max()))
-    steady &= (track.height_at(times) > high) & (axes[:, 2, 2] > 0.0)
+    steady &= (heights > high) & (axes[:, 2, 2] > 0.0)
+    steady &= np.diff(attitude[:, 0], append=np.inf)[np.searchsorted(attitude[:, 0], times, side="right") - 1] < GAP
     steady[:SMOOTHED] = steady[-SMOOTHED:] = False
     fast_s = (np.hypot(*velocity[steady, :2].T) > FAST).sum() * EVERY
     if fast_s < LEAST_S:
@@ -59,17 +63,6 @@ def drag_by_lean(attitude: Points, track: Track, autopilot: Autopilot) -> tuple[
         noise *= float(np.std(fitted.fun[:-5])) * np.sqrt(ALONE)
     variance = float(np.linalg.inv(fitted.jac.T @ fitted.jac)[0, 0])
     return float(fitted.x[0]), float(np.sqrt(variance + AS_A_MODEL**2))
-
-
-def _axes(roll: Vector, pitch: Vector, yaw: Vector) -> Points:
-    """The body's axes (n, 3, 3): columns ahead, right and down, each north, east, down."""
-    (cr, sr), (cp, sp), (cy, sy) = ((np.cos(angle), np.sin(angle)) for angle in (roll, pitch, yaw))
-    rows = [
-        [cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy],
-        [cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy],
-        [-sp, sr * cp, cr * cp],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0)
 
 
 def _smoothed(values: Points) -> Points:

@@ -22,13 +22,10 @@ class Track:
     velocity: Points
     home_altitude: float
 
-    def height_at(self, times: Vector) -> Vector:
-        """Heights (m,) [m] at these times."""
-        return np.interp(times, self.times, self.heights)
-
-    def velocity_at(self, times: Vector) -> Points:
-        """Velocities (m, 3) [m/s] at these times."""
-        return np.column_stack([np.interp(times, self.times, axis) for axis in self.velocity.T])
+    def at(self, times: Vector) -> tuple[Vector, Points]:
+        """Heights (m,) [m] and velocities (m, 3) [m/s] at these times."""
+        velocity = np.column_stack([np.interp(times, self.times, axis) for axis in self.velocity.T])
+        return np.interp(times, self.times, self.heights), velocity
 
 
 def track_of(flight: LoggedFlight) -> Track:

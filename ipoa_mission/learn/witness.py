@@ -14,6 +14,7 @@ from ipoa_mission.link.flight_log import LoggedFlight
 
 SLOW, LEVEL, LEAST_S = 2.0, 0.3, 3.0  # hovering: the most level and upright [m/s], and how long at least [s]
 SECONDS_AN_HOUR = 3600.0
+WHOLE = 0.95  # of a flight: who measured so much of it measured its energy
 NINE_IN_TEN = 0.95  # quantile of the upper end
 TOLD = 0.25  # of the power: a hover power that is less sure on either side has not been told
 
@@ -45,7 +46,8 @@ def witness_of(flight: LoggedFlight) -> Witness:
         reasons["drag"] = str(error)
     try:
         times, watts = flight.measured.power().T
-        energy_wh = float(np.trapezoid(watts, times)) / SECONDS_AN_HOUR
+        if np.ptp(times) > WHOLE * np.ptp(track.times):
+            energy_wh = float(np.trapezoid(watts, times)) / SECONDS_AN_HOUR
         hover_w = _in_hover(times, watts, track)
     except MissionError as error:
         reasons["hover_power"] = str(error)
@@ -53,9 +55,9 @@ def witness_of(flight: LoggedFlight) -> Witness:
 
 
 def _in_hover(times: np.ndarray, watts: np.ndarray, track: Track) -> float:
-    velocity = track.velocity_at(times)
+    heights, velocity = track.at(times)
     hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < SLOW) & (np.abs(velocity[:, 2]) < LEVEL)
-    hovers &= track.height_at(times) > CLEAR
+    hovers &= heights > CLEAR
     lasts = np.gradient(times)[hovers]
     if lasts.sum() < LEAST_S:
         raise MissionError(f"it hovers, or flies slowly and level, for {lasts.sum():.0f} s")
