@@ -17,7 +17,7 @@ from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.copter_log import BATTERIES, KINDS
 from ipoa_mission.link.dataflash import FMT, HEAD
 from ipoa_mission.link.definitions import message_name
-from ipoa_mission.link.messages import ParamValue
+from ipoa_mission.link.messages import Current, ParamValue
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.ulog import ATTITUDE, BATTERY, POSITIONS, TOPICS
@@ -67,6 +67,7 @@ def trim_tlog(path: Path, every: float) -> Iterator[bytes]:
     codec = Codec(255, 190)
     due: dict[type, float] = {}
     before: object = None
+    current: Current | None = None
     for record in read_tlog(path):
         heard = codec.decode(record.frame)
         message = heard.message if heard else None
@@ -77,9 +78,9 @@ def trim_tlog(path: Path, every: float) -> Iterator[bytes]:
             if time < due.get(type(message), 0.0):
                 continue
             due[type(message)] = time + every
-        elif wire_name(record.frame) not in KEPT or message == before:
+        elif wire_name(record.frame) not in KEPT or message in (before, current):
             continue
-        before = message
+        before, current = message, message if isinstance(message, Current) else current
         yield round(record.unix_s * 1e6).to_bytes(8, "big") + record.frame
 
 
