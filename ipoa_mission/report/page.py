@@ -13,7 +13,7 @@ from string import Template
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.commands import WAYPOINTS
 from ipoa_mission.energy.flight import Consumption
@@ -40,8 +40,6 @@ from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.tube.limits import NO_TUBE, rim_of
 from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.promise import Promise
-
-AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
 
 
 @dataclass(frozen=True)
@@ -151,7 +149,7 @@ LEGS_NOTE = (
 
 
 def _subtitle(scenario: Scenario, mission: Mission) -> str:
-    words = f"Mission for {AUTOPILOT_NAMES[mission.autopilot]}, {len(mission.items)} items"
+    words = f"Mission for {FIRMWARE[mission.autopilot].name}, {len(mission.items)} items"
     return f"{words}, cruise {scenario.vehicle.cruise_speed:g} m/s"
 
 
