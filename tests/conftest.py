@@ -8,6 +8,8 @@ from hypothesis import settings
 
 REPOSITORY = Path(__file__).parent.parent
 
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every command that a test starts compiles the package anew
+
 settings.register_profile("steady", deadline=None, derandomize=True)  # CI's machines are noisy; a failure comes again
 settings.load_profile("steady")
 

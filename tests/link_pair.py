@@ -105,17 +105,17 @@ class Air:
         self, dialogue: Dialogue[T], patience: Patience = SPECIFIED, interrupts: dict[float, MissionError] | None = None
     ) -> T:
         """The result of the client's dialogue with the vehicle."""
-        exchange = Exchange(dialogue, self.now, patience)
+        exchange, transfers, flying = Exchange(dialogue, self.now, patience), self.vehicle.transfers, self._flying
         interrupts = dict(interrupts or {})
         while not exchange.finished:
             self._launch(exchange.outgoing(), to_vehicle=True)
-            landing = self._flying[0][0] if self._flying else math.inf
+            landing = flying[0][0] if flying else math.inf
             stop = min(interrupts, default=math.inf)
-            wake = min(exchange.deadline, landing, self.vehicle.transfers.deadline, self._beat, stop)
+            wake = min(exchange.deadline, landing, transfers.deadline, self._beat, stop)
             assert wake < LIMIT_S, "the conversation does not end"
             self.now = max(self.now, wake)
-            while self._flying and self._flying[0][0] <= self.now:
-                _, _, to_vehicle, message = heapq.heappop(self._flying)
+            while flying and flying[0][0] <= self.now:
+                _, _, to_vehicle, message = heapq.heappop(flying)
                 if to_vehicle:
                     self._launch(self.vehicle.hear(message, self.now), to_vehicle=False)
                 else:
@@ -124,8 +124,9 @@ class Air:
             if self._beat <= self.now:
                 self._beat += 1.0
                 self._launch([Heartbeat(2, 12)], to_vehicle=False)
-            self.vehicle.transfers.tick(self.now)
-            self._launch(self.vehicle.take(), to_vehicle=False)
+            if transfers.deadline <= self.now:
+                transfers.tick(self.now)
+                self._launch(self.vehicle.take(), to_vehicle=False)
             if stop <= self.now:
                 exchange.interrupt(interrupts.pop(stop), self.now)
             exchange.tick(self.now)

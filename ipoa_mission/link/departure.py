@@ -37,6 +37,7 @@ class DepartureLimits:
     stream_s: float = 8.0  # until a stream that was asked for is heard
     ready_s: float = 180.0  # until it could be armed,
     look_s: float = 3.0  # with so long between two looks at what hinders
+    again_s: float = 1.0  # before the next look, and between two attempts to arm
     arming_attempts: int = 5  # one that says it could be armed may still need a moment
     climb_s: float = 120.0  # until it has climbed
     climbed_below: float = 0.5  # to so far below the height that was asked for [m]
@@ -127,7 +128,7 @@ def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[N
         departure.progress(0.0, hinders)
         if waited_s > ready_s:
             raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
-        yield from wait(1.0)
+        yield from wait(LIMITS.again_s)
     expect_on_ground(state)
     yield from _set_first(departure)
 
@@ -194,7 +195,7 @@ def _arm() -> Dialogue[None]:
             return
         if attempt == LIMITS.arming_attempts:
             raise CommandRefused(ARMING, result, words)
-        yield from wait(1.0)
+        yield from wait(LIMITS.again_s)
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:

@@ -22,6 +22,7 @@ from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
+from tests.quick_link import hurry
 
 Run = Callable[[str], "Outcome"]
 Planned = Callable[[str], tuple[Flight, Path]]
@@ -48,8 +49,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
     """Run `ipoa-mission WORDS` in a folder of its own; the exit code, standard output and standard error."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
-    monkeypatch.setattr("ipoa_mission.link.connect.OTHERS_S", 0.1)  # the autopilot of the tests is sixty times as fast
-    monkeypatch.setattr("ipoa_mission.link.orders.PARAMETER_ROUND_S", 0.1)
+    hurry(monkeypatch.setattr)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     for name in ("IPOA_MISSION_KEY", "IPOA_MISSION_PASSPHRASE"):
         monkeypatch.delenv(name, raising=False)

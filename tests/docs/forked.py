@@ -7,6 +7,7 @@ A command that runs so reads its own arguments, folder, environment, input and o
 
 import json
 import os
+import pkgutil
 import signal
 import socket
 import subprocess
@@ -14,7 +15,10 @@ import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
+
+import ipoa_mission
 
 #: What the shell runs: it hands on what it was given, waits, and passes signals on to the process that does the work.
 CLIENT = """#!{python} -IS
@@ -46,10 +50,19 @@ def forked(folder: Path) -> Iterator[Path]:
             server.terminate()
 
 
+#: What no command of the docs needs, or what starts threads, which a fork would lose.
+LEFT_OUT = ("__main__", "experiments", "link.mavsdk_backend", "studio")
+
+
 def serve(address: str) -> None:
     """Fork a process for every command."""
+    for module in pkgutil.walk_packages(ipoa_mission.__path__, "ipoa_mission."):
+        if not module.name.removeprefix("ipoa_mission.").startswith(LEFT_OUT):
+            import_module(module.name)
     from ipoa_mission.cli.app import main
+    from tests.quick_link import hurry
 
+    hurry()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for them but their clients
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind(address)

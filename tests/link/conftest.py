@@ -14,6 +14,7 @@ from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
+from tests.quick_link import hurry
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 
@@ -45,6 +46,5 @@ def running(family: Autopilot, speedup: float = 20.0, transport: str = "udpin", 
 @pytest.fixture
 def run_mock(monkeypatch: pytest.MonkeyPatch) -> Callable[..., object]:
     """Run a mock while a `with` block lasts; it is many times as fast as real, and so silence is told much sooner."""
-    monkeypatch.setattr("ipoa_mission.link.connect.OTHERS_S", 0.1)
-    monkeypatch.setattr("ipoa_mission.link.orders.PARAMETER_ROUND_S", 0.1)
+    hurry(monkeypatch.setattr)
     return running

@@ -1,0 +1,20 @@
+"""The link's waiting times beside an autopilot that is sixty times as fast as real."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from types import ModuleType
+
+from ipoa_mission.link import connect, departure, orders, upload
+
+TIMES: tuple[tuple[ModuleType, str, object], ...] = (
+    (connect, "OTHERS_S", 0.1),
+    (orders, "PARAMETER_ROUND_S", 0.1),
+    (upload, "SECOND_THOUGHTS_S", 0.05),
+    (departure, "LIMITS", replace(departure.LIMITS, again_s=0.05)),
+)
+
+
+def hurry(patch: Callable[[ModuleType, str, object], None] = setattr) -> None:
+    """Set them, by a monkeypatch's `setattr` for one test only."""
+    for module, name, value in TIMES:
+        patch(module, name, value)
