@@ -21,8 +21,9 @@ class LearnedVehicle:
     """The numbers of one vehicle; None where its flights do not tell, so that the simulated vehicle's counts.
 
     `drag` is a multiple of the simulated vehicle's, `lag` [s] that of rotors and rate loop; it lifts off `lift_delay`
-    [s] and disarms after a landing `landing_delay` [s] later than that one, or earlier if negative. A `leashed` one is
-    led by the waypoint controller of ArduCopter 3.x. `version` and `flights`: of what they were learned.
+    [s] and disarms after a landing `landing_delay` [s] later than that one, or earlier if negative; hovering takes
+    `hover_power` [W] out of its batteries. A `leashed` one is led by the waypoint controller of ArduCopter 3.x.
+    `version` and `flights`: of what they were learned.
     """
 
     autopilot: Autopilot
@@ -30,11 +31,12 @@ class LearnedVehicle:
     lag: Learned | None = None
     lift_delay: Learned | None = None
     landing_delay: Learned | None = None
+    hover_power: Learned | None = None
     leashed: bool = False
     version: str = ""
     flights: int = 0
 
-    def with_numbers(self, numbers: Mapping[str, Learned]) -> "LearnedVehicle":
+    def with_numbers(self, numbers: Mapping[str, Learned | None]) -> "LearnedVehicle":
         """The same with these, by name."""
         changes: dict[str, Any] = dict(numbers)
         return replace(self, **changes)

@@ -10,7 +10,11 @@ from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
+    from ipoa_mission.energy.flight import Consumption
+    from ipoa_mission.items import Mission
+    from ipoa_mission.scenario import Scenario
     from ipoa_mission.timing.estimate import Estimate
+    from ipoa_mission.timing.prediction import Track
 
 
 def check(
@@ -81,8 +85,10 @@ def estimate(
     mission, air = in_world(mission, world, flown_by.air)
     prediction = predict(mission, wind=air)
     remarks += prediction.remarks
+    energy = _energy(mission, world, prediction.track)
     if as_json:
-        tell_json(estimate_as_json(prediction) | {"remarks": list(remarks)})
+        energy_wh = None if energy is None else round(energy.energy_wh, 3)
+        tell_json(estimate_as_json(prediction) | {"energy_wh": energy_wh, "remarks": list(remarks)})
         return
     rows = [
         (
@@ -106,7 +112,17 @@ def estimate(
         *route_in_words(prediction),
         f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f}); "
         f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
+        *([] if energy is None else [f"energy {energy}"]),
     )
+
+
+def _energy(mission: "Mission", world: "Scenario | None", track: "Track") -> "Consumption | None":
+    """What the flight takes, as far as the scenario and what was learned of the vehicle know it."""
+    if (world is None and mission.vehicle is None) or len(track.times) < 2:
+        return None
+    from ipoa_mission.scenario.budget import flight_energy
+
+    return flight_energy(world, track.times, track.points, track.speeds, mission.vehicle)
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:

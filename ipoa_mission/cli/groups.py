@@ -94,9 +94,7 @@ class FlownByOptions:
     ] = None
     vehicle: Annotated[
         Path | None,
-        typer.Option(
-            "--vehicle", metavar="FILE", help="A vehicle that `learn` has written: its own drag, lag and delays."
-        ),
+        typer.Option("--vehicle", metavar="FILE", help="A vehicle that `learn` has written: drag, lag, delays, power."),
     ] = None
 
     @cached_property

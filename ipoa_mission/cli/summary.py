@@ -13,8 +13,7 @@ def describe(flight: Flight) -> list[str]:
         *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s; QGroundControl would say {estimate.qgroundcontrol_s:.0f} s",
     ]
-    if flight.energy is not None:
-        lines.append(f"energy {flight.energy.energy_wh:.1f} Wh, {flight.energy.mean_w:.0f} W on average")
+    lines += [] if flight.energy is None else [f"energy {flight.energy}"]
     return [*lines, *(f"note: {remark}" for remark in flight.remarks)]
 
 

@@ -1,7 +1,7 @@
-"""Flights to learn from: how long each item took, flown and by the model of a vehicle."""
+"""Flights to learn from: how long each item took, flown and by the model of a vehicle, and what the log measured."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,15 +9,19 @@ import numpy as np
 from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.dynamics.px4.airframe import airframe_of
+from ipoa_mission.energy.flight import hovering
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import itinerary
+from ipoa_mission.learn.witness import Witness, witness_of
 from ipoa_mission.link.flight_log import LoggedFlight, read_flights
 from ipoa_mission.link.logbook import brings_down
 from ipoa_mission.timing.estimate import predict
 from ipoa_mission.timing.px4 import STEP, Flights
+from ipoa_mission.world.frame import Geodetic
 
+NOWHERE = Geodetic(0.0, 0.0, 0.0)
 RUNS = 8  # of PX4's noise, the same in every forecast
 #: Standard deviations of an item's time about its model's, by the recorded flights: seconds, share, and of an ending.
 SCATTER = {Autopilot.ARDUPILOT: (0.15, 0.01, 0.6), Autopilot.PX4: (0.7, 0.02, 2.0)}
@@ -27,7 +31,8 @@ SCATTER = {Autopilot.ARDUPILOT: (0.15, 0.01, 0.6), Autopilot.PX4: (0.7, 0.02, 2.
 class Evidence:
     """A flight of a mission on a vehicle with its parameters: its items (`visits` of the itinerary) lasted so long.
 
-    `seconds` (n,) are from the visit before that the log knows, `scatter` (n,) their standard deviations [s].
+    `seconds` (n,) are from the visit before that the log knows, `scatter` (n,) their standard deviations [s]. A flight
+    of no mission has no items.
     """
 
     name: str
@@ -35,6 +40,17 @@ class Evidence:
     visits: tuple[int, ...]
     seconds: Vector
     scatter: Vector
+    witness: Witness = field(default_factory=Witness)
+
+    def energy(self, vehicle: LearnedVehicle) -> float | None:
+        """What the mission takes of this vehicle [Wh]; None where its hover power or the mission's end is not known."""
+        if not self.visits or vehicle.hover_power is None:
+            return None
+        route, prediction = predict(replace(self.mission, vehicle=vehicle), fast=True)
+        if self.visits[-1] + 1 < len(route.visits):
+            return None
+        track = prediction.track
+        return hovering(vehicle.hover_power.value, track.times, track.points, track.speeds).energy_wh
 
     def forecast(self, vehicle: LearnedVehicle | None) -> Vector:
         """How long the items take on this vehicle (n,) [s]; PX4's are means over its noise.
@@ -42,6 +58,8 @@ class Evidence:
         Raises:
             MissionError: the vehicle does not get on.
         """
+        if not self.visits:
+            return np.empty(0)
         mission = replace(self.mission, vehicle=vehicle)
         done = _px4(mission) if mission.autopilot is Autopilot.PX4 else predict(mission, fast=True)[1].done
         return np.diff(done[list(self.visits)], prepend=0.0)
@@ -106,7 +124,7 @@ def _joined(parts: Iterable[Vector]) -> Vector:
 def flights_in(
     path: Path, read: Callable[[Autopilot], Mission] | None = None
 ) -> tuple[list[Evidence], list[str], str, Autopilot]:
-    """All flights of a log that can be learned from, why others cannot, the firmware's version, and which it is.
+    """All flights of a log that tell something, what others do not, the firmware's version, and which it is.
 
     `read` gives the mission for that firmware where the log does not have it.
 
@@ -119,11 +137,17 @@ def flights_in(
     usable, left_out = [], list(log.remarks)
     for number, flight in enumerate(log.flights, 1):
         name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
-        if not flight.in_mission:
-            left_out.append(f"{name}: not in a mission")
-            continue
+        witness = witness_of(flight)
+        evidence = Evidence(name, Mission(NOWHERE, (), log.autopilot), (), np.empty(0), np.empty(0))
         try:
-            usable.append(evidence_of(name, flight, mission))
+            if flight.in_mission:
+                evidence = evidence_of(name, flight, mission)
+            else:
+                left_out.append(f"{name}: not in a mission")
         except MissionError as error:
             left_out.append(str(error))
+        if evidence.visits or witness.leaned or witness.hover_w:
+            usable.append(replace(evidence, witness=witness))
+        else:
+            left_out += [f"{name}: {reason}" for reason in witness.reasons.values()]
     return usable, left_out, log.version, log.autopilot

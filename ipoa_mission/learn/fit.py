@@ -1,12 +1,13 @@
-"""Least squares: the numbers of a vehicle with which its model takes as long, item by item, as it flew.
+"""Least squares: the numbers of a vehicle with which its model takes as long, item by item, and leans as it flew.
 
 The simulated vehicle is what is believed before a flight is seen, with a wide standard deviation (`UNSURE`). A number
 that the flights do not make at least twice as sure is one that they do not tell, and one whose interval holds the
-simulated vehicle's is not another: both stay as they are.
+simulated vehicle's is not another: both stay as they are. What hovering takes is the mean of what was measured.
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -18,6 +19,7 @@ from ipoa_mission.dynamics.px4.airframe import SIH
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.learn.evidence import Evidence, errors, scatter
+from ipoa_mission.learn.witness import hover_power
 
 NINE_IN_TEN = 1.645  # standard deviations on either side
 TOLD = 0.5  # of the standard deviation before: a number that is less sure than that has not been told
@@ -45,12 +47,14 @@ def fit(flights: Sequence[Evidence], leashed: bool = False) -> LearnedVehicle:
         for name, value, deviation in zip(names, *_solve(flights, blank, names), strict=True)
         if deviation < TOLD * UNSURE[name] and abs(value) > NINE_IN_TEN * deviation
     )
-    if not told:
+    power = hover_power([flight.witness for flight in flights])
+    if not told and power is None:
         raise MissionError(
             "the flights do not tell anything that sets this vehicle apart",
-            hint="drag shows only near the top speed; fly faster, or give more logs",
+            hint="without attitudes in the log drag shows only near the top speed; fly faster, or give more logs",
         )
-    values, sure = _solve(flights, blank, told)
+    blank = replace(blank, hover_power=power)
+    values, sure = _solve(flights, blank, told) if told else ((), ())
     intervals = {
         name: Learned(*(_number(autopilot, name, value + n * deviation) for n in (0.0, -NINE_IN_TEN, NINE_IN_TEN)))
         for name, value, deviation in zip(told, values, sure, strict=True)
@@ -67,11 +71,14 @@ def _number(autopilot: Autopilot, name: str, change: float) -> float:
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
     """The changes of these numbers (k,) that fit best, and their standard deviations (k,)."""
     deviations, prior = scatter(flights), np.array([UNSURE[name] for name in names])
+    leaned = [flight.witness.leaned for flight in flights if flight.witness.leaned and "drag" in names]
+    drags = np.array(leaned).reshape(-1, 2)
 
     def misfit(changes: Vector) -> Vector:
         values = {name: _number(blank.autopilot, name, change) for name, change in zip(names, changes, strict=True)}
         vehicle = blank.with_numbers({name: Learned(value, value, value) for name, value in values.items()})
-        return np.concatenate([errors(flights, vehicle) / deviations, changes / prior])
+        by_lean = (changes[names.index("drag")] - drags[:, 0]) / drags[:, 1] if leaned else np.empty(0)
+        return np.concatenate([errors(flights, vehicle) / deviations, by_lean, changes / prior])
 
     def slopes(changes: Vector) -> Points:
         columns = []
@@ -82,7 +89,7 @@ def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[s
         return np.column_stack(columns)
 
     found = least_squares(misfit, np.zeros(len(names)), slopes, x_scale=prior, xtol=1e-3, ftol=1e-3, max_nfev=12)
-    freedom = max(len(deviations) - len(names), 1)
-    spread = max(float((found.fun[: len(deviations)] ** 2).sum()) / freedom, 1.0)
+    freedom = max(len(deviations) + len(leaned) - len(names), 1)
+    spread = max(float((found.fun[: -len(names)] ** 2).sum()) / freedom, 1.0)
     covariance = np.linalg.inv(found.jac.T @ found.jac) * spread
     return found.x, np.sqrt(np.diag(covariance))

@@ -9,15 +9,17 @@ from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 
-NUMBERS = ("drag", "lag", "lift_delay", "landing_delay")
+NUMBERS = ("drag", "lag", "lift_delay", "landing_delay", "hover_power")
 PLAIN = {"autopilot", "leashed", "version", "flights"}
 UNITS = {
     "drag": "times that of the simulated vehicle",
     "lag": "of rotors and rate loop [s]",
     "lift_delay": "how much later it lifts off [s]",
     "landing_delay": "how much later it disarms after landing [s]",
+    "hover_power": "out of the batteries in hover [W]",
 }
-POSITIVE, MOST = ("drag", "lag"), {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0}
+POSITIVE = ("drag", "lag", "hover_power")
+MOST = {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0, "hover_power": 100_000.0}
 LARGEST = 100_000  # bytes of a file
 
 

@@ -1,5 +1,6 @@
-"""A log that ArduPilot itself wrote (`.bin`): where it was, what it did, which item it turned to, how it was set."""
+"""A log that ArduPilot itself wrote (`.bin`): where it was, what it did and measured, its items, how it was set."""
 
+import math
 import re
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -15,6 +16,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.link.dataflash import read_records
 from ipoa_mission.link.logged import Begun, Fixes, Held, Log, item_begun, presence
+from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -22,7 +24,11 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1
 HOME = 1  # ORGN.Type
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
-KINDS = frozenset({"POS", "XKF1", "NKF1", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
+#: Batteries; each a record of its own until 4.0 gave BAT an instance: CURR before 3.7.
+BATTERIES = {"BAT": 0, "CURR": 0, "BAT2": 1, "CUR2": 1, "BAT3": 2, "BAT4": 3}
+#: BATTn_MONITOR of those that count another battery once more (ESCs, sum), or fuel.
+SECONDHAND = frozenset({9, 10, 11, 12, 18, 24, 27})
+KINDS = frozenset({*BATTERIES, "POS", "XKF1", "NKF1", "ATT", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
 #: What flew, in the log's own words: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
 NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
 
@@ -37,6 +43,8 @@ class _Gathered:
     arming: list[tuple[float, bool]] = field(default_factory=list)
     modes: list[tuple[float, int]] = field(default_factory=list)
     items: dict[int, Item] = field(default_factory=dict)
+    batteries: dict[int, list[Battery]] = field(default_factory=dict)
+    attitude: list[tuple[float, ...]] = field(default_factory=list)
     begins: float | None = None
     opened_by_arming: bool = True
     vehicle: str = ""
@@ -58,7 +66,8 @@ def read_copter_log(path: Path) -> Log:
     if len(gathered.fixes) < 2:
         raise BadInput(f"{path}: expected an ArduPilot log with positions (POS), but there are none")
     fixes = _fixes(np.array(gathered.fixes), np.array(gathered.velocities))
-    return Log(Autopilot.ARDUPILOT, fixes, (*_states(gathered), *gathered.events), gathered.version)
+    measured = Measured.of(_batteries(gathered), gathered.attitude)
+    return Log(Autopilot.ARDUPILOT, fixes, (*_states(gathered), *gathered.events), gathered.version, measured=measured)
 
 
 def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
@@ -72,6 +81,13 @@ def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
             gathered.fixes.append((time, *(values[name] for name in ("Lat", "Lng", "Alt", "RelHomeAlt"))))
         case "XKF1" | "NKF1" if values.get("C", 0) == 0:
             gathered.velocities.append((time, values["VN"], values["VE"], values["VD"]))
+        case "ATT":
+            roll, pitch, yaw = (math.radians(values[name]) for name in ("Roll", "Pitch", "Yaw"))
+            gathered.attitude.append((time, roll, pitch, yaw))
+        case _ if kind in BATTERIES:
+            number = values.get("Inst", values.get("Instance", BATTERIES[kind]))
+            unit = 0.01 if "Throttle" in values else 1.0  # 3.3 wrote hundredths
+            gathered.batteries.setdefault(number, []).append((time, values["Volt"] * unit, values["Curr"] * unit))
         case "MODE":
             gathered.modes.append((time, values["ModeNum"]))
         case "ARM":
@@ -96,6 +112,14 @@ def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
             if named:
                 gathered.vehicle, gathered.version = named.groups()
     gathered.events += [(time, message) for message in messages]
+
+
+def _batteries(gathered: _Gathered) -> list[list[Battery]]:
+    """The batteries that were measured themselves, if any was."""
+    monitors = {message.param_id: message.param_value for _, message in gathered.events if type(message) is ParamValue}
+    names = {number: f"BATT{number + 1 if number else ''}_MONITOR" for number in gathered.batteries}
+    itself = [rows for number, rows in gathered.batteries.items() if monitors.get(names[number]) not in SECONDHAND]
+    return itself or list(gathered.batteries.values())
 
 
 def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:

@@ -16,6 +16,7 @@ from ipoa_mission.items import Item, Mission
 from ipoa_mission.link.copter_log import read_copter_log
 from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.logged import Begun, Held, Log, told
+from ipoa_mission.link.measured import Measured
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.link.telemetry_log import read_telemetry_log
@@ -34,7 +35,7 @@ class LoggedFlight:
     """One flight in a log: from armed until disarmed; `in_mission`: some of it in the mission mode.
 
     `mission` is what the log says that the vehicle held, None where it does not say; `parameters` are those that the
-    log has of it; `armed_s` is the autopilot's clock at time zero.
+    log has of it; `armed_s` is the autopilot's clock at time zero, from which the times of `measured` are.
     """
 
     autopilot: Autopilot
@@ -44,6 +45,7 @@ class LoggedFlight:
     parameters: Mapping[str, float]
     in_mission: bool
     messages: tuple[Message, ...] = field(repr=False)
+    measured: Measured = field(default_factory=Measured, repr=False)
 
     def record(self, mission: Mission | None = None) -> FlightRecord:
         """This flight as one of `mission`: when its items were done, and where it was; without one, only that."""
@@ -147,9 +149,11 @@ class _Stretch:
     messages: list[Message]
     later: _Known = field(default_factory=_Known)
     begun: dict[int, Begun] = field(default_factory=dict)
+    ends_s: float = 0.0
 
     def note(self, message: Message, now: float) -> None:
         self.messages.append(message)
+        self.ends_s = now
         by_the_arming = self.later.home is None and now - self.armed_s < HOME_SET_S
         if by_the_arming or not isinstance(message, HomePosition):
             self.later.note(message)
@@ -170,7 +174,8 @@ class _Stretch:
     def flight(self, log: Log) -> LoggedFlight:
         parameters = self.later.parameters | self.at_arming.parameters
         mission, flown = self._mission(log.autopilot), self.flew_in(MISSION_MODE[log.autopilot])
-        return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, tuple(self.messages))
+        messages, measured = tuple(self.messages), log.measured.between(self.armed_s, self.ends_s)
+        return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, messages, measured)
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
         """The list that was held; a log opened by the arming tells it just after.

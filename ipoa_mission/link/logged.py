@@ -9,6 +9,7 @@ import numpy as np
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
+from ipoa_mission.link.measured import Measured
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Firmware, Heartbeat, Message
 from ipoa_mission.link.telemetry import Position, SystemTime
 
@@ -67,6 +68,7 @@ class Log:
     events: tuple[tuple[float, Message], ...]
     version: str = ""
     remarks: tuple[str, ...] = field(default=())
+    measured: Measured = field(default_factory=Measured)
 
 
 def told(log: Log) -> Iterator[Message]:

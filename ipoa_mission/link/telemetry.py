@@ -91,13 +91,23 @@ class Hud(Message):
 
 @dataclass(frozen=True)
 class SystemStatus(Message):
-    """SYS_STATUS: sensor bits present, enabled and healthy; volts and remaining battery [%]."""
+    """SYS_STATUS: sensor bits present, enabled and healthy; volts, remaining [%] and amperes of a battery."""
 
     present: int
     enabled: int
     health: int
     voltage: float = 12.6
     battery_remaining: int = 100
+    current: float = -0.01  # negative: not measured
+
+
+@dataclass(frozen=True)
+class BatteryStatus(Message):
+    """BATTERY_STATUS: volts and amperes of one battery; negative amperes are not measured."""
+
+    id: int
+    voltage: float
+    current: float
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.codec import Codec, Heard
 from ipoa_mission.link.logged import Fixes, Held, Log, item_begun, presence, version_name
+from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STATION_COMPONENT,
@@ -32,7 +33,14 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, parameter_value
-from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, Position
+from ipoa_mission.link.telemetry import (
+    Attitude,
+    AutopilotVersion,
+    BatteryStatus,
+    HomePosition,
+    Position,
+    SystemStatus,
+)
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.link.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
@@ -58,6 +66,7 @@ class _Gathered:
     changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, told of since the last heartbeat
     doubted: bool = False  # a heartbeat since knew nothing of them
     version: str = ""
+    measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
 
 
 def read_telemetry_log(path: Path) -> Log:
@@ -125,6 +134,8 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
                 gathered.said.append((number, begun))
         case AutopilotVersion(_, version):
             gathered.version = version_name(version)
+        case Attitude() | BatteryStatus() | SystemStatus():
+            gathered.measured.append((number, message))
         case ParamValue():
             message = replace(message, param_value=parameter_value(message, autopilot))
     if isinstance(message, KEPT):
@@ -179,4 +190,20 @@ def _dated(gathered: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
     fixes = Fixes.of(np.array(rows).reshape(-1, 8))
     events = tuple((float(times[n]), message) for n, message in gathered.said if not isinstance(message, Position))
     remarks = () if len(clock) else (NO_CLOCK,)
-    return Log(autopilot, fixes, events, gathered.version, remarks)
+    return Log(autopilot, fixes, events, gathered.version, remarks, _measured(gathered, times))
+
+
+def _measured(gathered: _Gathered, times: Vector) -> Measured:
+    """Batteries by their numbers; the one of SYS_STATUS where no other tells."""
+    batteries: dict[int, list[Battery]] = {}
+    general: list[Battery] = []
+    attitude = []
+    for number, message in gathered.measured:
+        match message:
+            case Attitude(_, roll, pitch, yaw):
+                attitude.append((float(times[number]), roll, pitch, yaw))
+            case BatteryStatus(battery, voltage, current):
+                batteries.setdefault(battery, []).append((float(times[number]), voltage, current))
+            case SystemStatus(voltage=voltage, current=current):
+                general.append((float(times[number]), voltage, current))
+    return Measured.of(batteries.values() or [general], attitude)

@@ -31,6 +31,13 @@ _HEADING = Value(("hdg",), lambda yaw: saturated(math.degrees(yaw) * 100) % 3600
 _PLACE = {"latitude_deg": _scaled("latitude", 1e7), "longitude_deg": _scaled("longitude", 1e7)}
 _SHORT_PLACE = {"latitude_deg": _scaled("lat", 1e7), "longitude_deg": _scaled("lon", 1e7)}
 _HIGH = {"altitude": _scaled("altitude", 1000)}
+_NO_CELL = 0xFFFF
+#: The cells of a pack, or all of it in the first ones.
+_CELLS = Value(
+    ("voltages", "voltages_ext"),
+    lambda voltage: ([round(voltage * 1000), *[_NO_CELL] * 9], [0] * 4),
+    lambda raw: sum(cell for cell in (*raw[0], *raw[1]) if cell != _NO_CELL) / 1000,
+)
 _SENSORS = {name: f"onboard_control_sensors_{name}" for name in ("present", "enabled", "health")}
 
 LAYOUTS: tuple[Layout[Any], ...] = (
@@ -68,10 +75,12 @@ LAYOUTS: tuple[Layout[Any], ...] = (
     plain(
         "SYS_STATUS",
         t.SystemStatus,
-        {"load": 200, "current_battery": -1},
+        {"load": 200},
         **_SENSORS,
         voltage=_rounded("voltage_battery", 1000),
+        current=_rounded("current_battery", 100),
     ),
+    plain("BATTERY_STATUS", t.BatteryStatus, voltage=_CELLS, current=_rounded("current_battery", 100)),
     plain("EXTENDED_SYS_STATE", t.ExtendedState),
     plain("SYSTEM_TIME", t.SystemTime, unix_s=_rounded("time_unix_usec", 1e6), boot_s=_BOOT),
     plain("RADIO_STATUS", t.RadioStatus),

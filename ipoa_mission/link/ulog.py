@@ -15,9 +15,10 @@ import numpy as np
 from ipoa_mission.autopilots.modes import px4_mode
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.logged import Fixes, Log, presence, version_name
+from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
 from ipoa_mission.link.px4_items import items_begun
 from ipoa_mission.link.telemetry import HomePosition
@@ -29,7 +30,8 @@ ROTARY_WING = 1  # vehicle_status.vehicle_type
 SPHERE = 6_371_000.0  # radius of PX4's Earth [m]
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 POSITIONS = ("vehicle_global_position", "vehicle_local_position")
-TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item"]
+BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
+TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item", BATTERY, ATTITUDE]
 
 HEADER, MESSAGE = 16, Struct("<HB")  # bytes before the first message; what each begins with: size and kind
 DEFINES, BEGINS_DATA = b"BFIMPQ", b"ALC"  # kinds of messages
@@ -77,7 +79,9 @@ def _told(path: Path, log: Any) -> Log:
         *((message.timestamp / 1e6, Text(INFO, message.message)) for message in log.logged_messages),
     ]
     version = version_name(int(log.msg_info_dict.get("ver_sw_release", 0)) & 0xFFFFFFFF)
-    return Log(Autopilot.PX4, fixes, tuple(events), version)
+    batteries = (_battery(topic.data) for topic in log.data_list if topic.name == BATTERY)
+    measured = Measured.of(batteries, _attitude(topics.get(ATTITUDE)))
+    return Log(Autopilot.PX4, fixes, tuple(events), version, measured=measured)
 
 
 def _open(path: Path) -> Any:
@@ -147,6 +151,22 @@ def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
                 yield time, presence(Autopilot.PX4, False, state[1])
         yield time, presence(Autopilot.PX4, *state)
         before = state
+
+
+def _battery(data: Any) -> Iterator[Battery]:
+    columns = (_column(data, name).tolist() for name in ("timestamp", "voltage_v", "current_a"))
+    return ((time / 1e6, volts, amperes) for time, volts, amperes in zip(*columns, strict=True))
+
+
+def _attitude(data: Any | None) -> Points:
+    """Time, roll, pitch and yaw (n, 4) out of the quaternions from the body's axes to north, east, down."""
+    if data is None:
+        return np.empty((0, 4))
+    w, x, y, z = (_column(data, f"q[{n}]") for n in range(4))
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x**2 + y**2))
+    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))
+    return np.column_stack([_column(data, "timestamp") / 1e6, roll, pitch, yaw])
 
 
 def _items(result: Any | None) -> Iterator[Event]:

@@ -81,7 +81,7 @@ class VehicleSection(Section):
     """Parameters of the autopilot that differ from its defaults, by its own names and units. For a landing on high
     ground a plan raises LAND_ALT_LOW, or MPC_LAND_ALT1 and MPC_LAND_ALT2, unless one of them is named here."""
     airframe: AirframeSection | None = None
-    """Left out, no energy is estimated."""
+    """Left out, energy is estimated by a hover power that was learned, else not."""
     battery: BatterySection | None = None
     """Left out, no plan is refused for its energy."""
     _learned: LearnedVehicle | None = PrivateAttr(None)

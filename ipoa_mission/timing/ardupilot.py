@@ -138,7 +138,9 @@ class _Flight:
         if onward is not None:
             return why
         if visit.item.command in ONLY_THE_WAY:
-            self.remarks.append(f"item {visit.seq}: only the flight to its place is counted")
+            over = visit.seq in self.route.over_terrain
+            skipped = "; ArduCopter passes over it where it has no terrain data" if over else ""
+            self.remarks.append(f"item {visit.seq}: only the flight to its place is counted{skipped}")
         seconds = copter.wait_at(visit.item)
         if seconds > 0:
             self.hold(seconds)

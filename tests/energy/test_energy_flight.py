@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.energy.flight import Battery, Consumption, NotEnoughBattery, consumption, expect_reserve
+from ipoa_mission.energy.flight import Battery, Consumption, NotEnoughBattery, consumption, expect_reserve, hovering
 from ipoa_mission.energy.power import Airframe, power
 from ipoa_mission.errors import BadInput
 
@@ -26,6 +26,16 @@ def test_hovering_for_an_hour_takes_the_power_in_watt_hours() -> None:
     used = consumption(QUAD, *cruise(0.0, 3600))
     assert used.energy_wh == pytest.approx(drawn(0.0), rel=1e-6)
     assert (used.mean_w, used.peak_w) == pytest.approx((used.energy_wh, used.energy_wh))
+
+
+def test_what_stands_before_it_lifts_off_takes_nothing() -> None:
+    times, points, speeds = cruise(5.0, 120)
+    points[:60] = points[60]
+    used = hovering(180.0, times, points, speeds)
+    assert used.energy_wh == pytest.approx(180.0 * 60 / 3600)
+    assert (used.spans_w[:60] == 0).all()
+    still = hovering(180.0, *cruise(0.0, 120))
+    assert still.energy_wh == pytest.approx(6.0)
 
 
 def test_a_cruise_takes_its_power() -> None:

@@ -124,7 +124,13 @@ def test_the_built_in_autopilot_flies_the_learned_vehicle(autopilot: Autopilot) 
 
 def test_a_vehicle_file_is_read_as_it_was_written(tmp_path: Path) -> None:
     vehicle = LearnedVehicle(
-        ARDUPILOT, Learned(1.5, 1.25, 1.75), None, Learned(-0.5, -1.0, 0.5), None, True, "3.5.7", 11
+        ARDUPILOT,
+        drag=Learned(1.5, 1.25, 1.75),
+        lift_delay=Learned(-0.5, -1.0, 0.5),
+        hover_power=Learned(266.0, 260.0, 272.0),
+        leashed=True,
+        version="3.5.7",
+        flights=11,
     )
     path = tmp_path / "vehicle.toml"
     path.write_text(write_vehicle(vehicle))

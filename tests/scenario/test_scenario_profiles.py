@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.energy.flight import NotEnoughBattery
 from ipoa_mission.energy.power import power
 from ipoa_mission.errors import BadInput
@@ -98,6 +100,25 @@ def test_the_airframe_of_the_file_is_the_one_that_flies() -> None:
     assert used.energy_wh * 60 == pytest.approx(
         float(power(airframe, np.zeros(1), np.zeros(1), np.array([1.225]))[0]), rel=1e-6
     )
+
+
+def test_a_hover_power_that_was_learned_sets_the_level() -> None:
+    learned = LearnedVehicle(Autopilot.PX4, hover_power=Learned(360.0, 350.0, 370.0))
+    scenario = read(f"vehicle = {{ airframe = {{ {AIRFRAME} }} }}")
+    flown_by = scenario.model_copy(update={"vehicle": scenario.vehicle.learned_as(learned)})
+    used = flight_energy(flown_by, *MINUTE)
+    assert used is not None
+    assert used.energy_wh == pytest.approx(6.0)
+    fast = MINUTE[0], np.array([[0.0, 0, 0], [600.0, 0, 0]]), np.full(2, 10.0)
+    plain, scaled = flight_energy(scenario, *fast), flight_energy(flown_by, *fast)
+    hovers = flight_energy(scenario, *MINUTE)
+    assert plain is not None
+    assert scaled is not None
+    assert hovers is not None
+    assert scaled.energy_wh / used.energy_wh == pytest.approx(plain.energy_wh / hovers.energy_wh)
+    alone = flight_energy(None, *fast, learned)
+    assert alone is not None
+    assert alone.energy_wh == pytest.approx(6.0)
 
 
 def test_a_flight_beyond_the_battery_is_refused_and_wind_counts() -> None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,14 @@ def test_odd_missions_have_a_time_like_any_other(autopilot: Autopilot, name: str
     assert np.isfinite(result.track.points).all()
     assert (np.diff(result.track.times) >= 0).all()
     assert result.total_s < 60.0 + 3 * sum(60.0 for _ in result.items)
+
+
+@pytest.mark.parametrize("frame", [Frame.GLOBAL_RELATIVE_ALT, Frame.GLOBAL_TERRAIN_ALT])
+def test_a_loiter_to_a_height_over_terrain_may_be_passed_over(frame: Frame) -> None:
+    """ArduCopter, with a range finder and without terrain data: "bad do_loiter_to_alt"."""
+    item = replace(at(Command.NAV_LOITER_TO_ALT, 0, 60, 50), frame=frame)
+    said = any("passes over it" in remark for remark in found(Autopilot.ARDUPILOT, item, to(0, 90)).remarks)
+    assert said == (frame is Frame.GLOBAL_TERRAIN_ALT)
 
 
 @BOTH

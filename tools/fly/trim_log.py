@@ -1,8 +1,9 @@
-"""Cuts a real log down to what `compare` reads of it, so that it can be kept with the tests.
+"""Cuts a real log down to what `compare` and `learn` read of it, so that it can be kept with the tests.
 
     python -m tools.fly.trim_log LOG TRIMMED [--every S]
 
-Positions are thinned out to one every S seconds of the vehicle's clock (default 0.5), everything that tells of arming,
+Positions, attitudes and batteries (but those of a .tlog) are thinned out to one every S seconds of the vehicle's clock
+(default 0.5), everything that tells of arming,
 modes, items, words, home, version and the models' parameters stays as it is, byte for byte.
 """
 
@@ -13,13 +14,13 @@ from pathlib import Path
 
 from ipoa_mission.autopilots.parameters import known_parameters
 from ipoa_mission.link.codec import Codec
-from ipoa_mission.link.copter_log import KINDS
+from ipoa_mission.link.copter_log import BATTERIES, KINDS
 from ipoa_mission.link.dataflash import FMT, HEAD
 from ipoa_mission.link.definitions import message_name
-from ipoa_mission.link.messages import ParamValue
+from ipoa_mission.link.messages import Current, ParamValue
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.link.ulog import TOPICS
+from ipoa_mission.link.ulog import ATTITUDE, BATTERY, POSITIONS, TOPICS
 
 PARAMETERS = known_parameters() | {"LOG_DISARMED", "SDLOG_MODE"}
 THINNED = (Position, Attitude, LocalPosition, SystemTime)
@@ -44,6 +45,8 @@ KEPT = frozenset(
         "HOME_POSITION",
         "PARAM_VALUE",
         "TIMESYNC",
+        "SYS_STATUS",
+        "BATTERY_STATUS",
     }
 )
 
@@ -64,6 +67,7 @@ def trim_tlog(path: Path, every: float) -> Iterator[bytes]:
     codec = Codec(255, 190)
     due: dict[type, float] = {}
     before: object = None
+    current: Current | None = None
     for record in read_tlog(path):
         heard = codec.decode(record.frame)
         message = heard.message if heard else None
@@ -74,9 +78,9 @@ def trim_tlog(path: Path, every: float) -> Iterator[bytes]:
             if time < due.get(type(message), 0.0):
                 continue
             due[type(message)] = time + every
-        elif wire_name(record.frame) not in KEPT or message == before:
+        elif wire_name(record.frame) not in KEPT or message in (before, current):
             continue
-        before = message
+        before, current = message, message if isinstance(message, Current) else current
         yield round(record.unix_s * 1e6).to_bytes(8, "big") + record.frame
 
 
@@ -99,7 +103,7 @@ def trim_dataflash(path: Path, every: float) -> Iterator[bytes]:
         if record[2] == FMT:
             name = record[5:9].rstrip(b"\0")
             formats[record[3]] = (record[4], name)
-        elif name.decode() in {"POS", "XKF1"}:
+        elif name.decode() in {"POS", "XKF1", "ATT", *BATTERIES}:
             time = int.from_bytes(record[3:11], "little")
             if (name == b"XKF1" and record[11]) or time < due.get(name, 0):
                 continue
@@ -135,8 +139,8 @@ def trim_ulog(path: Path, every: float) -> Iterator[bytes]:
             case "D":
                 number, time = struct.unpack_from("<HQ", body)
                 name = wanted.get(number, "")
-                is_place = name.endswith("_position") and name != "home_position"
-                if not name or (is_place and time < due.get(number, 0)) or before.get(number) == body[10:]:
+                is_thinned = name in (*POSITIONS, ATTITUDE, BATTERY)
+                if not name or (is_thinned and time < due.get(number, 0)) or before.get(number) == body[10:]:
                     continue
                 due[number], before[number] = time + int(every * 1e6), body[10:]
         yield record

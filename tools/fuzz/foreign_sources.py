@@ -14,6 +14,7 @@ from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.learn.vehicle_file import read_vehicle, write_vehicle
+from ipoa_mission.learn.witness import witness_of
 from ipoa_mission.link.flight_log import read_flights
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_buildings
@@ -25,7 +26,11 @@ from tools import REPOSITORY
 
 FRAME = LocalFrame(Geodetic(47.0, 8.0, 500.0))
 VEHICLE = LearnedVehicle(
-    Autopilot.ARDUPILOT, Learned(1.5, 1.2, 1.8), landing_delay=Learned(-1.0, -2.0, 0.5), leashed=True
+    Autopilot.ARDUPILOT,
+    drag=Learned(1.5, 1.2, 1.8),
+    landing_delay=Learned(-1.0, -2.0, 0.5),
+    hover_power=Learned(266.0, 260.0, 272.0),
+    leashed=True,
 )
 TIME = 1.8e9  # of a flight [s since 1970]
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.001], [8.0, 47.0]]
@@ -139,7 +144,9 @@ def sources() -> list[tuple[str, bytes]]:
         kmz.writestr("doc.kml", KML)
     documents = [(".geojson", GEOJSON), (".json", ED269), (".json", CITYJSON), (".plan", SCAN_PLAN)]
     texts = [(suffix, json.dumps(document).encode()) for suffix, document in documents]
-    logs = [(path.suffix, path.read_bytes()) for path in sorted((REPOSITORY / "tests" / "logs").glob("sitl-*"))]
+    tests = REPOSITORY / "tests"
+    recorded = [*sorted((tests / "logs").glob("sitl-*")), *sorted((tests / "learn").glob("other_vehicle-0.*"))]
+    logs = [(path.suffix, path.read_bytes()) for path in recorded]
     vehicle = (".toml", write_vehicle(VEHICLE).encode())
     return [*texts, *texts, (".kml", KML), (".kmz", archive.getvalue()), vehicle, *_tables(), *logs]
 
@@ -170,6 +177,7 @@ def probe_foreign(path: Path) -> str:
         if path.suffix not in READERS:
             for flight in read_flights(path).flights:
                 flight.record(flight.mission)
+                witness_of(flight)
             return "read"
         features = read_features(path)
     except BadInput as error:

@@ -8,8 +8,10 @@ greatest lean it decides.
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ipoa_mission.autopilots.learned import LearnedVehicle
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, Points
 
 TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
 THINNING = 9.6e-5  # by this share the air is thinner a metre higher [1/m]
@@ -50,6 +52,15 @@ class Airframe:
         if r <= 0 and q <= 0:
             return math.inf
         return 2 * pull / (r + math.sqrt(r**2 + 4 * q * pull))
+
+    def slowing(self, through_air: Points, axes: Points) -> Points:
+        """What the air takes [m/s^2] (n, 3) of a velocity through it (n, 3), down last, in level flight.
+
+        `axes` (n, 3, 3) are the body's, as columns. It is the `drag` of `steps`, for many places at once.
+        """
+        along = np.einsum("nij,ni->nj", axes, through_air)
+        body = np.einsum("nij,nj->ni", axes, along * np.abs(along))
+        return np.asarray(self.body_drag * body + self.rotor_drag / np.sqrt(axes[:, 2, 2, None]) * through_air)
 
 
 #: ArduPilot's built-in quadrotor, of 3 kg: 45 degrees of lean hold 15.08 m/s at 593 m over the sea, of which the rotors

@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from ipoa_mission.autopilots.learned import LearnedVehicle
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, Points
 
 
 class Airframe(NamedTuple):
@@ -24,6 +24,10 @@ class Airframe(NamedTuple):
     def top_speed(self, lean: float) -> float:
         """The level speed [m/s] at which drag meets what a lean [rad] gives in calm air."""
         return GRAVITY * math.tan(lean) / self.drag if self.drag > 0 else math.inf
+
+    def slowing(self, through_air: Points, _axes: Points) -> Points:
+        """What the air takes [m/s^2] (n, 3) of a velocity through it (n, 3), however the body stands."""
+        return self.drag * through_air
 
 
 class Senses(NamedTuple):
