@@ -23,6 +23,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
 FAR = 100.0  # [m] over the ground
 HIGHER = 5.0  # [m]
+log = logging.getLogger(__name__)
 
 
 class FarFromHome(MissionError):
@@ -72,9 +73,6 @@ def _place(place: Geodetic) -> str:
 
 def _words(place: Geodetic) -> str:
     return f"{place.latitude_deg:.6f} {place.longitude_deg:.6f} {place.altitude:.1f}"
-
-
-log = logging.getLogger(__name__)
 
 
 class FastLanding(MissionError):

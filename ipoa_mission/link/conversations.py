@@ -32,6 +32,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.progress import Progress, count, silent
 
 T = TypeVar("T")
+Answer = TypeVar("Answer", Ack, Count)
 Take = Callable[[int, ItemAt], int]
 
 #: Refusals after which a vehicle may still go on asking: a second COUNT or a stray item gets ERROR from PX4,
@@ -154,7 +155,7 @@ def offer(
                 run.doubt = Result.ERROR
                 step = Pause(GRACE_S)
             case Ack(result, k) if k == kind:
-                yield from _listen_for_words(texts)
+                yield from listen_for_words(texts)
                 raise MissionRefused(result, kind, max(run.at, 0), str(texts))
             case None if run.at == last and items:
                 return run.doubt
@@ -269,22 +270,11 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
 
 def _open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
     """Ask how long the list is; `silence` is what there was to say if nobody answers."""
-    step: Step = Ask(RequestList(kind))
-    texts = VehicleTexts()
-    while True:
-        try:
-            heard = yield step
-        except NoAnswer as still:
-            raise silence or still from None
-        step = None
-        match heard:
-            case Count(count, k) if k == kind:
-                return count
-            case Ack(result, k) if k == kind and result not in (Result.ACCEPTED, *DOUBTFUL):
-                yield from _listen_for_words(texts)
-                raise MissionRefused(result, kind, words=str(texts))
-            case _:
-                texts.note(heard)
+    try:
+        answer = yield from _answered(RequestList(kind), Count)
+    except NoAnswer as still:
+        raise silence or still from None
+    return answer.count
 
 
 def clear(kind: int) -> Dialogue[None]:
@@ -293,22 +283,28 @@ def clear(kind: int) -> Dialogue[None]:
     Raises:
         MissionRefused, NoAnswer.
     """
-    step: Step = Ask(ClearAll(kind))
+    yield from _answered(ClearAll(kind), Ack)
+
+
+def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogue[Answer]:
+    """Ask about a list until such an answer to it comes, or a refusal."""
+    step: Step = Ask(question)
     texts = VehicleTexts()
     while True:
         heard = yield step
         step = None
         match heard:
-            case Ack(Result.ACCEPTED, k) if k == kind:
-                return
-            case Ack(result, k) if k == kind and result not in DOUBTFUL:
-                yield from _listen_for_words(texts)
-                raise MissionRefused(result, kind, words=str(texts))
+            case Ack(result, question.kind) if result not in (Result.ACCEPTED, *DOUBTFUL):
+                yield from listen_for_words(texts)
+                raise MissionRefused(result, question.kind, words=str(texts))
+            case Ack(Result.ACCEPTED, question.kind) | Count(_, question.kind) if isinstance(heard, answer):
+                return heard
             case _:
                 texts.note(heard)
 
 
-def _listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
+def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
+    """Note what the vehicle says in a moment: why it refused."""
     heard: Message | None = yield Pause(WORDS_S)
     while heard is not None:
         texts.note(heard)

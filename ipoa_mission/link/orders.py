@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.conversations import VehicleTexts
+from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell
 from ipoa_mission.link.messages import (
@@ -62,10 +62,7 @@ def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
                 step = Pause(30.0)
             case CommandAck(n, result) if n == number:
                 if result != CommandResult.ACCEPTED:
-                    heard = yield Pause(0.3)
-                    while heard is not None:
-                        texts.note(heard)
-                        heard = yield None
+                    yield from listen_for_words(texts)
                 return result, str(texts)
             case None:
                 raise NoAnswer(f"command {number} was begun, but never ended")

@@ -18,7 +18,7 @@ from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
-from ipoa_mission.maps.feature import DEEPEST, Feature, Mistakes, on_earth
+from ipoa_mission.maps.feature import DEEPEST, Feature, Mistakes, on_earth, read_all
 
 VERSIONS = ("1.0", "1.1", "2.0")
 MOST_SHOWN = 60  # characters of a name
@@ -73,10 +73,9 @@ def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
     if not isinstance(objects, dict) or not all(isinstance(each, dict) for each in objects.values()):
         raise BadInput(f"{path}: CityObjects: expected an object of objects")
     corners, system = _corners(document, path), _system(document, path)
-    mistakes, used = Mistakes(), dict[str, list[NDArray[np.intp]]]()
-    for name, thing in objects.items():
-        place = f"{path}: CityObjects.{name[:MOST_SHOWN]}"
-        used[name] = mistakes.attempt(_used, thing, len(corners), place) or []
+    places = {name: f"{path}: CityObjects.{name[:MOST_SHOWN]}" for name in objects}
+    mistakes = Mistakes()
+    used = {name: mistakes.attempt(_used, objects[name], len(corners), place) or [] for name, place in places.items()}
     mistakes.tell()
     vertical = [axis for axis in system.axis_info if axis.direction == "up"]
     city = _City(
@@ -85,12 +84,7 @@ def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
         float(vertical[0].unit_conversion_factor) if vertical else 1.0,
         _lowest(objects, used, corners, path),
     )
-    features = [
-        mistakes.attempt(_feature, name, thing, used[name], city, f"{path}: CityObjects.{name[:MOST_SHOWN]}")
-        for name, thing in objects.items()
-    ]
-    mistakes.tell()
-    return tuple(feature for feature in features if feature is not None)
+    return read_all(_feature, ((name, objects[name], used[name], city, place) for name, place in places.items()))
 
 
 def _corners(document: Mapping[str, Any], path: Path) -> Points:

@@ -1,6 +1,6 @@
 """A feature of a map file: a shape on the Earth with its tags, and where in the file it stands."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
@@ -90,3 +90,15 @@ class Mistakes:
             if len(self._found) > MANY:
                 lines.append(f"and {len(self._found) - MANY} more of this kind")
             raise BadInput("\n".join(lines), hint=self._found[0].hint)
+
+
+def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
+    """The features that `read` makes of each set of arguments; those of which it makes none are left out.
+
+    Raises:
+        BadInput: what is wrong with any of them.
+    """
+    mistakes = Mistakes()
+    features = [mistakes.attempt(read, *arguments) for arguments in each]
+    mistakes.tell()
+    return tuple(feature for feature in features if feature is not None)

@@ -18,7 +18,7 @@ from pyproj.exceptions import CRSError
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
-from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth, positions_of
+from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, on_earth, positions_of, read_all
 from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags
 
 MOST_SHOWN = 80  # characters of a place
@@ -55,10 +55,8 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         placed = [(f"{path}: feature", {"type": "Feature", "geometry": document})]
     else:
         raise BadInput(f"{path}: type: expected 'FeatureCollection', not {kind!r:.40}", hint="a map is a GeoJSON file")
-    to_degrees, mistakes = _coordinate_system(document, path), Mistakes()
-    made = [mistakes.attempt(_feature, place, feature, to_degrees) for place, feature in placed]
-    mistakes.tell()
-    return tuple(feature for feature in made if feature is not None)
+    to_degrees = _coordinate_system(document, path)
+    return read_all(_feature, ((place, feature, to_degrees) for place, feature in placed))
 
 
 def _number(feature: Any) -> str:

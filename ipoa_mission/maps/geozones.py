@@ -16,7 +16,7 @@ import shapely
 from pyproj import Geod
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth, positions_of
+from ipoa_mission.maps.feature import Corners, Feature, on_earth, positions_of, read_all
 
 UNITS = {"M": 1.0, "FT": 0.3048}
 REFERENCES = ("AGL", "AMSL")
@@ -47,13 +47,14 @@ def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ..
     Raises:
         BadInput: naming file and place, and what was expected there.
     """
-    mistakes, volumes = Mistakes(), []
-    for i, zone in enumerate(document["features"]):
-        for j, volume in enumerate(zone["geometry"]):
-            place = f"{path}: features[{i}].geometry[{j}]"
-            volumes.append(mistakes.attempt(_volume, zone, volume, place))
-    mistakes.tell()
-    return tuple(feature for feature in volumes if feature is not None)
+    return read_all(
+        _volume,
+        (
+            (zone, volume, f"{path}: features[{i}].geometry[{j}]")
+            for i, zone in enumerate(document["features"])
+            for j, volume in enumerate(zone["geometry"])
+        ),
+    )
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:

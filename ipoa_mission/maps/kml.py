@@ -20,7 +20,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
+from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, on_earth, read_all
 
 MOST_FOLDERS = 64
 ELSEWHERE = {"NetworkLink", "GroundOverlay"}  # what they show is in another file: passed over, but counted
@@ -77,11 +77,8 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
         raise BadInput(f"{path}: line {line}: expected well-formed XML") from error
     if _local(root) != "kml":
         raise BadInput(f"{path}: expected a kml document, not {_local(root)}")
-    mistakes = Mistakes()
     placemarks = list(_placemarks(root, path))
-    features = [mistakes.attempt(_feature, element, f"{path}: Placemark[{i}]") for i, element in enumerate(placemarks)]
-    mistakes.tell()
-    return tuple(feature for feature in features if feature is not None)
+    return read_all(_feature, ((element, f"{path}: Placemark[{i}]") for i, element in enumerate(placemarks)))
 
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:

@@ -4,7 +4,6 @@ GDAL goes by what a file holds, not by its name, and some formats name other fil
 """
 
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import shapely
 from pyproj import CRS, Transformer
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth
+from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.geojson import blank_keys, tags_of
 
 #: How files begin, by their suffix.
@@ -56,7 +55,7 @@ def read_table(path: Path) -> tuple[Feature, ...]:
     return tuple(features)
 
 
-def _rows(path: Path, layer: str, raw: Any, named: bool) -> Iterator[Feature]:
+def _rows(path: Path, layer: str, raw: Any, named: bool) -> tuple[Feature, ...]:
     meta, numbers, shapes, fields = raw.read(path, layer=layer, return_fids=True, max_features=MOST_ROWS)
     place = f"{path}: {layer}" if named else f"{path}: row"
     if not meta["crs"]:
@@ -65,12 +64,12 @@ def _rows(path: Path, layer: str, raw: Any, named: bool) -> Iterator[Feature]:
             hint="a Shapefile says it in the .prj file beside it",
         )
     to_degrees = Transformer.from_crs(CRS.from_user_input(meta["crs"]), "OGC:CRS84", always_xy=True)
-    mistakes, features = Mistakes(), []
-    for n, (number, shape) in enumerate(zip(numbers, shapes, strict=True)):
-        row = {str(name): _plain(column[n]) for name, column in zip(meta["fields"], fields, strict=True)}
-        features.append(mistakes.attempt(_feature, f"{place}[{number}]", shape, row, to_degrees))
-    mistakes.tell()
-    yield from (feature for feature in features if feature is not None)
+    rows = (
+        {str(name): _plain(column[n]) for name, column in zip(meta["fields"], fields, strict=True)}
+        for n in range(len(numbers))
+    )
+    each = zip(numbers, shapes, rows, strict=True)
+    return read_all(_feature, ((f"{place}[{number}]", shape, row, to_degrees) for number, shape, row in each))
 
 
 def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transformer) -> Feature:

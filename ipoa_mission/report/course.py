@@ -4,10 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.prediction import Track
+from ipoa_mission.tube.limits import NO_TUBE, Rim, rim_of
+from ipoa_mission.tube.measured import law_of
 from ipoa_mission.world.airspace import Airspace
 
 SAMPLES = 800
@@ -54,6 +58,20 @@ def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Course:
         ground=ground,
         apart=airspace.obstacle_distance(points),
     )
+
+
+def tube_of(mission: Mission, scenario: Scenario) -> Rim:
+    """How far from the predicted path as many flights are as the scenario asks for."""
+    chance = scenario.safety.chance
+    return NO_TUBE if chance is None else rim_of(law_of(mission.autopilot, scenario.wind.speed), chance)
+
+
+def outline_round(points: Points, level: float) -> list[Points]:
+    """What lies within `level` [m] of a path, from above: closed rings, the outer one first; none for a level of 0."""
+    if level <= 0.0:
+        return []
+    around = shapely.LineString(points[:, :2]).simplify(level / 10).buffer(level, quad_segs=4)
+    return [shapely.get_coordinates(ring) for ring in (around.exterior, *around.interiors)]
 
 
 @dataclass(frozen=True)

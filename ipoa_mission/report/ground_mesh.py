@@ -1,4 +1,6 @@
-"""The ground as a mesh."""
+"""The ground as a mesh, and the round steps in which it is drawn."""
+
+import math
 
 import numpy as np
 
@@ -23,3 +25,9 @@ def ground_mesh_over(
     east, north = np.meshgrid(*(np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True)))
     up = airspace.ground(np.column_stack([east.ravel(), north.ravel()]))
     return east, north, up.reshape(east.shape)
+
+
+def round_step(value: float) -> float:
+    """The least of 1, 2, 5, 10, ... times a power of ten that is not below `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return float(next(k * power for k in (1, 2, 5, 10) if k * power >= value * (1 - 1e-9)))

@@ -13,7 +13,7 @@ from string import Template
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.commands import WAYPOINTS
 from ipoa_mission.energy.flight import Consumption
@@ -23,7 +23,7 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.course import dangers, follow
+from ipoa_mission.report.course import dangers, follow, tube_of
 from ipoa_mission.report.extent import extent_of
 from ipoa_mission.report.panels.flown import done_in_flight, flown_panel
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
@@ -37,11 +37,7 @@ from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import Estimate
-from ipoa_mission.tube.limits import NO_TUBE, rim_of
-from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.promise import Promise
-
-AUTOPILOT_NAMES = {Autopilot.PX4: "PX4", Autopilot.ARDUPILOT: "ArduPilot"}
 
 
 @dataclass(frozen=True)
@@ -104,8 +100,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
-    chance = scenario.safety.chance
-    tube = NO_TUBE if chance is None else rim_of(law_of(mission.autopilot, scenario.wind.speed), chance)
+    tube = tube_of(mission, scenario)
     battery = scenario.vehicle.battery
     parts = {
         "title": escape(scenario.name),
@@ -151,7 +146,7 @@ LEGS_NOTE = (
 
 
 def _subtitle(scenario: Scenario, mission: Mission) -> str:
-    words = f"Mission for {AUTOPILOT_NAMES[mission.autopilot]}, {len(mission.items)} items"
+    words = f"Mission for {FIRMWARE[mission.autopilot].name}, {len(mission.items)} items"
     return f"{words}, cruise {scenario.vehicle.cruise_speed:g} m/s"
 
 

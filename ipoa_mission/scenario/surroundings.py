@@ -257,8 +257,7 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
     """From below all ground, ends and obstacles inside the bounds to above them."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, terrain.height)[2] for place in places)]
-    east, north = (np.linspace(corners[0][axis], corners[1][axis], GROUND_LINES) for axis in (0, 1))
-    ground = terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
+    ground = _on_lines(terrain, corners)
     boxes = [obstacle.bounds for obstacle in obstacles]
     heights = [box[:, 2] for box in boxes if _meets(box[:, :2].reshape(1, 4), corners, 0.0)[0]]
     everything = np.concatenate([ends, [ground.min(), ground.max()], *heights])
@@ -310,9 +309,13 @@ def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
         last = np.clip(np.ceil((box[1] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
         heights = terrain.heights[first[1] : last[1] + 1, first[0] : last[0] + 1]
     else:
-        east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
-        heights = terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
+        heights = _on_lines(terrain, box)
     return float(heights.min()), float(heights.max())
+
+
+def _on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
+    east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
+    return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
 
 
 def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:

@@ -6,9 +6,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import shapely
 
-from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch
@@ -18,11 +16,8 @@ from ipoa_mission.report.stops import Stop, stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map, without_folders
-from ipoa_mission.studio.vocabulary import LngLat
 from ipoa_mission.timing.bound import least_time
 from ipoa_mission.timing.route import kinematics
-from ipoa_mission.tube.limits import NO_TUBE, Rim, rim_of
-from ipoa_mission.tube.measured import law_of
 
 SAMPLES = 500  # of the predicted flight
 NEAR, CLOSE = 5, 1.5  # places that are named as near, and how much nearer than required is near enough to be named
@@ -55,8 +50,7 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
     scenario, estimate, promise = flight.scenario, flight.estimate, flight.promise
     course = report_course.follow(estimate.track, scenario.airspace, SAMPLES)
     flown_stops = stops(flight.mission, estimate, scenario)
-    kept, chance = promise.clearance, scenario.safety.chance
-    rim = NO_TUBE if chance is None else rim_of(law_of(flight.mission.autopilot, scenario.wind.speed), chance)
+    kept, rim = promise.clearance, report_course.tube_of(flight.mission, scenario)
     energy, battery = flight.energy, scenario.vehicle.battery
     return answers.Plan(
         revision=revision,
@@ -75,9 +69,9 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         qgroundcontrol_s=round(estimate.qgroundcontrol_s, 1),
         length=round(float(course.along[-1]), 1),
         energy_wh=None if energy is None else round(energy.energy_wh, 2),
-        battery_left=None if energy is None or battery is None else _left(energy, scenario),
+        battery_left=None if energy is None or battery is None else round(float(energy.left(battery.build())), 3),
         tube=(rim.level, rim.up, rim.down),
-        tube_ring=_tube(course.points, rim, scenario),
+        tube_ring=tuple(on_map(scenario.frame, ring) for ring in report_course.outline_round(course.points, rim.level)),
         course=_course(course, scenario),
         stops=tuple(_stop(stop, course, scenario) for stop in flown_stops),
         bindings=tuple(_bindings(flight, flown_stops, course)),
@@ -95,22 +89,8 @@ def proof_digest(flight: Flight) -> str:
     return hashlib.sha256(f"{mission.autopilot} {written} {about}".encode()).hexdigest()[:10]
 
 
-def _left(energy: Consumption, scenario: Scenario) -> float | None:
-    battery = scenario.vehicle.battery
-    return None if battery is None else round(float(energy.left(battery.build())), 3)
-
-
 def _sampled(curve: Spline) -> Points:
     return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
-
-
-def _tube(points: Points, rim: Rim, scenario: Scenario) -> tuple[tuple[LngLat, ...], ...]:
-    """The outline of where flights are, from above: rings, the outer one first."""
-    if rim.level <= 0.0:
-        return ()
-    around = shapely.LineString(points[:, :2]).simplify(rim.level / 10).buffer(rim.level, quad_segs=4)
-    rings = (around.exterior, *around.interiors)
-    return tuple(on_map(scenario.frame, shapely.get_coordinates(ring)) for ring in rings)
 
 
 def _course(course: report_course.Course, scenario: Scenario) -> answers.Course:

@@ -11,7 +11,7 @@ from contourpy import FillType, contour_generator
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.report.ground_mesh import ground_mesh
+from ipoa_mission.report.ground_mesh import ground_mesh, round_step
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.studio.answers import Body, Fence, Spot, Terrace, World
@@ -119,7 +119,7 @@ def _terraces(scenario: Scenario) -> Iterator[Terrace]:
     """The ground as a model of cardboard has it: steps, each drawn where the ground is at least so high."""
     east, north, up = ground_mesh(scenario.airspace, CELLS)
     low, high = float(up.min()), float(up.max())
-    step = _round_step(max(high - low, 1.0) / TERRACES)
+    step = round_step(max(high - low, 1.0) / TERRACES)
     maker: Any = contour_generator(east, north, up, fill_type=FillType.OuterOffset)
     for level in np.arange(math.floor(low / step), math.floor(high / step) + 1) * step:
         polygons, offsets = maker.filled(float(level) - LEVEL, np.inf)
@@ -129,12 +129,6 @@ def _terraces(scenario: Scenario) -> Iterator[Terrace]:
         ]
         if drawn:
             yield Terrace(up=round(float(level), 2), polygons=tuple(drawn))
-
-
-def _round_step(value: float) -> float:
-    """The least of 1, 2, 5, 10, ... times a power of ten that is not below `value`."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return float(next(k * power for k in (1, 2, 5, 10) if k * power >= value * (1 - 1e-9)))
 
 
 def _closed(ring: tuple[LngLat, ...]) -> tuple[LngLat, ...]:

@@ -7,13 +7,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import shapely
 from contourpy import FillType, LineType, contour_generator
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.report.course import Course
+from ipoa_mission.report.course import Course, outline_round
 from ipoa_mission.report.extent import Extent
-from ipoa_mission.report.ground_mesh import ground_mesh_over
+from ipoa_mission.report.ground_mesh import ground_mesh_over, round_step
 from ipoa_mission.report.stops import Stop
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.limits import Rim
@@ -91,7 +90,7 @@ def _relief(east: Points, north: Points, up: Points) -> str:
     low, high = float(up.min()), float(up.max())
     if high - low < 1.0:
         return ""
-    step = _round_step((high - low) / TINTS)
+    step = round_step((high - low) / TINTS)
     levels = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
     maker: Any = contour_generator(east, north, up, fill_type=FillType.OuterOffset, line_type=LineType.Separate)
     drawn = []
@@ -128,16 +127,10 @@ def _button(n: int, stop: Stop, extent: Extent) -> str:
 
 
 def _scale(width: float) -> str:
-    length = _round_step(width / 5)
+    length = round_step(width / 5)
     return (
         f'<span class="scale" style="width:{100 * length / width:.2f}%">{length:g} m</span><span class="north">N</span>'
     )
-
-
-def _round_step(value: float) -> float:
-    """The least of 1, 2, 5, 10, ... that is not below `value`."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return next(k * power for k in (1, 2, 5, 10) if k * power >= value * (1 - 1e-9))
 
 
 def _line(points: Points, look: str) -> str:
@@ -145,11 +138,8 @@ def _line(points: Points, look: str) -> str:
 
 
 def _tube(points: Points, level: float) -> str:
-    if level == 0:
-        return ""
-    around = shapely.LineString(points[:, :2]).simplify(level / 10).buffer(level, quad_segs=4)
-    rings = "".join(_ring(shapely.get_coordinates(ring)[:-1]) for ring in (around.exterior, *around.interiors))
-    return f'<path class="tube" d="{rings}"><title>where flights are</title></path>'
+    rings = "".join(_ring(ring[:-1]) for ring in outline_round(points, level))
+    return f'<path class="tube" d="{rings}"><title>where flights are</title></path>' if rings else ""
 
 
 def _ring(points: Points) -> str:
