@@ -9,7 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize.registry import OPTIMIZERS
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
-from ipoa_mission.planning.strategy import SearchStrategy
+from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
 from tests.planning.conftest import Make, Place, Town
 
 TALL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base": 0.0}
@@ -158,7 +158,8 @@ def test_over_the_wall_where_that_is_the_only_way(scenario: Make) -> None:
 
 def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario: Make) -> None:
     steep = {"max_climb_angle_deg": 12, "max_descent_angle_deg": 45}
-    plan = plan_path(scenario(start=(100, 0, 20), goal=(0, 0, 20), obstacles=[fort(60)], planning=steep))
+    job = scenario(start=(100, 0, 20), goal=(0, 0, 20), obstacles=[fort(60)], planning=steep)
+    plan = plan_path(job, strategy=SearchStrategy(lattice=LatticeStrategy(nodes=20_000)))
     assert plan.proof.holds
     assert plan.cost.turning_deg > 300
 

@@ -1,0 +1,14 @@
+"""Plans that were looked for less hard than usual, for tests of what becomes of a plan."""
+
+from collections.abc import Callable
+from functools import partial
+
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
+
+QUICK = SearchStrategy(LatticeStrategy(nodes=20_000), straight_starts=1, lattice_starts=2, max_rounds=4, settled=1)
+
+
+def search_quickly(patch: Callable[..., None]) -> None:
+    """Have `plan_flight` and the command line look so; `patch`: `setattr` of a monkeypatch."""
+    patch("ipoa_mission.routing.seek.plan_path", partial(plan_path, strategy=QUICK))
