@@ -167,7 +167,7 @@ def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(
         ended = run(f"upload {mission} --link {link} --log up.tlog")
     assert ended.code == 130
     assert ended.out == ""
-    assert ended.err.startswith("error: cancelled: the vehicle keeps the mission it had")
+    assert ended.err.splitlines()[-1].startswith("error: cancelled: the vehicle keeps the mission it had")
 
 
 def test_ctrl_c_during_a_flight_says_that_the_vehicle_flies_on(
