@@ -126,19 +126,11 @@ def plain_frame(frame: int) -> int:
 
 
 #: Commands whose latitude and longitude the vehicle flies to; TAKEOFF and LAND at (0, 0) mean "here".
-FLOWN_TO = frozenset(
-    {
-        Command.NAV_WAYPOINT,
-        Command.NAV_SPLINE_WAYPOINT,
-        Command.NAV_LOITER_UNLIM,
-        Command.NAV_LOITER_TURNS,
-        Command.NAV_LOITER_TIME,
-        Command.NAV_LOITER_TO_ALT,
-        Command.NAV_PAYLOAD_PLACE,
-        Command.NAV_LAND,
-        Command.NAV_TAKEOFF,
-    }
-)
+FLOWN_TO = frozenset({
+    Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS,
+    Command.NAV_LOITER_TIME, Command.NAV_LOITER_TO_ALT, Command.NAV_PAYLOAD_PLACE, Command.NAV_LAND,
+    Command.NAV_TAKEOFF,
+})  # fmt: skip
 #: What an altitude of 0 is for: the ground is below a landing, and a take-off climbs to it.
 TO_THE_GROUND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
 TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})

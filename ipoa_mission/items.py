@@ -144,16 +144,15 @@ class Mission:
                 return math.nan
 
 
+def _above_home(command: Command, place: Geodetic, height: float, *params: float) -> Item:
+    first, second, third, fourth = params
+    where = place.latitude_deg, place.longitude_deg, height
+    return Item(command, Frame.GLOBAL_RELATIVE_ALT, (first, second, third, fourth), *where)
+
+
 def takeoff(place: Geodetic, height: float) -> Item:
     """Climb to `height` above home at `place`."""
-    return Item(
-        Command.NAV_TAKEOFF,
-        Frame.GLOBAL_RELATIVE_ALT,
-        (0.0, 0.0, 0.0, math.nan),
-        place.latitude_deg,
-        place.longitude_deg,
-        height,
-    )
+    return _above_home(Command.NAV_TAKEOFF, place, height, 0.0, 0.0, 0.0, math.nan)
 
 
 def waypoint(place: Geodetic, height: float, hold_s: float = 0.0, radius: float = 0.0) -> Item:
@@ -161,26 +160,12 @@ def waypoint(place: Geodetic, height: float, hold_s: float = 0.0, radius: float 
 
     PX4 turns to the next waypoint within `radius` [m] of this one; 0: NAV_ACC_RAD. ArduCopter does not read it.
     """
-    return Item(
-        Command.NAV_WAYPOINT,
-        Frame.GLOBAL_RELATIVE_ALT,
-        (hold_s, radius, 0.0, math.nan),
-        place.latitude_deg,
-        place.longitude_deg,
-        height,
-    )
+    return _above_home(Command.NAV_WAYPOINT, place, height, hold_s, radius, 0.0, math.nan)
 
 
 def spline_waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item:
     """Fly a smooth curve through `place` (ArduPilot only)."""
-    return Item(
-        Command.NAV_SPLINE_WAYPOINT,
-        Frame.GLOBAL_RELATIVE_ALT,
-        (hold_s, 0.0, 0.0, 0.0),
-        place.latitude_deg,
-        place.longitude_deg,
-        height,
-    )
+    return _above_home(Command.NAV_SPLINE_WAYPOINT, place, height, hold_s, 0.0, 0.0, 0.0)
 
 
 def change_speed(speed: float) -> Item:
@@ -195,11 +180,4 @@ def return_to_launch() -> Item:
 
 def land(place: Geodetic) -> Item:
     """Land at `place`; the altitude is that of home."""
-    return Item(
-        Command.NAV_LAND,
-        Frame.GLOBAL_RELATIVE_ALT,
-        (0.0, 0.0, 0.0, math.nan),
-        place.latitude_deg,
-        place.longitude_deg,
-        0.0,
-    )
+    return _above_home(Command.NAV_LAND, place, 0.0, 0.0, 0.0, 0.0, math.nan)

@@ -6,7 +6,6 @@ land detector and measured on its simulated flights; docs/flight-time.md says wh
 
 import math
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from ipoa_mission.autopilots.renamed import by_old_names
 from ipoa_mission.autopilots.vehicle import Parameters
@@ -19,67 +18,54 @@ LAND_DETECTOR_S = 1.0  # for so long it must stay there, before the motors spool
 CENTIMETRE = 0.01  # in which ArduCopter keeps the height of a place [m]
 
 #: ArduCopter 4.7's own defaults for what moves a mission (cm, cm/s, cm/s^2 and centidegrees, as it has them).
-ARDUCOPTER_DEFAULTS: Parameters = MappingProxyType(
-    {
-        "WPNAV_SPEED": 1000.0,
-        "WPNAV_SPEED_UP": 250.0,
-        "WPNAV_SPEED_DN": 150.0,
-        "WPNAV_ACCEL": 250.0,
-        "WPNAV_ACCEL_C": 0.0,
-        "WPNAV_ACCEL_Z": 100.0,
-        "WPNAV_JERK": 1.0,
-        "WPNAV_RADIUS": 200.0,
-        "WP_YAW_BEHAVIOR": 2.0,
-        "PSC_JERK_XY": 5.0,
-        "PSC_JERK_Z": 5.0,
-        "PSC_POSXY_P": 1.0,
-        "PSC_VELXY_P": 2.0,
-        "PSC_VELXY_I": 1.0,
-        "PSC_VELXY_D": 0.25,
-        "PSC_VELXY_FLTE": 5.0,
-        "PSC_POSZ_P": 1.0,
-        "ATC_SLEW_YAW": 6000.0,
-        "ANGLE_MAX": 3000.0,
-        "LAND_SPEED": 50.0,
-        "LAND_SPEED_HIGH": 0.0,
-        "LAND_ALT_LOW": 1000.0,
-        "RTL_ALT": 1500.0,
-        "RTL_SPEED": 0.0,
-        "RTL_LOIT_TIME": 5000.0,
-        "RTL_ALT_FINAL": 0.0,
-        "ATC_ACCEL_P_MAX": 110000.0,
-        "ATC_ACCEL_R_MAX": 110000.0,
-        "ATC_INPUT_TC": 0.15,
-        "MOT_SPOOL_TIME": 0.5,
-        "DISARM_DELAY": 10.0,
-        "RTL_CLIMB_MIN": 0.0,
-        "RTL_CONE_SLOPE": 3.0,
-        "CIRCLE_RADIUS": 1000.0,
-        "CIRCLE_RATE": 20.0,
-        "ATC_RATE_R_MAX": 0.0,
-        "ATC_RATE_P_MAX": 0.0,
-        "PSC_ANGLE_MAX": 0.0,
-        "RNGFND1_TYPE": 0.0,
-    }
-)
+ARDUCOPTER_DEFAULTS: Parameters = {
+    "WPNAV_SPEED": 1000.0,
+    "WPNAV_SPEED_UP": 250.0,
+    "WPNAV_SPEED_DN": 150.0,
+    "WPNAV_ACCEL": 250.0,
+    "WPNAV_ACCEL_C": 0.0,
+    "WPNAV_ACCEL_Z": 100.0,
+    "WPNAV_JERK": 1.0,
+    "WPNAV_RADIUS": 200.0,
+    "WP_YAW_BEHAVIOR": 2.0,
+    "PSC_JERK_XY": 5.0,
+    "PSC_JERK_Z": 5.0,
+    "PSC_POSXY_P": 1.0,
+    "PSC_VELXY_P": 2.0,
+    "PSC_VELXY_I": 1.0,
+    "PSC_VELXY_D": 0.25,
+    "PSC_VELXY_FLTE": 5.0,
+    "PSC_POSZ_P": 1.0,
+    "ATC_SLEW_YAW": 6000.0,
+    "ANGLE_MAX": 3000.0,
+    "LAND_SPEED": 50.0,
+    "LAND_SPEED_HIGH": 0.0,
+    "LAND_ALT_LOW": 1000.0,
+    "RTL_ALT": 1500.0,
+    "RTL_SPEED": 0.0,
+    "RTL_LOIT_TIME": 5000.0,
+    "RTL_ALT_FINAL": 0.0,
+    "ATC_ACCEL_P_MAX": 110000.0,
+    "ATC_ACCEL_R_MAX": 110000.0,
+    "ATC_INPUT_TC": 0.15,
+    "MOT_SPOOL_TIME": 0.5,
+    "DISARM_DELAY": 10.0,
+    "RTL_CLIMB_MIN": 0.0,
+    "RTL_CONE_SLOPE": 3.0,
+    "CIRCLE_RADIUS": 1000.0,
+    "CIRCLE_RATE": 20.0,
+    "ATC_RATE_R_MAX": 0.0,
+    "ATC_RATE_P_MAX": 0.0,
+    "PSC_ANGLE_MAX": 0.0,
+    "RNGFND1_TYPE": 0.0,
+}
 
 EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the nose follows the way, but for RTL, where it keeps its heading
 
 POSITIVE = (
-    "WPNAV_SPEED",
-    "WPNAV_SPEED_UP",
-    "WPNAV_SPEED_DN",
-    "WPNAV_ACCEL",
-    "WPNAV_ACCEL_Z",
-    "WPNAV_JERK",
-    "WPNAV_RADIUS",
-    "PSC_JERK_Z",
-    "PSC_POSXY_P",
-    "PSC_VELXY_FLTE",
-    "PSC_POSZ_P",
-    "ANGLE_MAX",
-    "LAND_SPEED",
-)
+    "WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL", "WPNAV_ACCEL_Z", "WPNAV_JERK", "WPNAV_RADIUS",
+    "PSC_JERK_Z", "PSC_POSXY_P", "PSC_VELXY_FLTE", "PSC_POSZ_P", "ANGLE_MAX", "LAND_SPEED",
+)  # fmt: skip
 
 
 def usable(parameters: Parameters) -> Parameters:

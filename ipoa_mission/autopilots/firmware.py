@@ -11,7 +11,6 @@ mavlink_mission). A row gives, for each of the seven params, what a read-back re
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Frame
@@ -35,7 +34,7 @@ class Firmware:
     max_rally_points: int
     highest_altitude: float  # [m]; items at or above it are refused
     takes_nan_param4: frozenset[int] | None  # None: NaN is taken anywhere
-    renames: Mapping[int, int] = field(default_factory=lambda: MappingProxyType({}))  # stored under another number
+    renames: Mapping[int, int] = field(default_factory=dict)  # stored under another number
 
     def kept(self, command: int, frame: int) -> str | None:
         """The row for an item, seven letters; None where the firmware has no such command."""
@@ -46,8 +45,16 @@ class Firmware:
         return None
 
 
-def _table(rows: dict[str, tuple[Command, ...]]) -> Mapping[int, str]:
-    return MappingProxyType({int(command): kept for kept, commands in rows.items() for command in commands})
+def _table(rows: str) -> Mapping[int, str]:
+    """Rows of a read-back, each followed by the commands that it is of."""
+    kept, table = "", dict[int, str]()
+    for line in rows.splitlines():
+        for word in line.partition("#")[0].split():
+            if len(word) == 7 and word not in Command.__members__:
+                kept = word
+            else:
+                table[int(Command[word])] = kept
+    return table
 
 
 ARDUCOPTER = Firmware(
@@ -56,87 +63,51 @@ ARDUCOPTER = Firmware(
     keeps_autocontinue=False,
     frames=frozenset({0, 2, 3, 5, 6, 10, 11}),
     placed=_table(
-        {
-            "w---ddc": (
-                Command.NAV_WAYPOINT,
-                Command.NAV_TAKEOFF,
-                Command.NAV_SPLINE_WAYPOINT,
-                Command.NAV_CONTINUE_AND_CHANGE_ALT,
-                Command.NAV_VTOL_LAND,
-                Command.DO_SET_HOME,
-                Command.DO_SET_ROI,
-            ),
-            "w--sddc": (Command.NAV_LAND,),
-            "--w-ddc": (Command.NAV_LOITER_UNLIM,),
-            "t-rbddc": (Command.NAV_LOITER_TURNS,),
-            "w-sbddc": (Command.NAV_LOITER_TIME,),
-            "-w-bddc": (Command.NAV_LOITER_TO_ALT,),
-            "c---ddc": (Command.NAV_PAYLOAD_PLACE,),
-            "----ddc": (
-                Command.NAV_VTOL_TAKEOFF,
-                Command.DO_LAND_START,
-                Command.DO_RETURN_PATH_START,
-                Command.DO_GO_AROUND,
-                Command.DO_SET_ROI_LOCATION,
-            ),
-        }
+        """
+        w---ddc NAV_WAYPOINT NAV_TAKEOFF NAV_SPLINE_WAYPOINT NAV_CONTINUE_AND_CHANGE_ALT NAV_VTOL_LAND DO_SET_HOME
+                DO_SET_ROI
+        w--sddc NAV_LAND
+        --w-ddc NAV_LOITER_UNLIM
+        t-rbddc NAV_LOITER_TURNS
+        w-sbddc NAV_LOITER_TIME
+        -w-bddc NAV_LOITER_TO_ALT
+        c---ddc NAV_PAYLOAD_PLACE
+        ----ddc NAV_VTOL_TAKEOFF DO_LAND_START DO_RETURN_PATH_START DO_GO_AROUND DO_SET_ROI_LOCATION
+        """
     ),
     plain=_table(
-        {
-            "-------": (Command.NAV_RETURN_TO_LAUNCH, Command.DO_SET_ROI_NONE),
-            "w------": (
-                Command.NAV_GUIDED_ENABLE,
-                Command.DO_FENCE_ENABLE,
-                Command.DO_PARACHUTE,
-                Command.DO_INVERTED_FLIGHT,
-                Command.DO_AUTOTUNE_ENABLE,
-                Command.DO_SET_RESUME_REPEAT_DIST,
-                Command.DO_SPRAYER,
-                Command.DO_PAUSE_CONTINUE,
-                Command.JUMP_TAG,
-                Command.IMAGE_STOP_CAPTURE,
-                Command.VIDEO_START_CAPTURE,
-                Command.VIDEO_STOP_CAPTURE,
-            ),
-            ".------": (Command.CONDITION_DELAY, Command.CONDITION_DISTANCE, Command.DO_VTOL_TRANSITION),
-            ".www---": (Command.NAV_DELAY,),
-            "..ww---": (Command.CONDITION_YAW,),
-            "...----": (
-                Command.DO_CHANGE_SPEED,
-                Command.NAV_ALTITUDE_WAIT,
-                Command.NAV_SET_YAW_SPEED,
-                Command.DO_MOUNT_CONTROL,
-            ),
-            "ww-----": (
-                Command.DO_JUMP,
-                Command.DO_JUMP_TAG,
-                Command.DO_SET_RELAY,
-                Command.DO_SET_SERVO,
-                Command.DO_GRIPPER,
-                Command.DO_AUX_FUNCTION,
-            ),
-            "ww.----": (Command.DO_REPEAT_RELAY,),
-            "www.---": (Command.DO_REPEAT_SERVO,),
-            "w...---": (Command.DO_GUIDED_LIMITS, Command.DO_SEND_SCRIPT_MESSAGE),
-            "ww..---": (Command.DO_WINCH,),
-            ".-w----": (Command.DO_SET_CAM_TRIGG_DIST,),
-            "bbc----": (Command.DO_ENGINE_CONTROL,),
-            "wwwwwww": (Command.DO_DIGICAM_CONFIGURE,),
-            "wwwwww-": (Command.DO_DIGICAM_CONTROL,),
-            "....w-w": (Command.DO_GIMBAL_MANAGER_PITCHYAW,),
-            "w.ww---": (Command.IMAGE_START_CAPTURE,),
-            "w.-----": (Command.SET_CAMERA_ZOOM, Command.SET_CAMERA_FOCUS),
-            "www----": (Command.SET_CAMERA_SOURCE,),
-        }
+        """
+        ------- NAV_RETURN_TO_LAUNCH DO_SET_ROI_NONE
+        w------ NAV_GUIDED_ENABLE DO_FENCE_ENABLE DO_PARACHUTE DO_INVERTED_FLIGHT DO_AUTOTUNE_ENABLE
+                DO_SET_RESUME_REPEAT_DIST DO_SPRAYER DO_PAUSE_CONTINUE JUMP_TAG IMAGE_STOP_CAPTURE VIDEO_START_CAPTURE
+                VIDEO_STOP_CAPTURE
+        .------ CONDITION_DELAY CONDITION_DISTANCE DO_VTOL_TRANSITION
+        .www--- NAV_DELAY
+        ..ww--- CONDITION_YAW
+        ...---- DO_CHANGE_SPEED NAV_ALTITUDE_WAIT NAV_SET_YAW_SPEED DO_MOUNT_CONTROL
+        ww----- DO_JUMP DO_JUMP_TAG DO_SET_RELAY DO_SET_SERVO DO_GRIPPER DO_AUX_FUNCTION
+        ww.---- DO_REPEAT_RELAY
+        www.--- DO_REPEAT_SERVO
+        w...--- DO_GUIDED_LIMITS DO_SEND_SCRIPT_MESSAGE
+        ww..--- DO_WINCH
+        .-w---- DO_SET_CAM_TRIGG_DIST
+        bbc---- DO_ENGINE_CONTROL
+        wwwwwww DO_DIGICAM_CONFIGURE
+        wwwwww- DO_DIGICAM_CONTROL
+        ....w-w DO_GIMBAL_MANAGER_PITCHYAW
+        w.ww--- IMAGE_START_CAPTURE
+        w.----- SET_CAMERA_ZOOM SET_CAMERA_FOCUS
+        www---- SET_CAMERA_SOURCE
+        """
     ),
     fence=_table(
-        {
-            "w---dd-": (Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION),
-            ".---dd-": (Command.NAV_FENCE_CIRCLE_INCLUSION, Command.NAV_FENCE_CIRCLE_EXCLUSION),
-            "----dd-": (Command.NAV_FENCE_RETURN_POINT,),
-        }
+        """
+        w---dd- NAV_FENCE_POLYGON_VERTEX_INCLUSION NAV_FENCE_POLYGON_VERTEX_EXCLUSION
+        .---dd- NAV_FENCE_CIRCLE_INCLUSION NAV_FENCE_CIRCLE_EXCLUSION
+        ----dd- NAV_FENCE_RETURN_POINT
+        """
     ),
-    rally=_table({"----ddm": (Command.NAV_RALLY_POINT,)}),
+    rally=_table("----ddm NAV_RALLY_POINT"),
     fence_is_union=False,  # unless bit 1 of FENCE_OPTIONS says so
     max_items=650,
     max_fence_items=70,
@@ -151,80 +122,44 @@ PX4 = Firmware(
     keeps_autocontinue=True,
     frames=frozenset({0, 2, 3, 5, 6}),
     placed=_table(
-        {
-            "..-ydd.": (Command.NAV_WAYPOINT,),
-            "--.ydd.": (Command.NAV_LOITER_UNLIM,),
-            ".b.bdd.": (Command.NAV_LOITER_TIME,),
-            "b.-bdd.": (Command.NAV_LOITER_TO_ALT,),
-            "-w-ydd.": (Command.NAV_LAND,),
-            "---ydd.": (Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND),
-            # Stored whole, but the code that answers a download has no words for their params.
-            "----dd.": (
-                Command.CONDITION_GATE,
-                Command.NAV_ROI,
-                Command.DO_SET_ROI,
-                Command.DO_SET_ROI_LOCATION,
-                Command.COMPONENT_ARM_DISARM,
-                Command.DO_AUTOTUNE_ENABLE,
-            ),
-        }
+        """
+        ..-ydd. NAV_WAYPOINT
+        --.ydd. NAV_LOITER_UNLIM
+        .b.bdd. NAV_LOITER_TIME
+        b.-bdd. NAV_LOITER_TO_ALT
+        -w-ydd. NAV_LAND
+        ---ydd. NAV_TAKEOFF NAV_VTOL_TAKEOFF NAV_VTOL_LAND
+        # Stored whole, but the code that answers a download has no words for their params.
+        ----dd. CONDITION_GATE NAV_ROI DO_SET_ROI DO_SET_ROI_LOCATION COMPONENT_ARM_DISARM DO_AUTOTUNE_ENABLE
+        """
     ),
     plain=_table(
-        {
-            "ww.....": (Command.DO_JUMP,),
-            ".......": (
-                Command.NAV_RETURN_TO_LAUNCH,
-                Command.NAV_DELAY,
-                Command.NAV_ROI,
-                Command.CONDITION_DELAY,
-                Command.CONDITION_DISTANCE,
-                Command.DO_CHANGE_SPEED,
-                Command.DO_SET_HOME,
-                Command.DO_LAND_START,
-                Command.DO_SET_ACTUATOR,
-                Command.DO_SET_ROI_WPNEXT_OFFSET,
-                Command.DO_SET_ROI_NONE,
-                Command.DO_SET_ROI,
-                Command.DO_CONTROL_VIDEO,
-                Command.DO_DIGICAM_CONTROL,
-                Command.DO_MOUNT_CONFIGURE,
-                Command.DO_MOUNT_CONTROL,
-                Command.DO_SET_CAM_TRIGG_DIST,
-                Command.DO_SET_CAM_TRIGG_INTERVAL,
-                Command.DO_GRIPPER,
-                Command.DO_WINCH,
-                Command.DO_AUTOTUNE_ENABLE,
-                Command.OBLIQUE_SURVEY,
-                Command.COMPONENT_ARM_DISARM,
-                Command.SET_CAMERA_MODE,
-                Command.SET_CAMERA_FOCUS,
-                Command.SET_CAMERA_SOURCE,
-                Command.DO_GIMBAL_MANAGER_PITCHYAW,
-                Command.DO_GIMBAL_MANAGER_CONFIGURE,
-                Command.IMAGE_START_CAPTURE,
-                Command.IMAGE_STOP_CAPTURE,
-                Command.DO_TRIGGER_CONTROL,
-                Command.VIDEO_START_CAPTURE,
-                Command.VIDEO_STOP_CAPTURE,
-                Command.DO_VTOL_TRANSITION,
-            ),
-        }
+        """
+        ww..... DO_JUMP
+        ....... NAV_RETURN_TO_LAUNCH NAV_DELAY NAV_ROI CONDITION_DELAY CONDITION_DISTANCE DO_CHANGE_SPEED DO_SET_HOME
+                DO_LAND_START DO_SET_ACTUATOR DO_SET_ROI_WPNEXT_OFFSET DO_SET_ROI_NONE DO_SET_ROI DO_CONTROL_VIDEO
+                DO_DIGICAM_CONTROL DO_MOUNT_CONFIGURE DO_MOUNT_CONTROL DO_SET_CAM_TRIGG_DIST DO_SET_CAM_TRIGG_INTERVAL
+                DO_GRIPPER DO_WINCH DO_AUTOTUNE_ENABLE OBLIQUE_SURVEY COMPONENT_ARM_DISARM SET_CAMERA_MODE
+                SET_CAMERA_FOCUS SET_CAMERA_SOURCE DO_GIMBAL_MANAGER_PITCHYAW DO_GIMBAL_MANAGER_CONFIGURE
+                IMAGE_START_CAPTURE IMAGE_STOP_CAPTURE DO_TRIGGER_CONTROL VIDEO_START_CAPTURE VIDEO_STOP_CAPTURE
+                DO_VTOL_TRANSITION
+        """
     ),
     fence=_table(
-        {
-            "w---dd.": (Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION),
-            ".---dd.": (Command.NAV_FENCE_CIRCLE_INCLUSION, Command.NAV_FENCE_CIRCLE_EXCLUSION),
-            "----dd.": (Command.NAV_FENCE_RETURN_POINT,),
-        }
+        """
+        w---dd. NAV_FENCE_POLYGON_VERTEX_INCLUSION NAV_FENCE_POLYGON_VERTEX_EXCLUSION
+        .---dd. NAV_FENCE_CIRCLE_INCLUSION NAV_FENCE_CIRCLE_EXCLUSION
+        ----dd. NAV_FENCE_RETURN_POINT
+        """
     ),
-    rally=_table({"----dd.": (Command.NAV_RALLY_POINT,)}),
+    rally=_table("----dd. NAV_RALLY_POINT"),
     fence_is_union=True,
     max_items=10_000,
     max_fence_items=64,
     max_rally_points=32,
     highest_altitude=float("inf"),
     takes_nan_param4=None,
-    renames=MappingProxyType({int(Command.NAV_ROI): int(Command.DO_SET_ROI)}),
+    renames={int(Command.NAV_ROI): int(Command.DO_SET_ROI)},
 )
 
-FIRMWARE: Mapping[Autopilot, Firmware] = MappingProxyType({Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4})
+FIRMWARE: Mapping[Autopilot, Firmware] = {Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4}

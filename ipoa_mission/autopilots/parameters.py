@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
-from types import MappingProxyType
 
 from ipoa_mission.autopilots.ardupilot import ARDUCOPTER_DEFAULTS
 from ipoa_mission.autopilots.px4 import PX4_DEFAULTS
@@ -10,49 +9,57 @@ from ipoa_mission.autopilots.renamed import RENAMED, by_old_names
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.errors import BadInput
 
-DEFAULT_PARAMETERS: Mapping[Autopilot, Parameters] = MappingProxyType(
-    {Autopilot.ARDUPILOT: ARDUCOPTER_DEFAULTS, Autopilot.PX4: PX4_DEFAULTS}
-)
+DEFAULT_PARAMETERS: Mapping[Autopilot, Parameters] = {
+    Autopilot.ARDUPILOT: ARDUCOPTER_DEFAULTS,
+    Autopilot.PX4: PX4_DEFAULTS,
+}
 
 #: What ground stations look for besides what moves a mission.
-OTHER_PARAMETERS: Mapping[Autopilot, Parameters] = MappingProxyType(
-    {
-        Autopilot.ARDUPILOT: MappingProxyType(
-            {
-                "MAV_SYSID": 1.0,
-                "FRAME_CLASS": 1.0,
-                "ARMING_CHECK": 1.0,
-                "AUTO_OPTIONS": 0.0,
-                "GUID_OPTIONS": 0.0,
-                "MIS_OPTIONS": 0.0,
-                "MIS_RESTART": 0.0,
-                "LOG_DISARMED": 0.0,
-                "FENCE_ENABLE": 0.0,
-                "FENCE_TYPE": 7.0,
-                "FENCE_ACTION": 1.0,
-                "FENCE_OPTIONS": 0.0,
-                "FENCE_MARGIN": 2.0,
-                "RTL_ALT_TYPE": 0.0,
-            }
-        ),
-        Autopilot.PX4: MappingProxyType(
-            {
-                "MAV_SYS_ID": 1.0,
-                "SYS_AUTOSTART": 4001.0,
-                "GF_ACTION": 2.0,
-                "GF_MAX_HOR_DIST": 0.0,
-                "GF_MAX_VER_DIST": 0.0,
-                "MIS_DIST_1WP": 10_000.0,
-                "MIS_TAKEOFF_ALT": 2.5,
-                "MIS_TKO_LAND_REQ": 0.0,
-                "COM_DISARM_LAND": 2.0,
-                "COM_DISARM_PRFLT": 10.0,
-                "COM_RC_IN_MODE": 1.0,
-                "NAV_DLL_ACT": 0.0,
-            }
-        ),
-    }
-)
+OTHER_PARAMETERS: Mapping[Autopilot, Parameters] = {
+    Autopilot.ARDUPILOT: {
+        "MAV_SYSID": 1.0,
+        "FRAME_CLASS": 1.0,
+        "ARMING_CHECK": 1.0,
+        "AUTO_OPTIONS": 0.0,
+        "GUID_OPTIONS": 0.0,
+        "MIS_OPTIONS": 0.0,
+        "MIS_RESTART": 0.0,
+        "LOG_DISARMED": 0.0,
+        "FENCE_ENABLE": 0.0,
+        "FENCE_TYPE": 7.0,
+        "FENCE_ACTION": 1.0,
+        "FENCE_OPTIONS": 0.0,
+        "FENCE_MARGIN": 2.0,
+        "RTL_ALT_TYPE": 0.0,
+    },
+    Autopilot.PX4: {
+        "MAV_SYS_ID": 1.0,
+        "SYS_AUTOSTART": 4001.0,
+        "GF_ACTION": 2.0,
+        "GF_MAX_HOR_DIST": 0.0,
+        "GF_MAX_VER_DIST": 0.0,
+        "MIS_DIST_1WP": 10_000.0,
+        "MIS_TAKEOFF_ALT": 2.5,
+        "MIS_TKO_LAND_REQ": 0.0,
+        "COM_DISARM_LAND": 2.0,
+        "COM_DISARM_PRFLT": 10.0,
+        "COM_RC_IN_MODE": 1.0,
+        "NAV_DLL_ACT": 0.0,
+    },
+}
+
+INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
+_AS_DECLARED = {
+    INT8: "WP_YAW_BEHAVIOR DISARM_DELAY FRAME_CLASS FENCE_ENABLE FENCE_ACTION FENCE_TYPE RTL_ALT_TYPE MIS_RESTART "
+    "LOG_DISARMED TERRAIN_ENABLE",
+    INT16: "ANGLE_MAX LAND_SPEED LAND_SPEED_HIGH LAND_ALT_LOW RTL_SPEED RTL_ALT_FINAL RTL_CLIMB_MIN MAV_SYSID "
+    "FENCE_OPTIONS MIS_OPTIONS",
+    INT32: "RTL_ALT RTL_LOIT_TIME AUTO_OPTIONS GUID_OPTIONS ARMING_CHECK "  # ArduCopter's, then PX4's
+    "MPC_YAW_MODE MPC_USE_HTE RTL_CONE_ANG MAV_SYS_ID SYS_AUTOSTART GF_ACTION MIS_TKO_LAND_REQ COM_RC_IN_MODE "
+    "NAV_DLL_ACT",
+}
+#: What the autopilots declare, by name; a name that is not here holds a float.
+TYPES: Mapping[str, int] = {name: kind for kind, names in _AS_DECLARED.items() for name in names.split()}
 
 #: ArduCopter's name and PX4's for what does the same.
 _COUNTERPARTS: Mapping[str, str] = {

@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping
 from enum import StrEnum
-from types import MappingProxyType
 from typing import TypeAlias
 
 Parameters: TypeAlias = Mapping[str, float]
-NO_PARAMETERS: Parameters = MappingProxyType({})
+NO_PARAMETERS: Parameters = {}
 SINGLE_MAX = 3.4e38  # what MAVLink's floats can carry
 
 

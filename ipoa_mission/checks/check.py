@@ -42,6 +42,7 @@ def check_mission(
         else:  # what looks at a world is imported where there is one
             from ipoa_mission.checks.airspace import check_airspace
             from ipoa_mission.checks.clearance import check_clearance, promise_if_known
+            from ipoa_mission.checks.failsafe_return import check_failsafe_return
             from ipoa_mission.checks.ground import check_ground
             from ipoa_mission.checks.passed_over import check_passed_over
             from ipoa_mission.tube.flown_in import flown_in
@@ -55,6 +56,8 @@ def check_mission(
                 finding for finding in check_clearance(mission, scenario, promise) if finding.seq not in judged
             ]
             findings += [*check_passed_over(mission, scenario, legs), *check_ground(mission, scenario, legs)]
+            if promise is not None and not any(finding.severity is Severity.ERROR for finding in findings):
+                findings += check_failsafe_return(mission, promise.flight)
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
 
 

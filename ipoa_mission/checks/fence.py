@@ -38,11 +38,11 @@ def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
     if len(part.vertices) < 3:
         return f"expected a polygon of three vertices or more, not {len(part.vertices)}"
     reason = shapely.is_valid_reason(_area(part, frame))
-    return None if reason == "Valid Geometry" else f"expected a polygon with an inside, not with a {_tidy(reason)}"
-
-
-def _tidy(reason: str) -> str:
-    return reason.split("[")[0].lower()
+    return (
+        None
+        if reason == "Valid Geometry"
+        else f"expected a polygon with an inside, not with a {reason.split('[')[0].lower()}"
+    )
 
 
 def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:

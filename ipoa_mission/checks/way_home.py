@@ -23,10 +23,7 @@ TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
 SAG = 0.3  # the predicted way home is up to so much lower than it is set [m]
 
 #: The parameter for the return altitude, and its unit in metres.
-PARAMETERS = {
-    Autopilot.PX4: ("RTL_RETURN_ALT", 1.0),
-    Autopilot.ARDUPILOT: ("RTL_ALT", 0.01),
-}
+PARAMETERS = {Autopilot.PX4: ("RTL_RETURN_ALT", 1.0), Autopilot.ARDUPILOT: ("RTL_ALT", 0.01)}
 
 
 def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
@@ -68,7 +65,7 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     name, unit = PARAMETERS[mission.autopilot]
     roomy = with_room(scenario, TIGHT_PLACES)
-    for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0)):
+    for altitude in heights_to_try(scenario):
         value = altitude / unit
         if _is_clear(_ways_home(mission.with_parameters({name: value}), scenario), roomy):
             return f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
@@ -83,6 +80,11 @@ def climb_for_way_home(mission: Mission) -> Iterator[str]:
             if there and last.altitude > before.altitude:
                 seq = len(mission.items) - 1
                 yield f"item {seq}: climbs to {last.altitude:.0f} m over the goal, for a clear way home"
+
+
+def heights_to_try(scenario: Scenario) -> Iterator[float]:
+    """Return altitudes within the bounds, the lowest first [m]."""
+    return takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], _heights(0.0))
 
 
 def _heights(above: float) -> Iterator[float]:

@@ -12,7 +12,6 @@ from ipoa_mission.cli import (
     checking,
     comparing,
     creating,
-    demonstrating,
     flying,
     learning,
     linking,
@@ -38,7 +37,7 @@ app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 
 #: The verbs as `--help` shows them.
 VERBS = {
-    "Begin here": (demonstrating.demo,),
+    "Begin here": (flying.demo,),
     "Plan and look": (
         creating.new,
         planning.plan,
@@ -49,13 +48,7 @@ VERBS = {
         showing.export,
     ),
     "Fly": (flying.fly, mocking.mock, comparing.compare, learning.learn),
-    "The mission on a vehicle": (
-        linking.scan,
-        linking.upload,
-        linking.download,
-        linking.set_current,
-        linking.clear,
-    ),
+    "The mission on a vehicle": (linking.scan, linking.upload, linking.download, linking.set_current, linking.clear),
     "A vehicle in flight": (linking.pause, linking.resume, linking.rtl),
     "More": (reproducing.reproduce, planning.schema),
 }

@@ -5,22 +5,16 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import (
-    FileArgument,
-    JsonOption,
-    ScenarioOption,
-)
-from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.options import FileArgument, JsonOption, ScenarioOption
+from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
+from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.timing.estimate import Estimate
 
 
 def check(
-    file: FileArgument,
-    flown_by: FlownByOptions,
-    scenario: ScenarioOption = None,
-    as_json: JsonOption = False,
+    file: FileArgument, flown_by: FlownByOptions, scenario: ScenarioOption = None, as_json: JsonOption = False
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
 
@@ -30,7 +24,6 @@ def check(
     """
     from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.cli.reading import read_with_parameters, read_world
-    from ipoa_mission.errors import BadInput
 
     mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
     air = flown_by.air
@@ -47,7 +40,7 @@ def check(
     remarks = tuple(remark for remark in remarks if remark not in messages) + (() if world is None else world.remarks)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
-        rows = [{"severity": str(f.severity), "seq": f.seq, "message": f.message, "hint": f.hint} for f in findings]
+        rows = [picked(finding, "severity", "seq", "message", "hint") for finding in findings]
         about: dict[str, Any] = {}
         if world is not None:
             from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
@@ -68,10 +61,7 @@ def check(
 
 
 def estimate(
-    file: FileArgument,
-    flown_by: FlownByOptions,
-    scenario: ScenarioOption = None,
-    as_json: JsonOption = False,
+    file: FileArgument, flown_by: FlownByOptions, scenario: ScenarioOption = None, as_json: JsonOption = False
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
 
@@ -82,7 +72,6 @@ def estimate(
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.commands import short_name
-    from ipoa_mission.errors import BadInput
     from ipoa_mission.timing.estimate import estimate as predict
 
     mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
@@ -136,25 +125,12 @@ def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     """An estimate for machines; items are numbered as in the file, where home is 0."""
     from ipoa_mission.flight.summary import route_summary
 
-    return {
-        "total_s": round(estimate.total_s, 3),
-        "low_s": round(estimate.low_s, 3),
-        "high_s": round(estimate.high_s, 3),
-        "qgroundcontrol_s": round(estimate.qgroundcontrol_s, 3),
-        "route": route_summary(estimate),
-        "items": [
-            {
-                "seq": item.seq,
-                "done_s": round(item.done_s, 3),
-                "low_s": round(item.low_s, 3),
-                "high_s": round(item.high_s, 3),
-                "reason": item.reason,
-                "missed": {"share": round(item.missed.share, 3), "cost_s": round(item.missed.cost_s, 3)},
-            }
-            for item in estimate.items
-        ],
-        "remarks": list(estimate.remarks),
-    }
+    items = [
+        picked(item, "seq", "done_s", "low_s", "high_s", "reason") | {"missed": picked(item.missed, "share", "cost_s")}
+        for item in estimate.items
+    ]
+    times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s")
+    return times | {"route": route_summary(estimate), "items": items, "remarks": list(estimate.remarks)}
 
 
 def _count(number: int, what: str) -> str:

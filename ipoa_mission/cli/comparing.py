@@ -10,13 +10,8 @@ import typer
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import (
-    ForceOption,
-    JsonOption,
-    ScenarioOption,
-    expect_mission,
-)
-from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.options import ForceOption, JsonOption, ScenarioOption, expect_mission
+from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
 
 if TYPE_CHECKING:
@@ -66,7 +61,7 @@ def compare(
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
-    from ipoa_mission.autopilots.modeled import beyond_the_model
+    from ipoa_mission.autopilots.modes import beyond_the_model
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.flown_clearance import flown_clearance
@@ -203,40 +198,25 @@ def _as_json(row: _Row) -> dict[str, Any]:
 
 def _clearance_as_json(flown: "FlownClearance") -> dict[str, Any]:
     east, north, up = flown.least.place
-    given = {"required": flown.required, "planned": flown.planned, "promised": flown.promised, "strayed": flown.strayed}
     return {
         "least": round(flown.least.distance, 3),
         "to": flown.least.what,
-        "place": {
-            "latitude_deg": round(flown.place.latitude_deg, 7),
-            "longitude_deg": round(flown.place.longitude_deg, 7),
-            "east": round(east, 3),
-            "north": round(north, 3),
-            "up": round(up, 3),
-        },
-        "time_s": round(flown.time_s, 3),
-        "kept": flown.kept,
-        **{key: value if value is None else round(value, 3) for key, value in given.items()},
+        "place": picked(flown.place, "latitude_deg", "longitude_deg", digits=7)
+        | {"east": round(east, 3), "north": round(north, 3), "up": round(up, 3)},
+        **picked(flown, "time_s", "kept", "required", "planned", "promised", "strayed"),
     }
 
 
 def _held_as_json(one: "ComparedFlight") -> dict[str, Any]:
     held = one.comparison
     return {
-        "completed": one.record.completed,
-        "why_not": one.record.why_not,
+        **picked(one.record, "completed", "why_not"),
         "estimated_s": round(held.estimated_total_s, 3),
         "flown_s": _known(held.flown_total_s),
         "route_error": _known(held.route_error),
         "total_error": _known(held.total_error),
         "legs": [
-            {
-                "seq": leg.seq,
-                "estimated_s": round(leg.estimated_s, 3),
-                "flown_s": round(leg.flown_s, 3),
-                "done_s": round(leg.flown_done_s, 3),
-            }
-            for leg in held.legs
+            picked(leg, "seq", "estimated_s", "flown_s") | {"done_s": round(leg.flown_done_s, 3)} for leg in held.legs
         ],
         "parameters": one.parameters,
         "remarks": list(one.remarks),

@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.options import ForceOption, JsonOption
+from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.telling import notes, tell, tell_json
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
 
 GivenOption = Annotated[
     list[str] | None, typer.Option("--answer", metavar="KEY=VALUE", help="Answer a question beforehand. Repeatable.")
@@ -39,9 +42,6 @@ def new(
 
     Example: `ipoa-mission new town.toml --buildings town.geojson --yes`
     """
-    from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.errors import BadInput
-    from ipoa_mission.files import write_atomically
     from ipoa_mission.scenario.new import QUESTIONS, new_scenario, suggest_answers
 
     if target.suffix.lower() != ".toml":
@@ -76,7 +76,6 @@ def new(
 
 def _ask(question: "Question", answers: dict[str, str]) -> str:
     """An answer that will do, after as many tries as it takes; what a map suggests is taken by Enter."""
-    from ipoa_mission.errors import BadInput
     from ipoa_mission.scenario.new import check_goal
 
     while True:

@@ -1,23 +1,23 @@
-"""`fly`: a mission in the air, on a real vehicle or on the built-in autopilot."""
+"""`fly` and `demo`: a mission in the air, on a real vehicle or on the built-in autopilot."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.folders import expect_folder, make_folder
 from ipoa_mission.cli.groups import FaultOptions, FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
-    FileOrScenario,
+    NAMES,
     ForceOption,
-    FromOption,
     JsonOption,
     OutOption,
     ReportOption,
-    SetParametersOption,
-    VehicleOption,
+    SeedOption,
+    link_option,
+    or_packed,
 )
+from ipoa_mission.cli.overwriting import expect_folder, make_folder
 from ipoa_mission.cli.telling import progress_bar, tell
 from ipoa_mission.cli.vehicles import connect_to, states_firmware
 from ipoa_mission.errors import BadInput
@@ -29,7 +29,14 @@ if TYPE_CHECKING:
 
 
 def fly(
-    source: FileOrScenario,
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SCENARIO|FILE",
+            callback=or_packed,
+            help="Scenario (.toml, or `campus`) to plan first, or mission (.plan, .waypoints).",
+        ),
+    ],
     search: SearchOptions,
     flown_by: FlownByOptions,
     on_link: LinkOptions,
@@ -38,9 +45,31 @@ def fly(
     report: ReportOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
-    link: VehicleOption = None,
-    begin: FromOption = 1,
-    set_params: SetParametersOption = False,
+    link: Annotated[
+        str | None,
+        link_option(
+            "--link",
+            metavar="URL",
+            help="A real vehicle, like udpin:127.0.0.1:14550; left out, the built-in autopilot.",
+        ),
+    ] = None,
+    begin: Annotated[
+        int,
+        link_option(
+            "--from",
+            metavar="N",
+            min=1,
+            help="Begin at item N instead of the first, as `show` numbers it; the way there is checked.",
+        ),
+    ] = 1,
+    set_params: Annotated[
+        bool,
+        link_option(
+            "--set-params",
+            metavar="",
+            help="Write the scenario's parameters, and those of --param, that the vehicle has otherwise.",
+        ),
+    ] = False,
 ) -> None:
     """Fly a mission from upload to landing, and hold the flown time against the estimate.
 
@@ -137,3 +166,17 @@ def _write(flight: "Flight", folder: Path, as_json: bool) -> list[Path]:
         tell_routes(flight)
         tell(f"written: {', '.join(map(str, written))}")
     return written
+
+
+def demo(
+    out: OutOption = Path("demo"), seed: SeedOption = 0, force: ForceOption = False, as_json: JsonOption = False
+) -> None:
+    """Plan a flight over a campus, write its files, upload it to the built-in autopilot, fly it, report.
+
+    The files go to the folder `demo`: campus.plan for QGroundControl, campus.html for a browser. It is
+    `ipoa-mission fly campus --out demo --report`.
+
+    Example: `ipoa-mission demo`
+    """
+    ways = SearchOptions(seed=seed), FlownByOptions(), LinkOptions(), FaultOptions()
+    fly(or_packed(Path(NAMES[0])), *ways, out=out, report=True, force=force, as_json=as_json)

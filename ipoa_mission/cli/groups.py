@@ -5,31 +5,22 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from ipoa_mission.cli.options import (
-    AnywayOption,
     AutopilotOption,
     Backend,
-    BackendOption,
-    DelayOption,
-    DuplicateOption,
     KeyOption,
-    LearnedOption,
-    LogOption,
-    LossOption,
-    NakOption,
-    OptimizerOption,
+    Optimizer,
     ParameterFileOption,
     ParameterOption,
-    PlannerOption,
-    PolishOption,
-    ReorderOption,
+    Planner,
     SeedOption,
     SystemOption,
-    TimeoutOption,
-    WindOption,
-    WindProfileOption,
+    bad_link_option,
+    link_option,
     read_parameter_options,
     read_wind_option,
 )
@@ -67,9 +58,15 @@ class SearchOptions:
     """How a path is sought."""
 
     seed: SeedOption = 0
-    optimizer: OptimizerOption = None
-    planner: PlannerOption = None
-    polish: PolishOption = True
+    optimizer: Annotated[
+        Optimizer | None, typer.Option("--optimizer", help="Search by this optimizer instead of the scenario's.")
+    ] = None
+    planner: Annotated[
+        Planner | None, typer.Option("--planner", help="How to seek: paper is the algorithm as printed.")
+    ] = None
+    polish: Annotated[bool, typer.Option("--polish/--no-polish", metavar="", help="Refine the best paths found.")] = (
+        True
+    )
 
 
 @dataclass
@@ -79,9 +76,28 @@ class FlownByOptions:
     autopilot: AutopilotOption = None
     param: ParameterOption = None
     param_file: ParameterFileOption = None
-    wind: WindOption = None
-    wind_profile: WindProfileOption = None
-    vehicle: LearnedOption = None
+    wind: Annotated[
+        str | None,
+        typer.Option(
+            "--wind",
+            metavar="M/S@DEG",
+            help="A steady wind: its speed, and where it blows from, like 6@270 (from the west).",
+        ),
+    ] = None
+    wind_profile: Annotated[
+        str | None,
+        typer.Option(
+            "--wind-profile",
+            metavar="EXPONENT@M",
+            help="How the wind grows with height: by a power law up to the gradient height, like 0.14@60.",
+        ),
+    ] = None
+    vehicle: Annotated[
+        Path | None,
+        typer.Option(
+            "--vehicle", metavar="FILE", help="A vehicle that `learn` has written: its own drag, lag and delays."
+        ),
+    ] = None
 
     @cached_property
     def parameters(self) -> dict[str, float]:
@@ -99,11 +115,31 @@ class LinkOptions:
     """How a vehicle is spoken to."""
 
     system: SystemOption = None
-    log: LogOption = None
+    log: Annotated[
+        Path | None,
+        link_option(
+            "--log", metavar="FILE", help="Where every frame goes (.tlog); left out, beside the mission's files."
+        ),
+    ] = None
     key: KeyOption = None
-    timeout: TimeoutOption = None
-    backend: BackendOption = Backend.BUILTIN
-    anyway: AnywayOption = False
+    timeout: Annotated[
+        float | None,
+        link_option(
+            "--timeout",
+            metavar="S",
+            min=1.0,
+            help="Give up if it is not done, or the flight not begun, within so many seconds; left out, an hour.",
+        ),
+    ] = None
+    backend: Annotated[Backend, link_option("--backend", help="Who speaks MAVLink for us.")] = Backend.BUILTIN
+    anyway: Annotated[
+        bool,
+        link_option(
+            "--anyway",
+            metavar="",
+            help="Do it although a check fails: mission, home, firmware, another vehicle with its id.",
+        ),
+    ] = False
 
     def written(self, usual_log: Path) -> list[str]:
         """The file with every frame; MAVSDK keeps none."""
@@ -114,11 +150,22 @@ class LinkOptions:
 class FaultOptions:
     """What a bad link does."""
 
-    loss: LossOption = 0.0
-    duplicate: DuplicateOption = 0.0
-    delay: DelayOption = 0.0
-    reorder: ReorderOption = 0.0
-    nak_at: NakOption = None
+    loss: Annotated[
+        float, bad_link_option("--loss", metavar="SHARE", min=0, max=1, help="Of frames that get lost.")
+    ] = 0.0
+    duplicate: Annotated[
+        float, bad_link_option("--duplicate", metavar="SHARE", min=0, max=1, help="Of frames that come twice.")
+    ] = 0.0
+    delay: Annotated[float, bad_link_option("--delay", metavar="S", min=0, help="Seconds that a frame takes.")] = 0.0
+    reorder: Annotated[
+        float, bad_link_option("--reorder", metavar="SHARE", min=0, max=1, help="Of frames held back.")
+    ] = 0.0
+    nak_at: Annotated[
+        int | None,
+        bad_link_option(
+            "--nak-at", metavar="N", min=0, help="Refuse item N as it is sent: from 0, which on ArduPilot is home."
+        ),
+    ] = None
 
     def faults(self) -> "Faults":
         """The same for the simulator."""

@@ -2,21 +2,20 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
-from ipoa_mission.cli.options import (
-    AutopilotOption,
-    FileArgument,
-    ForceOption,
-    JsonOption,
-    LinkOption,
-)
+from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
+from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.cli.vehicles import AnyVehicle, connect_to, get, put, states_firmware
+from ipoa_mission.cli.vehicles import connect_to, get, put, states_firmware
+from ipoa_mission.errors import BadInput
+
+if TYPE_CHECKING:
+    from ipoa_mission.link.vehicle import Vehicle
 
 
 def upload(
@@ -44,16 +43,9 @@ def upload(
         remarks = (*beside, *put(mission, vehicle, on_link.anyway))
         others, missing = other_values(vehicle, mission.parameters)
         remarks += (*map(str, others), *(f"the vehicle has no parameter {name}" for name in missing))
-        name = f"vehicle {vehicle.system} ({vehicle.autopilot})"
-        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-    if as_json:
-        tell_json(about | {"items": len(mission.items), "remarks": list(remarks), "written": on_link.written(usual)})
-    else:
-        tell(
-            f"{len(mission.items)} items are on {name}, read back and equal",
-            *notes(remarks),
-            *_lines(on_link.written(usual)),
-        )
+    words = [f"{len(mission.items)} items are on {_name(vehicle)}, read back and equal", *notes(remarks)]
+    about = {"items": len(mission.items), "remarks": list(remarks), "written": on_link.written(usual)}
+    _tell(as_json, vehicle, about, words)
 
 
 def download(
@@ -67,33 +59,21 @@ def download(
 
     Example: `ipoa-mission download vehicle.plan --link tcp:127.0.0.1:5760`
     """
-    from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.errors import BadInput
     from ipoa_mission.mission.files import write_mission
 
     if file.suffix.lower() not in (".plan", ".waypoints"):
         raise BadInput(f'{file}: expected a name that ends in .plan or .waypoints, not in "{file.suffix}"')
     expect_free([file], force, ask=not as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")
-    with (
-        left_behind("nothing was written"),
-        connect_to(link, on_link, usual) as vehicle,
-    ):
+    with left_behind("nothing was written"), connect_to(link, on_link, usual) as vehicle:
         mission = get(vehicle)
-        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-    remarks = write_mission(mission, file)
-    if as_json:
-        counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
-        tell_json(about | counts | {"written": [str(file), *on_link.written(usual)], "remarks": list(remarks)})
-    else:
-        tell(f"{len(mission.items)} items written to {file}", *notes(remarks), *_lines(on_link.written(usual)))
+    remarks, log = write_mission(mission, file), on_link.written(usual)
+    counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
+    words = [f"{len(mission.items)} items written to {file}", *notes(remarks)]
+    _tell(as_json, vehicle, counts | {"written": [str(file), *log], "remarks": list(remarks)}, words, log)
 
 
-def clear(
-    link: LinkOption,
-    on_link: LinkOptions,
-    as_json: JsonOption = False,
-) -> None:
+def clear(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Have a vehicle forget its mission, fence and rally points.
 
     Example: `ipoa-mission clear --link udpin:127.0.0.1:14550`
@@ -106,14 +86,8 @@ def clear(
         connect_to(link, on_link, usual) as vehicle,
     ):
         vehicle.clear(MissionType.ALL)
-    if as_json:
-        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-        tell_json(about | {"cleared": ["mission", "fence", "rally"], "written": on_link.written(usual)})
-    else:
-        tell(
-            f"vehicle {vehicle.system} ({vehicle.autopilot}) has no mission, fence or rally points now",
-            *_lines(on_link.written(usual)),
-        )
+    about = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(usual)}
+    _tell(as_json, vehicle, about, [f"{_name(vehicle)} has no mission, fence or rally points now"])
 
 
 def set_current(
@@ -129,23 +103,13 @@ def set_current(
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
     usual = Path("set-current.tlog")
-    with connect_to(link, on_link, usual) as vehicle:
-        with left_behind("the vehicle may go on with either item"):
-            vehicle.set_current(item - 1)
-        about = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-    if as_json:
-        tell_json(about | {"current": item, "written": on_link.written(usual)})
-    else:
-        tell(
-            f"vehicle {vehicle.system} ({vehicle.autopilot}) goes on with item {item}", *_lines(on_link.written(usual))
-        )
+    with connect_to(link, on_link, usual) as vehicle, left_behind("the vehicle may go on with either item"):
+        vehicle.set_current(item - 1)
+    about = {"current": item, "written": on_link.written(usual)}
+    _tell(as_json, vehicle, about, [f"{_name(vehicle)} goes on with item {item}"])
 
 
-def pause(
-    link: LinkOption,
-    on_link: LinkOptions,
-    as_json: JsonOption = False,
-) -> None:
+def pause(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Have a flying vehicle stop and hold its place; `resume` or `rtl` ends that.
 
     Example: `ipoa-mission pause --link udpin:127.0.0.1:14550`
@@ -153,11 +117,7 @@ def pause(
     _order(link, on_link, as_json, "pause", "holds its place", lambda vehicle: vehicle.pause())
 
 
-def resume(
-    link: LinkOption,
-    on_link: LinkOptions,
-    as_json: JsonOption = False,
-) -> None:
+def resume(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Have a flying vehicle go on with its mission where it left it.
 
     Example: `ipoa-mission resume --link udpin:127.0.0.1:14550`
@@ -165,11 +125,7 @@ def resume(
     _order(link, on_link, as_json, "resume", "goes on with its mission", lambda vehicle: vehicle.resume())
 
 
-def rtl(
-    link: LinkOption,
-    on_link: LinkOptions,
-    as_json: JsonOption = False,
-) -> None:
+def rtl(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Have a flying vehicle come home and land, as its own parameters say: no obstacle is known to it on that way.
 
     Example: `ipoa-mission rtl --link udpin:127.0.0.1:14550`
@@ -210,22 +166,28 @@ def scan(
 
 
 def _order(
-    link: str, on_link: LinkOptions, as_json: bool, verb: str, done: str, order: Callable[[AnyVehicle], None]
+    link: str, on_link: LinkOptions, as_json: bool, verb: str, done: str, order: "Callable[[Vehicle], None]"
 ) -> None:
     """Give a flying vehicle an order, and say what it does now."""
     usual = Path(f"{verb}.tlog")
     with connect_to(link, on_link, usual) as vehicle, left_behind("the vehicle may have heard it"):
         order(vehicle)
-    written = on_link.written(usual)
+    about = {"does": done, "mode": vehicle.mode, "written": on_link.written(usual)}
+    _tell(as_json, vehicle, about, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])
+
+
+def _name(vehicle: "Vehicle") -> str:
+    return f"vehicle {vehicle.system} ({vehicle.autopilot})"
+
+
+def _tell(
+    as_json: bool, vehicle: "Vehicle", about: dict[str, Any], words: list[str], log: list[str] | None = None
+) -> None:
+    """What became of it: to machines with the vehicle, or in words and the files written (`log`, where not all are)."""
     if as_json:
-        state = {"system": vehicle.system, "autopilot": str(vehicle.autopilot), "does": done}
-        tell_json(state | {"mode": vehicle.mode, "written": written})
+        tell_json({"system": vehicle.system, "autopilot": str(vehicle.autopilot)} | about)
     else:
-        tell(f"vehicle {vehicle.system} ({vehicle.autopilot}) {done}, in {vehicle.mode}", *_lines(written))
-
-
-def _lines(written: list[str]) -> list[str]:
-    return [f"written: {path}" for path in written]
+        tell(*words, *(f"written: {path}" for path in (about["written"] if log is None else log)))
 
 
 def _in_words(row: dict[str, object]) -> str:

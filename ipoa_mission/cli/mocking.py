@@ -7,16 +7,17 @@ import typer
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.groups import FaultOptions
 from ipoa_mission.cli.options import (
-    BAD_LINK,
-    ON_THE_LINK,
     JsonOption,
     KeyOption,
     ParameterFileOption,
     ParameterOption,
     SystemOption,
+    bad_link_option,
+    link_option,
     read_parameter_options,
 )
 from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.errors import BadInput
 
 ZURICH = (47.397742, 8.545594, 488.0)
 
@@ -25,13 +26,7 @@ def mock(
     worse: FaultOptions,
     autopilot: Annotated[Autopilot, typer.Option("--autopilot", help="Whom to answer as.")] = Autopilot.PX4,
     link: Annotated[
-        str,
-        typer.Option(
-            "--link",
-            metavar="URL",
-            rich_help_panel=ON_THE_LINK,
-            help="udpin or udpout, tcpin; loopback unless you name another host.",
-        ),
+        str, link_option("--link", metavar="URL", help="udpin or udpout, tcpin; loopback unless you name another host.")
     ] = "udpin:127.0.0.1:14540",
     home: Annotated[
         tuple[float, float, float],
@@ -44,9 +39,7 @@ def mock(
     param_file: ParameterFileOption = None,
     system: SystemOption = None,
     key: KeyOption = None,
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=BAD_LINK, help="Same seed, same losses.")
-    ] = 0,
+    seed: Annotated[int, bad_link_option("--seed", metavar="N", min=0, help="Same seed, same losses.")] = 0,
     as_json: JsonOption = False,
 ) -> None:
     """Be an autopilot: answer and fly as PX4 or as ArduPilot until Ctrl-C, for any ground station.
@@ -57,7 +50,6 @@ def mock(
     """
     from ipoa_mission.autopilots.parameters import expect_own
     from ipoa_mission.cli.signing import signer_of
-    from ipoa_mission.errors import BadInput
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.autopilot import Autopilot as Mock
     from ipoa_mission.simulator.server import serve

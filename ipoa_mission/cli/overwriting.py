@@ -1,5 +1,6 @@
-"""Files that are there already: only with `--force`, or a yes on a terminal, is anything lost."""
+"""Where a user wants files written: folders made, and nothing lost but with `--force`, or a yes on a terminal."""
 
+import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,6 +8,31 @@ from pathlib import Path
 import typer
 
 from ipoa_mission.errors import BadInput
+
+
+def expect_folder(path: Path) -> None:
+    """See beforehand that `make_folder` will do: who waited for a plan wants it written.
+
+    Raises:
+        BadInput: it could not be made, or not be written.
+    """
+    there = next(above for above in (path, *path.absolute().parents) if above.exists())
+    if not there.is_dir():
+        raise BadInput(f"{path}: expected a folder, but {there} is none")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise BadInput(f"{path}: expected a folder that may be written, but {there} may not")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder and those above it, where they are not there yet.
+
+    Raises:
+        BadInput: something else has this name, or the folder above may not be written.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be made a folder: {error.strerror}") from error
 
 
 def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:

@@ -3,13 +3,7 @@
 from pathlib import Path
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
-from ipoa_mission.cli.options import (
-    ForceOption,
-    JsonOption,
-    OutOption,
-    ReportOption,
-    ScenarioArgument,
-)
+from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, ReportOption, ScenarioArgument
 from ipoa_mission.cli.telling import tell, tell_json
 
 
@@ -28,10 +22,9 @@ def plan(
 
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
-    from ipoa_mission.cli.folders import expect_folder
     from ipoa_mission.cli.job import adapt_scenario
     from ipoa_mission.cli.job import plan as plan_it
-    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.overwriting import expect_folder, expect_free
     from ipoa_mission.cli.summary import describe, tell_routes
     from ipoa_mission.flight.written import not_as_written
 

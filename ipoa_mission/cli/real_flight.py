@@ -9,11 +9,12 @@ from ipoa_mission.cli.flown import flight_as_json
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import progress_bar
-from ipoa_mission.cli.vehicles import AnyVehicle, put
+from ipoa_mission.cli.vehicles import put
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.boarding import expect_slow_landing
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.set_up import other_values
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.world.frame import Geodetic
 
@@ -43,7 +44,7 @@ class RealFlight:
     """`first`: index of the item to begin with; `anyway`: what fails a check is said, and done all the same."""
 
     job: Job
-    vehicle: AnyVehicle
+    vehicle: Vehicle
     first: int = 0
     anyway: bool = False
     set_params: bool = False

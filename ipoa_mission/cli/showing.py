@@ -8,13 +8,7 @@ from typing import Annotated
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import (
-    AutopilotOption,
-    FileArgument,
-    ForceOption,
-    JsonOption,
-    ScenarioOption,
-)
+from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
@@ -32,10 +26,7 @@ class Form(StrEnum):
 
 
 def show(
-    file: FileArgument,
-    flown_by: FlownByOptions,
-    scenario: ScenarioOption = None,
-    as_json: JsonOption = False,
+    file: FileArgument, flown_by: FlownByOptions, scenario: ScenarioOption = None, as_json: JsonOption = False
 ) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and when each item will be done.
 
@@ -46,7 +37,7 @@ def show(
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.errors import MissionError
-    from ipoa_mission.exports.table import mission_table
+    from ipoa_mission.exports.table import mission_table, shown
     from ipoa_mission.timing.estimate import estimate
 
     mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
@@ -70,12 +61,12 @@ def show(
         (
             str(row.seq),
             row.command,
-            _number(row.length),
-            _number(row.heading_deg, "03.0f"),
-            _number(row.climb, "+z.1f"),
-            _number(row.height),
-            _number(row.height_above_ground),
-            _number(done.get(row.seq)),
+            shown(row.length),
+            shown(row.heading_deg, "03.0f"),
+            shown(row.climb, "+z.1f"),
+            shown(row.height),
+            shown(row.height_above_ground),
+            shown(done.get(row.seq)),
             row.detail or (f"hold {row.hold_s:g} s" if row.hold_s else f"{row.speed:g} m/s" if row.speed else ""),
         )
         for row in rows
@@ -143,7 +134,3 @@ def export(
         tell_json({"written": str(target), "remarks": list(remarks)})
     else:
         tell(f"written: {target}", *notes(remarks))
-
-
-def _number(value: float | None, form: str = "z.1f") -> str:
-    return "" if value is None else format(value, form)

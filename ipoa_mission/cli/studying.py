@@ -9,6 +9,8 @@ import typer
 
 from ipoa_mission.cli.options import JsonOption, SeedOption, expect_scenario
 from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
 
 NORTHWARDS = 0.0009  # how far from home a new scenario's first goal is [deg], about 100 m
 
@@ -60,8 +62,6 @@ def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
     Raises:
         BadInput: nobody says where it is to begin, or there is such a file already.
     """
-    from ipoa_mission.errors import BadInput
-    from ipoa_mission.files import write_atomically
     from ipoa_mission.scenario.new import new_scenario
 
     if home is None:

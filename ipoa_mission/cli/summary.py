@@ -26,15 +26,7 @@ def promised(promise: Promise | None) -> list[str]:
     return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(promise.confidence)}"]
 
 
-ROUTE_COLUMNS = [
-    "",
-    "mode",
-    "waypoints",
-    "takes\ns",
-    "x curve\nat limits",
-    "off the\ncurve, m",
-    "clear",
-]
+ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "x curve\nat limits", "off the\ncurve, m", "clear"]
 #: What the columns mean, said below the first table that has them.
 ROUTE_WORDS = (
     "curve: the smooth path that was planned; the waypoints stand for it, and flights cut its corners",

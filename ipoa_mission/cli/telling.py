@@ -38,6 +38,12 @@ def tell_json(result: Any, indent: int | None = 2) -> None:
     print("\n".join(lines), flush=True)
 
 
+def picked(thing: object, *names: str, digits: int = 3) -> dict[str, Any]:
+    """Some of a thing's values for machines, by their names; those that are no whole numbers rounded."""
+    values = {name: getattr(thing, name) for name in names}
+    return {name: round(value, digits) if isinstance(value, float) else value for name, value in values.items()}
+
+
 def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
     """Print a table: words to the left, numbers to the right; a column in which nothing stands is left out.
 

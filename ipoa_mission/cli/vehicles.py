@@ -4,7 +4,7 @@ import logging
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.groups import LinkOptions
@@ -12,18 +12,17 @@ from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import Backend
 from ipoa_mission.cli.overwriting import expect_log
 from ipoa_mission.cli.telling import progress_bar
+from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.items import Mission
     from ipoa_mission.link.dialogue import Patience
     from ipoa_mission.link.vehicle import Vehicle
 
-AnyVehicle: TypeAlias = "Vehicle"
-
 log = logging.getLogger(__name__)
 
 
-def connect_to(link: str, options: LinkOptions, usual_log: Path) -> "AnyVehicle":
+def connect_to(link: str, options: LinkOptions, usual_log: Path) -> "Vehicle":
     """The vehicle on a link. Every frame goes to its log (left out: to `usual_log`), unless MAVSDK speaks for us.
 
     After `options.timeout` seconds from now it is given up, unless it is in flight by then.
@@ -33,7 +32,6 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path) -> "AnyVehicle"
         LinkDown, NoAnswer: there is nobody.
     """
     from ipoa_mission.cli.signing import signer_of
-    from ipoa_mission.errors import BadInput
 
     expect_log(options.log)
     timeout = options.timeout
@@ -45,7 +43,7 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path) -> "AnyVehicle"
             raise BadInput("--key: the mavsdk backend does not sign", hint="leave out --backend")
         if timeout is not None:
             raise BadInput("--timeout: MAVSDK has timers of its own", hint="leave out --backend")
-        vehicle: AnyVehicle = connect_by_mavsdk(link, options.system, options.log)
+        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log)
     else:
         from ipoa_mission.link.connect import connect
 
@@ -64,7 +62,7 @@ def patience_of(timeout: float | None) -> "Patience":
     return SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout)
 
 
-def put(mission: "Mission", vehicle: "AnyVehicle", anyway: bool) -> tuple[str, ...]:
+def put(mission: "Mission", vehicle: "Vehicle", anyway: bool) -> tuple[str, ...]:
     """Check a mission as this very vehicle would meet it, and upload it; what comes back are remarks for the user.
 
     Raises:
@@ -88,11 +86,7 @@ def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
     return autopilot is not None or file.suffix.lower() != ".waypoints"
 
 
-def get(vehicle: "AnyVehicle") -> "Mission":
+def get(vehicle: "Vehicle") -> "Mission":
     """The mission on a vehicle, with a bar that shows how much of it is here."""
-    from ipoa_mission.link.vehicle import Vehicle
-
-    if not isinstance(vehicle, Vehicle):
-        return vehicle.download()
     with progress_bar("download") as show:
         return vehicle.download(show)

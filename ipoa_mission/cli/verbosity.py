@@ -26,8 +26,7 @@ VerboseOption = Annotated[
     ),
 ]
 VersionOption = Annotated[
-    bool,
-    typer.Option("--version", metavar="", is_eager=True, callback=tell_version, help="Print the version and end."),
+    bool, typer.Option("--version", metavar="", is_eager=True, callback=tell_version, help="Print the version and end.")
 ]
 
 

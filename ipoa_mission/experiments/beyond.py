@@ -13,10 +13,9 @@ from ipoa_mission.experiments.cec2022 import FUNCTIONS
 from ipoa_mission.experiments.maps import MAPS
 from ipoa_mission.experiments.paper import FLOOR, errors, mean_log_error, off_the_print
 from ipoa_mission.experiments.paper_maps import of_map
-from ipoa_mission.experiments.ranking import ranking
 from ipoa_mission.experiments.rows import Row, runs_of, settings_text
 from ipoa_mission.experiments.series import ABLATION, BEYOND, EQUAL
-from ipoa_mission.experiments.statistics import Samples, places, told_apart
+from ipoa_mission.experiments.statistics import Samples, places, ranking, told_apart
 from ipoa_mission.experiments.tables import Table, number
 
 OURS = BEYOND[0]
@@ -144,10 +143,7 @@ def table_maps_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
         f"Beyond the paper, on the maps: mean cost (place), {runs_of(rows)} runs, absolute coordinates.",
         ["map", *names],
         [*_with_places(list(MAPS), means), ["collision-free", *(f"{share:.0%}" for share in feasible)]],
-        [
-            f"Mean rank: {ranking(names, means, OURS)}.",
-            _sentence(ours_against_on_maps(everyone), len(MAPS)),
-        ],
+        [f"Mean rank: {ranking(names, means, OURS)}.", _sentence(ours_against_on_maps(everyone), len(MAPS))],
     )
 
 

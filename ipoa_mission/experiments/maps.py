@@ -154,7 +154,7 @@ def measures_of(curve: Spline, scenario: Scenario) -> Measures:
     }
 
 
-def iterations_to_converge(optimum: Optimum, iterations: int = 1000) -> float:
+def iterations_to_converge(optimum: Optimum) -> float:
     """The iteration, of a thousand, at which the best cost was within 1 % of what the search ended with."""
     first = int(np.argmax(optimum.history <= optimum.cost + CONVERGED * abs(optimum.cost)))
-    return float(round(optimum.evaluations[first] / optimum.evaluations[-1] * iterations, 1))
+    return float(round(optimum.evaluations[first] / optimum.evaluations[-1] * 1000, 1))

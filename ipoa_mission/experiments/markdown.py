@@ -30,10 +30,5 @@ def _filled(block: str) -> str:
 def _paragraph(words: str, indent: str) -> str:
     # a sign that would begin a list or a heading must not begin a line
     glued = re.sub(r" (?=([-+*=#>]|\d+[.)]) )", _GLUED, " ".join(words.split(" ")).replace("\n", " "))
-    lines = textwrap.wrap(
-        re.sub(" +", " ", glued),
-        WIDTH - len(indent),
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    lines = textwrap.wrap(re.sub(" +", " ", glued), WIDTH - len(indent), break_long_words=False, break_on_hyphens=False)
     return f"\n{indent}".join(lines).replace(_GLUED, " ")

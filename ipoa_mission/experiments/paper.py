@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.experiments.ranking import ranking
 from ipoa_mission.experiments.rows import Row, runs_of
-from ipoa_mission.experiments.statistics import holm, places, rank_sum, told_apart
-from ipoa_mission.experiments.tables import Table, factor, number
+from ipoa_mission.experiments.statistics import holm, places, rank_sum, ranking, told_apart
+from ipoa_mission.experiments.tables import Table, beside_print, factor, number
 
 FLOOR = 1e-8  # errors below it count as it, as the CEC competitions have it
 _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {
@@ -66,20 +65,11 @@ def table_3(rows: Sequence[Row]) -> Table:
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         costs = [errors(rows, function, name) + optimum for name in published.ALGORITHMS]
         for metric, of in _METRICS.items():
-            ours = [of(sample) for sample in costs]
-            theirs = published.TABLE_3[function][metric]
-            place, printed = places(ours), places(theirs)
+            ours, theirs = [of(sample) for sample in costs], published.TABLE_3[function][metric]
             least = 0.0 if metric == "sd" else optimum
-            lines.append(
-                [
-                    function,
-                    metric,
-                    *(
-                        f"{number(o)} ({p}) · {number(t)} ({q}) · {factor(o - least, t - least)}"
-                        for o, p, t, q in zip(ours, place, theirs, printed, strict=True)
-                    ),
-                ]
-            )
+            ratios = (factor(o - least, t - least) for o, t in zip(ours, theirs, strict=True))
+            cells = beside_print(ours, theirs, (number, number))
+            lines.append([function, metric, *(" · ".join(both) for both in zip(cells, ratios, strict=True))])
     means = np.array([[errors(rows, f, name).mean() for name in published.ALGORITHMS] for f in FUNCTIONS])
     printed_means = np.array([published.TABLE_3[f]["mean"] for f in FUNCTIONS])
     return Table(

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.maps import MAPS, WEIGHTS
-from ipoa_mission.experiments.ranking import ranking
 from ipoa_mission.experiments.rows import Row, runs_of
-from ipoa_mission.experiments.statistics import places, told_apart
-from ipoa_mission.experiments.tables import Table, number, per_cent
+from ipoa_mission.experiments.statistics import places, ranking, told_apart
+from ipoa_mission.experiments.tables import Table, beside_print, number, per_cent
 
 _MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
 
@@ -42,16 +41,8 @@ def table_5(rows: Sequence[Row]) -> Table:
         costs = [of_map(rows, f"map-8-1/{experiment}", name) for name in published.ALGORITHMS]
         for metric, of in (("best", np.min), ("mean", np.mean), ("sd", lambda c: np.std(c, ddof=min(1, len(c) - 1)))):
             ours, theirs = [float(of(c)) for c in costs], published.TABLE_5[experiment][metric]
-            lines.append(
-                [
-                    " / ".join(f"{w:g}" for w in weights),
-                    metric,
-                    *(
-                        f"{number(o)} ({p}) · {number(t)} ({q})"
-                        for o, p, t, q in zip(ours, places(ours), theirs, places(theirs), strict=True)
-                    ),
-                ]
-            )
+            cells = beside_print(ours, theirs, (number, number))
+            lines.append([" / ".join(f"{w:g}" for w in weights), metric, *cells])
     return Table(
         f"Table 5. Cost by weights (length / turning / clearance), map-8-1, {runs_of(rows)} runs. "
         "Each cell: ours (place) · printed (place).",
@@ -79,17 +70,7 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
     for case, printed in maps.values():
         for measure, label in _MEASURES.items():
             ours = [float(of_map(rows, case, name, measure).mean()) for name in published.ALGORITHMS]
-            theirs = printed[measure]
-            lines.append(
-                [
-                    case,
-                    label,
-                    *(
-                        f"{o:.1f} ({p}) · {t:g} ({q})"
-                        for o, p, t, q in zip(ours, places(ours), theirs, places(theirs), strict=True)
-                    ),
-                ]
-            )
+            lines.append([case, label, *beside_print(ours, printed[measure], ("{:.1f}".format, "{:g}".format))])
         feasible = [of_map(rows, case, name, "feasible").mean() for name in published.ALGORITHMS]
         lines.append([case, "collision-free", *(f"{share:.0%}" for share in feasible)])
     cases = [case for case, _ in maps.values()]

@@ -1,9 +1,17 @@
-"""What the paper prints: Tables 3 to 8 of Biomimetics 2024, 9, 647, number for number.
+"""What the paper prints: Tables 3 to 8 of Biomimetics 2024, 9, 647, number for number, out of `published.toml`.
 
 Every row has one number for each algorithm, in the order of `ALGORITHMS`.
 """
 
-from typing import TypeAlias
+import tomllib
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any, TypeAlias, TypeVar
+
+Key = TypeVar("Key", str, int)
+Numbers: TypeAlias = tuple[float, ...]
+#: A table's rows by name.
+Rows: TypeAlias = dict[str, Numbers]
 
 #: The columns of Tables 3 and 5 to 8 as this package names them. Tables 5 to 8 print them in another order; here all
 #: tables have this one.
@@ -12,176 +20,30 @@ ALGORITHMS = ("ipoa", "dbo", "poa", "ssa", "mpoa", "hho")
 #: The columns of Table 4: against whom IPOA is tested.
 RIVALS_OF_TABLE_4 = ("dbo", "poa", "ssa", "hho", "mpoa")
 
-Numbers: TypeAlias = tuple[float, ...]
+_PRINT = tomllib.loads(files("ipoa_mission.experiments").joinpath("published.toml").read_text(encoding="utf-8"))
 
-#: CEC2022, D = 20, 30 runs: best, mean and standard deviation of the cost.
-TABLE_3: dict[str, dict[str, Numbers]] = {
-    "f1": {
-        "best": (6989.62, 13293.43, 14564.86, 17967.23, 10699.83, 19435.23),
-        "mean": (8676.68, 16612.76, 17567.55, 21293.43, 12879.42, 24783.45),
-        "sd": (544.85, 1649.18, 1293.82, 1502.73, 975.75, 2182.99),
-    },
-    "f2": {
-        "best": (479.21, 582.19, 612.08, 771.05, 449.08, 762.19),
-        "mean": (522.86, 673.45, 698.46, 820.58, 489.18, 872.11),
-        "sd": (33.19, 66.2, 55.74, 34.94, 31.89, 65.95),
-    },
-    "f3": {
-        "best": (622.53, 625.79, 624.24, 635.64, 618.47, 641.46),
-        "mean": (625.98, 634.85, 635.43, 646.26, 626.66, 658.25),
-        "sd": (3.99, 6.15, 7.61, 9.25, 7.83, 13.26),
-    },
-    "f4": {
-        "best": (806.95, 813.71, 812.19, 815.09, 811.32, 828.73),
-        "mean": (822.56, 825.58, 821.91, 825.28, 823.06, 844.89),
-        "sd": (5.28, 9.96, 6.47, 4.22, 6.04, 9.08),
-    },
-    "f5": {
-        "best": (1943.5, 2498.45, 2559.36, 3285.23, 2008.52, 2946.31),
-        "mean": (2159.24, 2954.46, 2856.12, 3804.16, 2287.56, 3214.68),
-        "sd": (149.42, 296.45, 193.45, 256.01, 180.82, 369.14),
-    },
-    "f6": {
-        "best": (3347.46, 8757.56, 14549.54, 12755.58, 5489.24, 16763.65),
-        "mean": (8480.64, 54207.68, 66946.34, 107686.45, 12657.65, 226784.77),
-        "sd": (2365.18, 42558.67, 60092.98, 91572.16, 5469.12, 181273.25),
-    },
-    "f7": {
-        "best": (2009.65, 2063.38, 2088.24, 2099.43, 2018.23, 2158.98),
-        "mean": (2028.55, 2148.33, 2122.09, 2176.61, 2034.01, 2176.38),
-        "sd": (13.95, 67.46, 528.35, 52.07, 18.45, 14.75),
-    },
-    "f8": {
-        "best": (2207.08, 2215.71, 2219.55, 2225.23, 2204.25, 2233.16),
-        "mean": (2224.47, 2231.36, 2230.13, 2237.66, 2218.96, 2266.65),
-        "sd": (9.17, 15.18, 8.89, 10.28, 8.82, 29.19),
-    },
-    "f9": {
-        "best": (2526.98, 2544.43, 2533.38, 2535.47, 2539.18, 2543.34),
-        "mean": (2531.12, 2591.28, 2552.49, 2588.45, 2542.1, 2579.63),
-        "sd": (2.29, 28.17, 18.12, 38.95, 0.91, 19.26),
-    },
-    "f10": {
-        "best": (2501.16, 2813.1, 3321.58, 3049.19, 2535.88, 4216.39),
-        "mean": (2862.44, 3219.37, 4044.54, 4615.24, 2912.13, 5891.29),
-        "sd": (203.64, 285.56, 363.79, 625.5, 212.98, 598.75),
-    },
-    "f11": {
-        "best": (2942.12, 2912.46, 3687.47, 3572.67, 3557.19, 3524.56),
-        "mean": (3118.91, 3342.65, 3916.18, 4041.52, 3898.96, 3619.74),
-        "sd": (109.5, 252.14, 189.67, 244.29, 177.06, 178.11),
-    },
-    "f12": {
-        "best": (2938.44, 2999.95, 3010.74, 2946.78, 2994.06, 3012.13),
-        "mean": (2947.18, 3007.47, 3029.25, 2957.64, 3009.08, 3028.86),
-        "sd": (5.22, 6.64, 10.19, 12.38, 10.42, 18.93),
-    },
-}
 
-#: Wilcoxon rank-sum p values, IPOA against each of `RIVALS_OF_TABLE_4`.
-TABLE_4: dict[str, Numbers] = {
-    "f1": (1.4643e-10, 3.081e-08, 3.0198e-11, 3.0198e-11, 6.8462e-06),
-    "f2": (0.0415, 0.0571, 0.0013, 0.0002, 0.6683),
-    "f3": (0.0013, 1.5422e-07, 1.6836e-08, 1.4478e-07, 0.00049364),
-    "f4": (0.0061, 0.0324, 0.0463, 6.9641e-11, 0.0489),
-    "f5": (0.3415, 0.2186, 0.5003, 0.4801, 0.739),
-    "f6": (6.4213e-08, 0.0004, 0.00099851, 2.2891e-10, 3.8936e-05),
-    "f7": (3.1019e-07, 0.0398, 2.1341e-07, 3.7621e-09, 0.0466),
-    "f8": (4.7173e-05, 0.3571, 3.3146e-08, 6.2251e-10, 0.8701),
-    "f9": (3.364e-11, 3.0815e-09, 4.7093e-10, 3.1467e-11, 4.2914e-08),
-    "f10": (0.5083, 0.6412, 0.6721, 1.9851e-07, 0.8827),
-    "f11": (1.2375e-06, 0.1739, 0.0391, 5.4226e-09, 0.2634),
-    "f12": (0.0143, 0.0188, 0.0336, 0.0002, 0.0296),
-}
+def _rows(table: dict[str, list[float]]) -> Rows:
+    return {name: tuple(numbers) for name, numbers in table.items()}
 
-#: Cost on a map by weights: experiment 1 favors length, 2 turning, 3 clearance (0.7 each, 0.15 the others).
-TABLE_5: dict[int, dict[str, Numbers]] = {
-    1: {
-        "best": (33.04, 43.96, 45.59, 79.35, 37.64, 102.17),
-        "mean": (36.78, 50.39, 52.61, 97.91, 41.33, 121.62),
-        "sd": (2.99, 3.98, 4.63, 14.82, 3.48, 16.72),
-    },
-    2: {
-        "best": (36.1, 47.17, 43.39, 76.94, 38.26, 116.55),
-        "mean": (41.84, 55.32, 52.17, 92.38, 43.37, 132.74),
-        "sd": (4.15, 6.24, 6.61, 16.67, 3.96, 15.57),
-    },
-    3: {
-        "best": (38.41, 41.09, 43.66, 75.28, 35.02, 106.65),
-        "mean": (45.25, 58.63, 55.81, 97.96, 46.77, 133.87),
-        "sd": (5.71, 17.25, 6.8, 14.06, 6.42, 15.07),
-    },
-}
 
-#: Five random maps with eight obstacles, means of ten runs.
-TABLE_6: dict[int, dict[str, Numbers]] = {
-    1: {
-        "distance": (219.67, 233.54, 246.41, 238.88, 234.43, 241.56),
-        "iterations": (72.1, 79.0, 87.2, 77.5, 70.4, 89.1),
-        "turn": (52.9, 43.1, 51.8, 48.8, 48.1, 44.1),
-        "dis_obs": (46.1, 56.4, 50.9, 54.5, 48.4, 52.0),
-    },
-    2: {
-        "distance": (180.39, 199.24, 204.76, 208.65, 193.63, 222.45),
-        "iterations": (60.6, 69.3, 73.5, 80.1, 66.9, 77.2),
-        "turn": (44.2, 48.6, 50.4, 47.4, 45.8, 58.7),
-        "dis_obs": (49.3, 51.2, 47.6, 58.7, 49.3, 42.4),
-    },
-    3: {
-        "distance": (187.66, 200.61, 201.97, 200.03, 195.24, 208.3),
-        "iterations": (78.7, 82.6, 79.2, 89.4, 80.8, 61.1),
-        "turn": (49.9, 56.7, 57.2, 58.1, 53.1, 77.1),
-        "dis_obs": (44.7, 43.1, 43.6, 43.5, 42.8, 41.3),
-    },
-    4: {
-        "distance": (189.87, 202.62, 200.94, 203.56, 202.65, 204.93),
-        "iterations": (86.1, 95.3, 101.1, 95.7, 90.2, 99.4),
-        "turn": (46.2, 46.9, 43.3, 53.8, 49.4, 61.0),
-        "dis_obs": (59.7, 65.2, 66.9, 66.4, 64.1, 64.8),
-    },
-    5: {
-        "distance": (183.46, 194.73, 196.48, 192.42, 191.63, 200.65),
-        "iterations": (62.3, 73.2, 71.4, 70.5, 65.9, 66.4),
-        "turn": (54.3, 52.1, 54.6, 50.4, 55.1, 67.6),
-        "dis_obs": (42.9, 43.8, 44.2, 46.5, 41.3, 48.6),
-    },
-}
+def _tables(name: str, key: Callable[[Any], Key]) -> dict[Key, Rows]:
+    return {key(of): _rows(table) for of, table in _PRINT[name].items()}
 
-#: Random maps with six and ten obstacles.
-TABLE_7: dict[int, dict[str, Numbers]] = {
-    6: {
-        "distance": (184.81, 192.14, 198.01, 199.42, 191.64, 198.74),
-        "iterations": (53.0, 64.3, 63.1, 72.5, 60.4, 67.9),
-        "turn": (45.3, 41.6, 48.3, 43.8, 45.4, 42.1),
-        "dis_obs": (54.1, 62.4, 55.9, 60.5, 58.4, 61.2),
-    },
-    10: {
-        "distance": (190.96, 205.37, 208.79, 210.23, 202.24, 218.33),
-        "iterations": (72.9, 86.7, 86.2, 88.1, 79.6, 101.1),
-        "turn": (49.9, 50.7, 50.9, 54.6, 50.1, 47.1),
-        "dis_obs": (41.4, 43.4, 42.5, 45.6, 42.7, 41.7),
-    },
-}
 
-#: Dalian University on RflySim, means of twenty runs: metres, degrees, metres, seconds.
-TABLE_8: dict[str, Numbers] = {
-    "distance": (286.74, 318.88, 313.19, 322.81, 298.97, 342.66),
-    "turn": (51.7, 55.6, 54.9, 53.8, 52.1, 51.5),
-    "dis_obs": (2.11, 2.04, 2.24, 2.42, 2.16, 2.13),
-    "time": (20.23, 22.77, 22.32, 22.91, 21.12, 24.16),
-}
-
-#: What the text says that IPOA improves on POA and on MPOA, in per cent of theirs: for each table or part of it
-#: distance, iterations, turn, dis_obs; for Table 8 distance, turn, dis_obs, time.
-IMPROVEMENTS: dict[str, dict[str, Numbers]] = {
-    "Table 6": {"poa": (8.39, 14.21, 3.34, 3.40), "mpoa": (5.51, 3.92, 1.49, 0.66)},
-    "Table 7, 6 obstacles": {"poa": (6.66, 11.25, 6.21, 3.22), "mpoa": (3.69, 7.28, 0.22, 7.36)},
-    "Table 7, 10 obstacles": {"poa": (8.53, 15.42, 1.96, 2.58), "mpoa": (5.57, 8.41, 0.39, 3.04)},
-    "Table 8": {"poa": (8.44, 5.82, 4.07, 9.36), "mpoa": (4.09, 0.76, 1.85, 4.21)},
-}
+#: CEC2022 by function: "best", "mean" and "sd" of the cost; and p values against each of `RIVALS_OF_TABLE_4`.
+TABLE_3, TABLE_4 = _tables("table_3", str), _rows(_PRINT["table_4"])
+#: Cost by the experiment's number: "best", "mean" and "sd".
+TABLE_5 = _tables("table_5", int)
+#: By the number of the map, and by how many obstacles it has: "distance", "iterations", "turn" and "dis_obs".
+TABLE_6, TABLE_7 = _tables("table_6", int), _tables("table_7", int)
+#: The campus: "distance", "turn", "dis_obs" and "time".
+TABLE_8 = _rows(_PRINT["table_8"])
+#: What the text says that IPOA improves on "poa" and on "mpoa", by the table or part of it that it speaks of.
+IMPROVEMENTS = _tables("improvements", str)
 
 #: The tables that those sentences speak of: rows whose improvements are averaged.
-IMPROVED: dict[str, tuple[dict[str, Numbers], ...]] = {
+IMPROVED: dict[str, tuple[Rows, ...]] = {
     "Table 6": tuple(TABLE_6.values()),
     "Table 7, 6 obstacles": (TABLE_7[6],),
     "Table 7, 10 obstacles": (TABLE_7[10],),

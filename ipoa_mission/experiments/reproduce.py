@@ -6,12 +6,12 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments import beyond, figures, map_figures, paper, paper_maps
+from ipoa_mission.experiments import beyond, figures, paper, paper_maps
 from ipoa_mission.experiments.campus import campus_scenario
 from ipoa_mission.experiments.executors import open_executor
 from ipoa_mission.experiments.maps import map_scenario
 from ipoa_mission.experiments.page import findings
-from ipoa_mission.experiments.rows import Rows
+from ipoa_mission.experiments.rows import Row, Rows
 from ipoa_mission.experiments.runs import measure
 from ipoa_mission.experiments.series import (
     CAMPUS,
@@ -38,49 +38,42 @@ class Item:
     make: Callable[[Rows], Table | str]
 
 
-def _paths(rows: Rows, cases: Sequence[str]) -> str:
-    return map_figures.paths_on_maps(rows[MAPS_PAPER.name], {case: map_scenario(case) for case in cases})
+def _of(make: Callable[..., Table | str], *needs: Series) -> Item:
+    """An item that is made of the rows of these series, one after the other."""
+    return Item(needs, lambda rows: make(*(rows[series.name] for series in needs)))
+
+
+def _paths(*cases: str) -> Callable[[Sequence[Row]], str]:
+    return lambda rows: figures.paths_on_maps(rows, {case: map_scenario(case) for case in cases})
 
 
 ITEMS: dict[str, Item] = {
-    "table-3": Item([CEC_D20], lambda rows: paper.table_3(rows[CEC_D20.name])),
-    "table-4": Item([CEC_D20], lambda rows: paper.table_4(rows[CEC_D20.name])),
-    "figure-3": Item([], lambda _: figures.figure_3()),
-    "figure-5": Item([], lambda _: figures.figure_5()),
-    "figure-7": Item([CEC_D20], lambda rows: figures.figure_7(rows[CEC_D20.name])),
-    "figure-8": Item([CEC_D10], lambda rows: figures.figure_8(rows[CEC_D10.name])),
-    "dimension": Item(
-        [CEC_D20, CEC_D10], lambda rows: paper.dimension_of_the_print(rows[CEC_D20.name], rows[CEC_D10.name])
-    ),
-    "contradictions": Item([], lambda _: paper.contradictions()),
-    "table-8": Item([CAMPUS], lambda rows: paper_maps.table_8(rows[CAMPUS.name])),
-    "figure-11": Item(
-        [CAMPUS], lambda rows: map_figures.paths_on_maps(rows[CAMPUS.name], {"campus": campus_scenario()})
-    ),
-    "improvements": Item([], lambda _: paper_maps.table_improvements()),
-    "beyond": Item([CEC_D20, CEC_BEYOND], lambda rows: beyond.table_beyond(rows[CEC_BEYOND.name], rows[CEC_D20.name])),
-    "table-5": Item([MAPS_PAPER], lambda rows: paper_maps.table_5(rows[MAPS_PAPER.name])),
-    "table-6": Item([MAPS_PAPER], lambda rows: paper_maps.table_6(rows[MAPS_PAPER.name])),
-    "table-7": Item([MAPS_PAPER], lambda rows: paper_maps.table_7(rows[MAPS_PAPER.name])),
-    "figure-9": Item([MAPS_PAPER], lambda rows: _paths(rows, [f"map-8-{k}" for k in range(1, 6)])),
-    "figure-10": Item([MAPS_PAPER], lambda rows: _paths(rows, ["map-6-1", "map-10-1"])),
-    "maps-beyond": Item(
-        [MAPS_PAPER, MAPS_BEYOND],
-        lambda rows: beyond.table_maps_beyond(rows[MAPS_BEYOND.name], rows[MAPS_PAPER.name]),
-    ),
-    "maps-ablation": Item([MAPS_ABLATION], lambda rows: beyond.table_maps_ablation(rows[MAPS_ABLATION.name])),
-    "equal": Item([CEC_EQUAL], lambda rows: beyond.table_equal(rows[CEC_EQUAL.name])),
-    "ablation": Item([CEC_ABLATION], lambda rows: beyond.table_ablation(rows[CEC_ABLATION.name])),
+    "table-3": _of(paper.table_3, CEC_D20),
+    "table-4": _of(paper.table_4, CEC_D20),
+    "figure-3": _of(figures.figure_3),
+    "figure-5": _of(figures.figure_5),
+    "figure-7": _of(figures.figure_7, CEC_D20),
+    "figure-8": _of(figures.figure_8, CEC_D10),
+    "dimension": _of(paper.dimension_of_the_print, CEC_D20, CEC_D10),
+    "contradictions": _of(paper.contradictions),
+    "table-8": _of(paper_maps.table_8, CAMPUS),
+    "figure-11": _of(lambda rows: figures.paths_on_maps(rows, {"campus": campus_scenario()}), CAMPUS),
+    "improvements": _of(paper_maps.table_improvements),
+    "beyond": _of(lambda paper, rivals: beyond.table_beyond(rivals, paper), CEC_D20, CEC_BEYOND),
+    "table-5": _of(paper_maps.table_5, MAPS_PAPER),
+    "table-6": _of(paper_maps.table_6, MAPS_PAPER),
+    "table-7": _of(paper_maps.table_7, MAPS_PAPER),
+    "figure-9": _of(_paths(*(f"map-8-{k}" for k in range(1, 6))), MAPS_PAPER),
+    "figure-10": _of(_paths("map-6-1", "map-10-1"), MAPS_PAPER),
+    "maps-beyond": _of(lambda paper, rivals: beyond.table_maps_beyond(rivals, paper), MAPS_PAPER, MAPS_BEYOND),
+    "maps-ablation": _of(beyond.table_maps_ablation, MAPS_ABLATION),
+    "equal": _of(beyond.table_equal, CEC_EQUAL),
+    "ablation": _of(beyond.table_ablation, CEC_ABLATION),
 }
 
 
 def reproduce(
-    what: str,
-    runs: int | None,
-    out: Path,
-    jobs: int,
-    executor: str | None,
-    progress: Progress = silent,
+    what: str, runs: int | None, out: Path, jobs: int, executor: str | None, progress: Progress = silent
 ) -> list[Path]:
     """Measure and write one of `ITEMS`, or "all" of them and the page of findings; returns the files written.
 
@@ -115,12 +108,7 @@ def reproduce(
 
 
 def _measure(
-    series: Mapping[str, Series],
-    runs: int | None,
-    out: Path,
-    jobs: int,
-    address: str | None,
-    progress: Progress,
+    series: Mapping[str, Series], runs: int | None, out: Path, jobs: int, address: str | None, progress: Progress
 ) -> Rows:
     """The rows of every series, measured if they are not in `out` yet."""
     if not series:

@@ -70,11 +70,7 @@ def _run(trial: Trial) -> Row:
 
 
 def measure(
-    trials: Iterable[Trial],
-    path: Path,
-    executor: Executor,
-    progress: Progress = silent,
-    what: str = "",
+    trials: Iterable[Trial], path: Path, executor: Executor, progress: Progress = silent, what: str = ""
 ) -> list[Row]:
     """Run what `path` does not hold yet, append it there, and return the rows of all `trials`, in their order.
 

@@ -30,14 +30,14 @@ def holm(p: Sequence[float]) -> list[float]:
     return [float(c) for c in result]
 
 
-def told_apart(pairs: Sequence[tuple[Samples, Samples]], level: float = 0.05) -> list[str]:
+def told_apart(pairs: Sequence[tuple[Samples, Samples]]) -> list[str]:
     """For each pair of samples of costs: is the first told from the second, and how?
 
-    "+" the first is lower, "-" it is higher, by the rank-sum test with Holm's correction over all pairs; "=" at that
-    level they are not told apart.
+    "+" the first is lower, "-" it is higher, by the rank-sum test with Holm's correction over all pairs; "=" at 0.05
+    they are not told apart.
     """
     corrected = holm([rank_sum(a, b) for a, b in pairs])
-    return ["=" if p >= level else "+" if _is_lower(a, b) else "-" for (a, b), p in zip(pairs, corrected, strict=True)]
+    return ["=" if p >= 0.05 else "+" if _is_lower(a, b) else "-" for (a, b), p in zip(pairs, corrected, strict=True)]
 
 
 def _is_lower(a: Samples, b: Samples) -> bool:
@@ -79,3 +79,22 @@ def post_hoc(test: Friedman, control: int) -> list[float]:
 def places(values: Sequence[float]) -> list[int]:
     """The place of each value, 1 for the least; equals share the better place."""
     return [int(r) for r in stats.rankdata(values, method="min")]
+
+
+def ranking(names: Sequence[str], costs: NDArray[np.float64], control: str = "ipoa") -> str:
+    """What the test says of `costs` (blocks, names), and how the others compare with `control` after it."""
+    test = friedman(costs)
+    own = names.index(control)
+    p = post_hoc(test, own)
+    signs = {
+        name: "=" if p[i] >= 0.05 else "+" if test.mean_ranks[own] < test.mean_ranks[i] else "-"
+        for i, name in enumerate(names)
+        if i != own
+    }
+    in_order = sorted(zip(test.mean_ranks, names, p, strict=True))
+    return (
+        ", ".join(f"{name} {rank:.2f}" for rank, name, _ in in_order)
+        + f" (Friedman p = {test.p:.1e}; after it {control} against "
+        + ", ".join(f"{name} {q:.2g} ({signs[name]})" for _, name, q in in_order if name != control)
+        + ", Holm)"
+    )

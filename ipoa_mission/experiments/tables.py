@@ -2,10 +2,11 @@
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.experiments.markdown import filled
+from ipoa_mission.experiments.statistics import places
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,12 @@ def number(value: float) -> str:
         digits = 2 if abs(value) >= 1 or value == 0 else 5
         return f"{value:,.{digits if abs(value) < 10000 else 0}f}"
     return f"{value:.1e}"
+
+
+def beside_print(ours: Sequence[float], printed: Sequence[float], forms: Sequence[Callable[[float], str]]) -> list[str]:
+    """Cells "ours (place) · printed (place)"; `forms` write our numbers and the printed ones."""
+    columns = zip(ours, places(ours), printed, places(printed), strict=True)
+    return [f"{forms[0](o)} ({p}) · {forms[1](t)} ({q})" for o, p, t, q in columns]
 
 
 def per_cent(ours: float, theirs: float) -> str:

@@ -9,8 +9,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.commands import command_name
-from ipoa_mission.exports.areas import ring
-from ipoa_mission.exports.track import track
+from ipoa_mission.exports.track import ring, track
 from ipoa_mission.items import Item, Mission
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Tree
 
 from ipoa_mission.commands import Frame, command_name, plain_frame
-from ipoa_mission.exports.areas import ring
-from ipoa_mission.exports.track import track
+from ipoa_mission.exports.track import ring, track
 from ipoa_mission.items import Item, Mission
 
 if TYPE_CHECKING:

@@ -45,6 +45,11 @@ class Row:
     detail: str = ""
 
 
+def shown(value: float | None, form: str = "z.1f") -> str:
+    """A number of the table for reading; nothing for what an item has none of."""
+    return "" if value is None else format(value, form)
+
+
 def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Row, ...]:
     """Home and every item; with a scenario, heights above its ground too.
 

@@ -1,14 +1,15 @@
-"""The way that a mission is flown, as geodetic lines for maps: what all exports draw."""
+"""The way that a mission is flown as geodetic lines for maps, and its fence as closed rings: what exports draw."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.items import Mission
+from ipoa_mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.itinerary.legs import Leg, flown_legs
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
@@ -69,3 +70,20 @@ def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[
             lines.append([(-side, latitude, altitude)])
         lines[-1].append(place)
     return lines
+
+
+CORNERS = 72  # of the polygon that stands for a circle; it lies inside, by a thousandth of the radius at most
+
+
+def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
+    """The closed ring of a fence part as (longitude, latitude), counterclockwise as GeoJSON and KML want it."""
+    if isinstance(part, FenceCircle):
+        angles = np.linspace(0.0, 2.0 * np.pi, CORNERS, endpoint=False)
+        circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(CORNERS)])
+        latitude, longitude, _ = LocalFrame(Geodetic(*part.center)).to_geodetic(circle)
+        corners = [(round(float(lon), 9), round(float(lat), 9)) for lat, lon in zip(latitude, longitude, strict=True)]
+    else:
+        corners = [(lon, lat) for lat, lon in part.vertices]
+    closed = [*corners, corners[0]]
+    doubled_area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(closed))
+    return closed if doubled_area >= 0 else closed[::-1]

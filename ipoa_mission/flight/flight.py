@@ -34,7 +34,7 @@ from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.assemble import Option, assemble
+from ipoa_mission.routing.assemble import Option
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.prove_route import prove_mission
 from ipoa_mission.routing.seek import plan_with_room
@@ -137,14 +137,7 @@ class Flight:
         from ipoa_mission.report.page import Subject, page_html
 
         subject = Subject(
-            self.scenario,
-            self.plan,
-            self.mission,
-            self.estimate,
-            self.remarks,
-            self.proof,
-            self.promise,
-            self.energy,
+            self.scenario, self.plan, self.mission, self.estimate, self.remarks, self.proof, self.promise, self.energy
         )
         write_atomically(Path(path), page_html(subject, record))
 
@@ -170,14 +163,14 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     plan, options = plan_with_room(scenario, seed, progress)
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    chosen = [option.route for option in options if option.mode == scenario.route.mode]
-    mission = build_mission(chosen[0], scenario) if chosen else assemble(plan, scenario)
+    chosen = next(option.route for option in options if option.mode == scenario.route.mode)
+    mission = build_mission(chosen, scenario)
     promise = promise_of(flown_in(mission, scenario), scenario)
     findings = refuse_errors(check_mission(mission, scenario, promise))
     predicted = estimate(mission, wind=scenario.wind.air())
     energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
     expect_to_come_home(scenario, energy)
-    messages = (finding.message for finding in findings)
+    messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (*climb_for_way_home(mission), *slowed_for_ground(mission, scenario))
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     proof = prove_mission(mission, scenario)

@@ -68,6 +68,17 @@ def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None
     return tuple(_Flight(as_flown(mission), frame, ground).legs())
 
 
+def return_ways(mission: Mission, frame: LocalFrame, ground: Ground) -> Callable[[Vector], list[Points]]:
+    """On which ways the vehicle returns from a place (3,), each (3, 3) [m]: it, over it, over where it will land."""
+    flight = _Flight(as_flown(mission), frame, ground)
+
+    def ways(place: Vector) -> list[Points]:
+        flight.at = place
+        return [leg.points for leg in flight.returns(0) if leg.phase is Phase.RETURN]
+
+    return ways
+
+
 def join(legs: Sequence[Leg]) -> tuple[Points, float]:
     """Legs that follow each other as one way: its points, and how far the flight may be from the lines [m]."""
     points = np.vstack([legs[0].points, *(leg.points[1:] for leg in legs[1:])])
@@ -112,7 +123,7 @@ class _Flight:
                     yield from self._landing(seq, item)
                     yield self._vertical(seq, Phase.LANDING, height)
                 case Command.NAV_RETURN_TO_LAUNCH:
-                    yield from self._return(seq)
+                    yield from self.returns(seq)
                 case Command.DO_JUMP:
                     yield from self._jump(item)
                 case command if command in FLOWN_TO and (target := self._target(item)) is not None:
@@ -174,7 +185,8 @@ class _Flight:
             yield self._to(seq, np.array([*place[:2], self.at[2]]), follow_terrain=False)
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
 
-    def _return(self, seq: int) -> Iterator[Leg]:
+    def returns(self, seq: int) -> Iterator[Leg]:
+        """Home, and to each rally point."""
         start = self.at
         for goal in (self.home, *self._rally_points()):
             self.at = start

@@ -12,14 +12,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
 from ipoa_mission.link.hold import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandResult, Current
-from ipoa_mission.link.orders import (
-    COMPONENT_ARM_DISARM,
-    MISSION_START,
-    CommandRefused,
-    command,
-    set_current,
-    stream,
-)
+from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, MISSION_START, CommandRefused, command, set_current, stream
 from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.progress import Progress, silent

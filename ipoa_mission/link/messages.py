@@ -299,15 +299,6 @@ class ParamValue(Message):
 
 
 @dataclass(frozen=True)
-class RequestDataStream(Message):
-    """REQUEST_DATA_STREAM: the old way to ask for streams."""
-
-    req_stream_id: int
-    req_message_rate: int
-    start_stop: int
-
-
-@dataclass(frozen=True)
 class MessageInterval(Message):
     """MESSAGE_INTERVAL: how often a message is sent [us]; 0 unknown, -1 never."""
 

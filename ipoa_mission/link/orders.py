@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
@@ -14,6 +15,7 @@ from ipoa_mission.link.messages import (
     CommandLong,
     CommandResult,
     Current,
+    Message,
     ParamRequestRead,
     ParamSet,
     ParamValue,
@@ -22,6 +24,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
 from ipoa_mission.world.frame import Geodetic
 
+M = TypeVar("M", bound=Message)
 DO_SET_MODE = 176
 DO_SET_MISSION_CURRENT = 224
 MISSION_START = 300
@@ -101,43 +104,42 @@ def stream(name: str, interval_s: float) -> Dialogue[bool]:
     return result == CommandResult.ACCEPTED
 
 
-def home() -> Dialogue[Geodetic | None]:
-    """Where the vehicle's home is; None while it does not know."""
-    request = CommandLong(REQUEST_MESSAGE, (float(message_number("HOME_POSITION")), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+def _requested(name: str, kind: type[M], pause_s: float, again: bool) -> Dialogue[M | None]:
+    """A message that the vehicle is asked for; None where it will not send it, or does not although it would.
+
+    `again`: where it accepts to send it, and in `pause_s` does not, it is asked once more.
+    """
+    request = CommandLong(REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     step: Step = Ask(request)
     while True:
         heard = yield step
         step = None
         match heard:
-            case HomePosition(latitude, longitude, altitude):
-                return Geodetic(latitude, longitude, altitude)
-            case CommandAck(n, result) if n == REQUEST_MESSAGE and result == CommandResult.ACCEPTED:
-                step = Pause(2.0)
+            case CommandAck(n, CommandResult.ACCEPTED) if n == REQUEST_MESSAGE:
+                step = Pause(pause_s)
             case CommandAck(n) if n == REQUEST_MESSAGE:
                 return None
-            case None:
+            case None if again:
                 step = Tell(request)
+            case None:
+                return None
+            case _ if isinstance(heard, kind):
+                return heard
+
+
+def home() -> Dialogue[Geodetic | None]:
+    """Where the vehicle's home is; None while it does not know."""
+    at = yield from _requested("HOME_POSITION", HomePosition, 2.0, again=True)
+    return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
 
 
 def capabilities() -> Dialogue[int]:
     """What the autopilot says that it can do: MAV_PROTOCOL_CAPABILITY; 0 where it does not say."""
-    number = float(message_number("AUTOPILOT_VERSION"))
-    step: Step = Ask(CommandLong(REQUEST_MESSAGE, (number, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
-    while True:
-        try:
-            heard = yield step
-        except NoAnswer:
-            return 0
-        step = None
-        match heard:
-            case AutopilotVersion(told):
-                return told
-            case CommandAck(n, CommandResult.ACCEPTED) if n == REQUEST_MESSAGE:
-                step = Pause(1.0)
-            case CommandAck(n) if n == REQUEST_MESSAGE:
-                return 0
-            case None:
-                return 0
+    try:
+        version = yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, again=False)
+    except NoAnswer:
+        return 0
+    return 0 if version is None else version.capabilities
 
 
 def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:

@@ -3,16 +3,8 @@
 import math
 from typing import Any
 
-from ipoa_mission.link import telemetry
-from ipoa_mission.link.layout import Fields, Layout, plain
-
-
-def _e7(latitude_deg: float, longitude_deg: float) -> tuple[int, int]:
-    return saturated(latitude_deg * 1e7), saturated(longitude_deg * 1e7)
-
-
-def _millis(seconds: float) -> int:
-    return round(seconds * 1000) & 0xFFFFFFFF
+from ipoa_mission.link import telemetry as t
+from ipoa_mission.link.layout import Layout, Value, plain
 
 
 def saturated(value: float, bits: int = 32) -> int:
@@ -21,150 +13,66 @@ def saturated(value: float, bits: int = 32) -> int:
     return 0 if math.isnan(value) else round(min(max(value, -most), most))
 
 
-def _write_position(p: telemetry.Position) -> Fields:
-    lat, lon = _e7(p.latitude_deg, p.longitude_deg)
-    vx, vy, vz = (saturated(v * 100, 16) for v in p.velocity)
-    return {
-        "time_boot_ms": _millis(p.time_s),
-        "lat": lat,
-        "lon": lon,
-        "alt": saturated(p.altitude * 1000),
-        "relative_alt": saturated(p.height * 1000),
-        "vx": vx,
-        "vy": vy,
-        "vz": vz,
-        "hdg": saturated(math.degrees(p.yaw) * 100) % 36000,
-    }
+def _scaled(name: str, by: float, bits: int = 32) -> Value:
+    return Value((name,), lambda value: saturated(value * by, bits), lambda raw: raw / by)
 
 
-def _read_position(raw: Any) -> telemetry.Position:
-    return telemetry.Position(
-        raw.time_boot_ms / 1000,
-        raw.lat / 1e7,
-        raw.lon / 1e7,
-        raw.alt / 1000,
-        raw.relative_alt / 1000,
-        (raw.vx / 100, raw.vy / 100, raw.vz / 100),
-        math.radians(raw.hdg / 100),
-    )
+def _rounded(name: str, by: float) -> Value:
+    return Value((name,), lambda value: round(value * by), lambda raw: raw / by)
 
 
-def _write_home(h: telemetry.HomePosition) -> Fields:
-    lat, lon = _e7(h.latitude_deg, h.longitude_deg)
-    zeros = dict.fromkeys(("x", "y", "z", "approach_x", "approach_y", "approach_z"), 0.0)
-    return {
-        "latitude": lat,
-        "longitude": lon,
-        "altitude": saturated(h.altitude * 1000),
-        **zeros,
-        "q": [1.0, 0.0, 0.0, 0.0],
-    }
-
-
-def _write_origin(o: telemetry.GlobalOrigin) -> Fields:
-    lat, lon = _e7(o.latitude_deg, o.longitude_deg)
-    return {"latitude": lat, "longitude": lon, "altitude": saturated(o.altitude * 1000)}
-
-
-def _write_gps(g: telemetry.Gps) -> Fields:
-    lat, lon = _e7(g.latitude_deg, g.longitude_deg)
-    return {
-        "time_usec": round(g.time_s * 1e6),
-        "fix_type": g.fix_type,
-        "lat": lat,
-        "lon": lon,
-        "alt": saturated(g.altitude * 1000),
-        "eph": 80,
-        "epv": 120,
-        "vel": saturated(g.speed * 100, 16),
-        "cog": 0xFFFF,
-        "satellites_visible": g.satellites_visible,
-    }
-
-
-def _write_status(s: telemetry.SystemStatus) -> Fields:
-    return {
-        "onboard_control_sensors_present": s.present,
-        "onboard_control_sensors_enabled": s.enabled,
-        "onboard_control_sensors_health": s.health,
-        "load": 200,
-        "voltage_battery": round(s.voltage * 1000),
-        "current_battery": -1,
-        "battery_remaining": s.battery_remaining,
-        **dict.fromkeys(
-            ("drop_rate_comm", "errors_comm", "errors_count1", "errors_count2", "errors_count3", "errors_count4"), 0
-        ),
-    }
-
+_BOOT = Value(("time_boot_ms",), lambda seconds: round(seconds * 1000) & 0xFFFFFFFF, lambda raw: raw / 1000)
+_VELOCITY = Value(
+    ("vx", "vy", "vz"),
+    lambda velocity: tuple(saturated(axis * 100, 16) for axis in velocity),
+    lambda raw: tuple(axis / 100 for axis in raw),
+)
+_HEADING = Value(("hdg",), lambda yaw: saturated(math.degrees(yaw) * 100) % 36000, lambda raw: math.radians(raw / 100))
+_PLACE = {"latitude_deg": _scaled("latitude", 1e7), "longitude_deg": _scaled("longitude", 1e7)}
+_SHORT_PLACE = {"latitude_deg": _scaled("lat", 1e7), "longitude_deg": _scaled("lon", 1e7)}
+_HIGH = {"altitude": _scaled("altitude", 1000)}
+_SENSORS = {name: f"onboard_control_sensors_{name}" for name in ("present", "enabled", "health")}
 
 LAYOUTS: tuple[Layout[Any], ...] = (
-    Layout(
-        "AUTOPILOT_VERSION",
-        telemetry.AutopilotVersion,
-        lambda a: {"capabilities": a.capabilities, "flight_sw_version": a.flight_sw_version, "uid": a.uid},
-        lambda raw: telemetry.AutopilotVersion(raw.capabilities, raw.flight_sw_version, raw.uid),
+    plain("AUTOPILOT_VERSION", t.AutopilotVersion),
+    plain("HOME_POSITION", t.HomePosition, {"q": [1.0, 0.0, 0.0, 0.0]}, **_PLACE, **_HIGH),
+    plain("GPS_GLOBAL_ORIGIN", t.GlobalOrigin, **_PLACE, **_HIGH),
+    plain(
+        "GLOBAL_POSITION_INT",
+        t.Position,
+        time_s=_BOOT,
+        **_SHORT_PLACE,
+        altitude=_scaled("alt", 1000),
+        height=_scaled("relative_alt", 1000),
+        velocity=_VELOCITY,
+        yaw=_HEADING,
     ),
-    Layout(
-        "HOME_POSITION",
-        telemetry.HomePosition,
-        _write_home,
-        lambda raw: telemetry.HomePosition(raw.latitude / 1e7, raw.longitude / 1e7, raw.altitude / 1000),
-    ),
-    Layout(
-        "GPS_GLOBAL_ORIGIN",
-        telemetry.GlobalOrigin,
-        _write_origin,
-        lambda raw: telemetry.GlobalOrigin(raw.latitude / 1e7, raw.longitude / 1e7, raw.altitude / 1000),
-    ),
-    Layout("GLOBAL_POSITION_INT", telemetry.Position, _write_position, _read_position),
-    Layout(
+    plain(
         "LOCAL_POSITION_NED",
-        telemetry.LocalPosition,
-        lambda p: {
-            "time_boot_ms": _millis(p.time_s),
-            **dict(zip(("x", "y", "z", "vx", "vy", "vz"), (*p.position, *p.velocity), strict=True)),
-        },
-        lambda raw: telemetry.LocalPosition(raw.time_boot_ms / 1000, (raw.x, raw.y, raw.z), (raw.vx, raw.vy, raw.vz)),
+        t.LocalPosition,
+        time_s=_BOOT,
+        position=Value(("x", "y", "z")),
+        velocity=Value(("vx", "vy", "vz")),
     ),
-    Layout(
+    plain(
         "GPS_RAW_INT",
-        telemetry.Gps,
-        _write_gps,
-        lambda raw: telemetry.Gps(
-            raw.time_usec / 1e6,
-            raw.lat / 1e7,
-            raw.lon / 1e7,
-            raw.alt / 1000,
-            raw.vel / 100,
-            raw.fix_type,
-            raw.satellites_visible,
-        ),
+        t.Gps,
+        {"eph": 80, "epv": 120, "cog": 0xFFFF},
+        time_s=_rounded("time_usec", 1e6),
+        **_SHORT_PLACE,
+        altitude=_scaled("alt", 1000),
+        speed=_scaled("vel", 100, 16),
     ),
-    Layout(
-        "ATTITUDE",
-        telemetry.Attitude,
-        lambda a: {"time_boot_ms": _millis(a.time_s), "roll": a.roll, "pitch": a.pitch, "yaw": a.yaw},
-        lambda raw: telemetry.Attitude(raw.time_boot_ms / 1000, raw.roll, raw.pitch, raw.yaw),
-    ),
-    plain("VFR_HUD", telemetry.Hud),
-    Layout(
+    plain("ATTITUDE", t.Attitude, time_s=_BOOT),
+    plain("VFR_HUD", t.Hud),
+    plain(
         "SYS_STATUS",
-        telemetry.SystemStatus,
-        _write_status,
-        lambda raw: telemetry.SystemStatus(
-            raw.onboard_control_sensors_present,
-            raw.onboard_control_sensors_enabled,
-            raw.onboard_control_sensors_health,
-            raw.voltage_battery / 1000,
-            raw.battery_remaining,
-        ),
+        t.SystemStatus,
+        {"load": 200, "current_battery": -1},
+        **_SENSORS,
+        voltage=_rounded("voltage_battery", 1000),
     ),
-    plain("EXTENDED_SYS_STATE", telemetry.ExtendedState),
-    Layout(
-        "SYSTEM_TIME",
-        telemetry.SystemTime,
-        lambda t: {"time_unix_usec": round(t.unix_s * 1e6), "time_boot_ms": _millis(t.boot_s)},
-        lambda raw: telemetry.SystemTime(raw.time_unix_usec / 1e6, raw.time_boot_ms / 1000),
-    ),
-    plain("RADIO_STATUS", telemetry.RadioStatus),
+    plain("EXTENDED_SYS_STATE", t.ExtendedState),
+    plain("SYSTEM_TIME", t.SystemTime, unix_s=_rounded("time_unix_usec", 1e6), boot_s=_BOOT),
+    plain("RADIO_STATUS", t.RadioStatus),
 )

@@ -21,24 +21,13 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.departure import (
-    LIMITS,
-    Departure,
-    depart,
-    expect_on_ground,
-    prepare,
-    unsubscribe,
-)
+from ipoa_mission.link.departure import LIMITS, Departure, depart, expect_on_ground, prepare, unsubscribe
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.hold import pause, resume, return_to_launch
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
-from ipoa_mission.link.messages import (
-    AUTOPILOT_COMPONENT,
-    Message,
-    MissionType,
-)
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
 from ipoa_mission.link.presence import Found, autopilots_in
 from ipoa_mission.link.state import VehicleState
@@ -172,10 +161,7 @@ class Vehicle:
         expect_on_ground(self.state)
 
     def prepare(
-        self,
-        first: int = 0,
-        progress: Progress = silent,
-        permit: Callable[[Geodetic], object] | None = None,
+        self, first: int = 0, progress: Progress = silent, permit: Callable[[Geodetic], object] | None = None
     ) -> None:
         """Bring a vehicle on the ground to where it can be armed and will begin with item `first` of `Mission.items`.
 

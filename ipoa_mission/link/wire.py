@@ -11,12 +11,11 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry_wire
-from ipoa_mission.link.layout import Fields, Layout, plain
+from ipoa_mission.link.layout import Fields, Layout, Value, plain
 
 INT32_MAX = 2**31 - 1  # "no value" in an integer coordinate
 GLOBAL_FRAMES = frozenset({*SAME_FRAME, *SAME_FRAME.values()})
 LOCAL_SCALE = 10_000  # metres in local frames
-_TYPED: Fields = {"kind": "mission_type"}
 
 
 def write(message: m.Message) -> tuple[str, Fields]:
@@ -94,12 +93,12 @@ def _read_old_item(raw: Any) -> m.ItemAt:
     return m.ItemAt(raw.seq, item, raw.mission_type, raw.current)
 
 
-def _params(raw: Any, count: int) -> tuple[Any, ...]:
-    return tuple(getattr(raw, f"param{i}") for i in range(1, count + 1))
+def _write_request(message: m.Request) -> Fields:
+    return {"seq": message.seq, "mission_type": message.kind}
 
 
-def _numbered(params: tuple[float, ...]) -> dict[str, float]:
-    return {f"param{i}": value for i, value in enumerate(params, start=1)}
+def _numbered(count: int) -> Value:
+    return Value(tuple(f"param{n}" for n in range(1, count + 1)))
 
 
 def _clean(text: str | bytes) -> str:
@@ -107,113 +106,48 @@ def _clean(text: str | bytes) -> str:
     return raw.split(b"\0")[0].decode("utf-8", "replace")
 
 
-def _write_transfer(message: m.FileTransfer) -> Fields:
-    return {"target_network": 0, "payload": message.payload.ljust(251, b"\0")}
-
-
+_ID = Value(("param_id",), lambda name: name.encode(), _clean)
+_TYPED = {"kind": "mission_type"}
 _LAYOUTS: tuple[Layout[Any], ...] = (
-    plain("MISSION_COUNT", m.Count, _TYPED),
-    Layout(
-        "MISSION_REQUEST",
-        m.Request,
-        lambda r: {"seq": r.seq, "mission_type": r.kind},
-        lambda raw: m.Request(raw.seq, raw.mission_type, legacy=True),
-    ),
-    Layout(
-        "MISSION_REQUEST_INT",
-        m.Request,
-        lambda r: {"seq": r.seq, "mission_type": r.kind},
-        lambda raw: m.Request(raw.seq, raw.mission_type),
-    ),
+    plain("MISSION_COUNT", m.Count, **_TYPED),
+    Layout("MISSION_REQUEST", m.Request, _write_request, lambda raw: m.Request(raw.seq, raw.mission_type, legacy=True)),
+    Layout("MISSION_REQUEST_INT", m.Request, _write_request, lambda raw: m.Request(raw.seq, raw.mission_type)),
     Layout("MISSION_ITEM", m.ItemAt, _write_item, _read_old_item),
     Layout("MISSION_ITEM_INT", m.ItemAt, _write_item, _read_item),
-    plain("MISSION_ACK", m.Ack, {"result": "type", "kind": "mission_type"}),
-    plain("MISSION_REQUEST_LIST", m.RequestList, _TYPED),
-    plain("MISSION_CLEAR_ALL", m.ClearAll, _TYPED),
+    plain("MISSION_ACK", m.Ack, result="type", **_TYPED),
+    plain("MISSION_REQUEST_LIST", m.RequestList, **_TYPED),
+    plain("MISSION_CLEAR_ALL", m.ClearAll, **_TYPED),
     plain("MISSION_SET_CURRENT", m.SetCurrent),
     plain("MISSION_CURRENT", m.Current),
     plain("MISSION_ITEM_REACHED", m.Reached),
-    plain("MISSION_WRITE_PARTIAL_LIST", m.WritePartialList, _TYPED),
-    Layout(
-        "HEARTBEAT",
-        m.Heartbeat,
-        lambda h: {
-            "type": h.type,
-            "autopilot": h.autopilot,
-            "base_mode": h.base_mode,
-            "custom_mode": h.custom_mode,
-            "system_status": h.system_status,
-            "mavlink_version": 3,
-        },
-        lambda raw: m.Heartbeat(raw.type, raw.autopilot, raw.base_mode, raw.custom_mode, raw.system_status),
-    ),
-    Layout(
-        "STATUSTEXT",
-        m.Text,
-        lambda t: {"severity": t.severity, "text": t.text.encode()[:50], "id": t.id, "chunk_seq": t.chunk_seq},
-        lambda raw: m.Text(raw.severity, _clean(raw.text), raw.id, raw.chunk_seq),
-    ),
-    Layout(
+    plain("MISSION_WRITE_PARTIAL_LIST", m.WritePartialList, **_TYPED),
+    plain("HEARTBEAT", m.Heartbeat, {"mavlink_version": 3}),
+    plain("STATUSTEXT", m.Text, text=Value(("text",), lambda text: text.encode()[:50], _clean)),
+    plain(
         "EVENT",
         m.Event,
-        lambda e: {"id": e.number, "log_levels": e.log_levels, "arguments": e.arguments.ljust(40, b"\0")[:40]},
-        lambda raw: m.Event(raw.id, raw.log_levels, bytes(raw.arguments).rstrip(b"\0")),
+        number="id",
+        arguments=Value(
+            ("arguments",), lambda given: given.ljust(40, b"\0")[:40], lambda raw: bytes(raw).rstrip(b"\0")
+        ),
     ),
     plain("PING", m.Ping),
     plain("TIMESYNC", m.TimeSync),
-    Layout(
-        "COMMAND_LONG",
-        m.CommandLong,
-        lambda c: {"command": c.command, "confirmation": c.confirmation, **_numbered(c.params)},
-        lambda raw: m.CommandLong(raw.command, _params(raw, 7), raw.confirmation),
-    ),
-    Layout(
-        "COMMAND_INT",
-        m.CommandInt,
-        lambda c: {
-            "command": c.command,
-            "frame": c.frame,
-            "current": 0,
-            "autocontinue": 0,
-            **_numbered(c.params),
-            "x": c.x,
-            "y": c.y,
-            "z": c.z,
-        },
-        lambda raw: m.CommandInt(raw.command, raw.frame, _params(raw, 4), raw.x, raw.y, raw.z),
-    ),
+    plain("COMMAND_LONG", m.CommandLong, params=_numbered(7)),
+    plain("COMMAND_INT", m.CommandInt, {"current": 0, "autocontinue": 0}, params=_numbered(4)),
     plain("COMMAND_ACK", m.CommandAck),
     plain("SET_MODE", m.SetMode),
     plain("PARAM_REQUEST_LIST", m.ParamRequestList),
-    Layout(
-        "PARAM_REQUEST_READ",
-        m.ParamRequestRead,
-        lambda p: {"param_id": p.param_id.encode(), "param_index": p.param_index},
-        lambda raw: m.ParamRequestRead(_clean(raw.param_id), raw.param_index),
-    ),
-    Layout(
-        "PARAM_SET",
-        m.ParamSet,
-        lambda p: {"param_id": p.param_id.encode(), "param_value": p.param_value, "param_type": p.param_type},
-        lambda raw: m.ParamSet(_clean(raw.param_id), raw.param_value, raw.param_type),
-    ),
-    Layout(
-        "PARAM_VALUE",
-        m.ParamValue,
-        lambda p: {
-            "param_id": p.param_id.encode(),
-            "param_value": p.param_value,
-            "param_type": p.param_type,
-            "param_count": p.param_count,
-            "param_index": p.param_index,
-        },
-        lambda raw: m.ParamValue(
-            _clean(raw.param_id), raw.param_value, raw.param_type, raw.param_count, raw.param_index
-        ),
-    ),
-    plain("REQUEST_DATA_STREAM", m.RequestDataStream),
+    plain("PARAM_REQUEST_READ", m.ParamRequestRead, param_id=_ID),
+    plain("PARAM_SET", m.ParamSet, param_id=_ID),
+    plain("PARAM_VALUE", m.ParamValue, param_id=_ID),
     plain("MESSAGE_INTERVAL", m.MessageInterval),
-    Layout("FILE_TRANSFER_PROTOCOL", m.FileTransfer, _write_transfer, lambda raw: m.FileTransfer(bytes(raw.payload))),
+    plain(
+        "FILE_TRANSFER_PROTOCOL",
+        m.FileTransfer,
+        {"target_network": 0},
+        payload=Value(("payload",), lambda payload: payload.ljust(251, b"\0"), bytes),
+    ),
 )
 
 _BY_NAME = {layout.name: layout for layout in (*_LAYOUTS, *telemetry_wire.LAYOUTS)}

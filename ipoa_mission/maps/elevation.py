@@ -150,10 +150,7 @@ def _raise_over_posts(
     surface = map_coordinates(ground, [y, x], order=1, mode="nearest")
     missing = up - surface
     short = missing > 0
-    column, row = (
-        np.minimum(x[short].astype(int), columns - 2),
-        np.minimum(y[short].astype(int), rows - 2),
-    )
+    column, row = (np.minimum(x[short].astype(int), columns - 2), np.minimum(y[short].astype(int), rows - 2))
     raised = np.zeros_like(ground)
     for down, right in ((0, 0), (0, 1), (1, 0), (1, 1)):
         np.maximum.at(raised, (row + down, column + right), missing[short])

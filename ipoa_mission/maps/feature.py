@@ -46,10 +46,22 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
         x, y = corners[outside][0]
-        raise BadInput(
-            f"{place}: expected longitude and latitude in degrees, not {x:g}, {y:g}",
-            hint=hint,
-        )
+        raise BadInput(f"{place}: expected longitude and latitude in degrees, not {x:g}, {y:g}", hint=hint)
+    return corners
+
+
+def positions_of(values: Any, place: str) -> Corners:
+    """The first two numbers of each position in a list of JSON, (n, 2).
+
+    Raises:
+        BadInput: it is no such list.
+    """
+    try:
+        corners = np.array([position[:2] for position in values], float)
+    except (TypeError, ValueError, KeyError, OverflowError):
+        corners = np.zeros((0, 0))
+    if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
+        raise BadInput(f"{place}: expected positions as [longitude, latitude]")
     return corners
 
 

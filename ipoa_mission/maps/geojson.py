@@ -18,7 +18,7 @@ from pyproj.exceptions import CRSError
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
-from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth
+from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth, positions_of
 from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags
 
 MOST_SHOWN = 80  # characters of a place
@@ -135,13 +135,7 @@ def _shape(geometry: Any, place: str, to_degrees: "_Degrees", depth: int = 0) ->
 
 
 def _corners(values: Any, place: str, to_degrees: "_Degrees") -> Corners:
-    try:
-        corners = np.array([position[:2] for position in values], float)
-    except (TypeError, ValueError, KeyError, OverflowError):
-        corners = np.zeros((0, 0))
-    if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
-        raise BadInput(f"{place}: expected positions as [longitude, latitude]")
-    return on_earth(to_degrees(corners), place)
+    return on_earth(to_degrees(positions_of(values, place)), place)
 
 
 def _point(values: Any, place: str, to_degrees: "_Degrees") -> Any:

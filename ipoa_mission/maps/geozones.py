@@ -16,7 +16,7 @@ import shapely
 from pyproj import Geod
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth
+from ipoa_mission.maps.feature import Corners, Feature, Mistakes, on_earth, positions_of
 
 UNITS = {"M": 1.0, "FT": 0.3048}
 REFERENCES = ("AGL", "AMSL")
@@ -135,12 +135,7 @@ def _projection(projection: Mapping[str, Any], place: str) -> Any:
 
 
 def _ring(values: Any, place: str) -> Corners:
-    try:
-        corners = np.array([position[:2] for position in values], float)
-    except (TypeError, ValueError, KeyError, OverflowError):
-        corners = np.zeros((0, 0))
-    if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
-        raise BadInput(f"{place}: expected positions as [longitude, latitude]")
+    corners = positions_of(values, place)
     if len(np.unique(corners, axis=0)) < 3:
         raise BadInput(f"{place}: expected a ring of 3 different corners or more")
     return on_earth(corners, place)

@@ -13,10 +13,7 @@ from ipoa_mission.items import FenceCircle, FencePolygon, Item
 from ipoa_mission.world.frame import Geodetic
 
 #: Command -> whether the vehicle must stay inside.
-POLYGON = {
-    Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True,
-    Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False,
-}
+POLYGON = {Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False}
 CIRCLE = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXCLUSION: False}
 
 
@@ -57,17 +54,8 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
 
 def rally_to_wire(rally: Sequence[Geodetic]) -> tuple[Item, ...]:
     """The items of rally points; their altitudes are above home."""
-    return tuple(
-        Item(
-            Command.NAV_RALLY_POINT,
-            Frame.GLOBAL_RELATIVE_ALT,
-            (0.0,) * 4,
-            place.latitude_deg,
-            place.longitude_deg,
-            place.altitude,
-        )
-        for place in rally
-    )
+    kind = Command.NAV_RALLY_POINT, Frame.GLOBAL_RELATIVE_ALT, (0.0,) * 4
+    return tuple(Item(*kind, place.latitude_deg, place.longitude_deg, place.altitude) for place in rally)
 
 
 def rally_from_wire(items: Sequence[Item]) -> tuple[Geodetic, ...]:

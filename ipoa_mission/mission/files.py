@@ -9,9 +9,8 @@ from ipoa_mission.files import read_text
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.document import parse_document
 from ipoa_mission.mission.landing_ground import over_known_ground
-from ipoa_mission.mission.old_mission_file import is_old_mission, parse_old_mission
 from ipoa_mission.mission.parameter_file import beside, read_parameters
-from ipoa_mission.mission.plan_file import parse_plan, plan_text, write_plan
+from ipoa_mission.mission.plan_file import is_old_mission, parse_old_mission, parse_plan, plan_text, write_plan
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, parse_waypoints, waypoints_text, write_waypoints
 
 

@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from ipoa_mission.autopilots.parameters import REAL32, TYPES
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_together
@@ -16,14 +17,6 @@ from ipoa_mission.items import Mission
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
 COLUMNS = "# Vehicle-Id Component-Id Name Value Type"
-#: MAV_PARAM_TYPE: QGroundControl does not load a parameter whose type is not the vehicle's.
-REAL32 = 9
-INTEGERS: Mapping[str, int] = {
-    **dict.fromkeys(("DISARM_DELAY", "WP_YAW_BEHAVIOR"), 2),
-    **dict.fromkeys(("ANGLE_MAX", "LAND_ALT_LOW", "LAND_SPEED", "LAND_SPEED_HIGH"), 4),
-    **dict.fromkeys(("RTL_ALT_FINAL", "RTL_CLIMB_MIN", "RTL_SPEED"), 4),
-    **dict.fromkeys(("MPC_USE_HTE", "MPC_YAW_MODE", "RTL_ALT", "RTL_CONE_ANG", "RTL_LOIT_TIME"), 6),
-}
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id holds sixteen characters
 SEPARATOR = re.compile(r"[,\s]+")
 
@@ -64,8 +57,8 @@ def parameters_beside(mission: Mission, path: Path) -> dict[Path, str]:
             f"{target}: expected no file of somebody else's, where the mission's parameters belong",
             hint="move it, or write the mission under another name",
         )
-    lines = (
-        f"1\t1\t{name}\t{_number(value)}\t{INTEGERS.get(name, REAL32)}" for name, value in mission.parameters.items()
+    lines = (  # with its type: QGroundControl does not load a parameter of another than the vehicle's
+        f"1\t1\t{name}\t{_number(value)}\t{TYPES.get(name, REAL32)}" for name, value in mission.parameters.items()
     )
     return {target: "\n".join([FIRST_LINE.format(path.stem), COLUMNS, *lines]) + "\n"}
 

@@ -8,9 +8,17 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
-LEAST_ROOM = 15.0  # [m]
-ROOM = 0.18  # of the flight's longer side
-FLATTEST = 0.62  # shorter side over longer side
+
+@dataclass(frozen=True)
+class Framing:
+    """How much of the world stands round a flight on the map."""
+
+    least_room: float = 15.0  # [m]
+    room: float = 0.18  # of the flight's longer side
+    slenderest: float = 0.62  # shorter side over longer side
+
+
+FRAMING = Framing()
 
 
 @dataclass(frozen=True)
@@ -37,9 +45,9 @@ def extent_of(*paths: Points) -> Extent:
     """The extent that holds all paths (n, 3), with room round them, and not too slender a rectangle."""
     points = np.vstack(paths)[:, :2]
     low, high = points.min(axis=0), points.max(axis=0)
-    room = max(LEAST_ROOM, ROOM * float((high - low).max()))
+    room = max(FRAMING.least_room, FRAMING.room * float((high - low).max()))
     half = (high - low) / 2 + room
-    half = np.maximum(half, FLATTEST * half.max())
+    half = np.maximum(half, FRAMING.slenderest * half.max())
     middle = (low + high) / 2
     lower, upper = middle - half, middle + half
     return Extent((float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1])))

@@ -8,7 +8,7 @@ from html import escape
 from typing import Any
 
 from ipoa_mission.commands import command_name
-from ipoa_mission.exports.table import mission_table
+from ipoa_mission.exports.table import mission_table, shown
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.planning.plan import Plan
@@ -20,7 +20,7 @@ def mission_html(mission: Mission) -> str:
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     rows = [
-        (row.seq, row.command, _number(row.length), _number(row.heading_deg, "03.0f"), _number(row.height))
+        (row.seq, row.command, shown(row.length), shown(row.heading_deg, "03.0f"), shown(row.height))
         for row in mission_table(mission)
     ]
     caption = f"Mission of {len(mission.items)} items for {mission.autopilot}, {place}"
@@ -76,10 +76,6 @@ def show_in(shell: Any) -> None:
     formatter = shell.display_formatter.formatters["text/html"]
     for kind, show in TABLES.items():
         formatter.for_type(kind, show)
-
-
-def _number(value: float | None, form: str = "z.1f") -> str:
-    return "" if value is None else format(value, form)
 
 
 def _table(caption: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

@@ -32,7 +32,7 @@ from ipoa_mission.report.panels.legs import legs
 from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.scene import page_data
-from ipoa_mission.report.stops import Stop, stops
+from ipoa_mission.report.stops import stops
 from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
@@ -112,7 +112,13 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
         "subtitle": escape(_subtitle(scenario, mission)),
         "verdict": verdict(proof, subject.promise, danger),
         "figures": figures(
-            estimate, proof, float(course.along[-1]), _waypoints(stop_list), comparison, subject.energy, battery
+            estimate,
+            proof,
+            float(course.along[-1]),
+            sum(stop.item.command in WAYPOINTS for stop in stop_list),
+            comparison,
+            subject.energy,
+            battery,
         ),
         "warnings": warnings(danger, [*subject.remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, stop_list, course, flown, tube),
@@ -162,10 +168,6 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
     }
     body = "".join(f"<dt>{name}</dt><dd>{escape(words)}</dd>" for name, words in rows.items())
     return f"<dl>{body}</dl>"
-
-
-def _waypoints(stop_list: Sequence[Stop]) -> int:
-    return sum(stop.item.command in WAYPOINTS for stop in stop_list)
 
 
 def _asset(name: str) -> str:

@@ -46,10 +46,7 @@ STYLE: Mapping[str, Any] = {
 
 
 def draw_views(
-    scenario: Scenario,
-    paths: Mapping[str, Points],
-    views: Sequence[View] = ("space", "top", "front"),
-    title: str = "",
+    scenario: Scenario, paths: Mapping[str, Points], views: Sequence[View] = ("space", "top", "front")
 ) -> Figure:
     """The scenario with its paths, each (n, 3) under its name, in the views asked for, as in the paper's Figures 9-11.
 
@@ -66,8 +63,6 @@ def draw_views(
             draw[view](axes, scenario.airspace, paths)
             if view != "space":
                 _mark_ends(axes, scenario, (0, 1) if view == "top" else (0, 2))
-        if title:
-            figure.suptitle(title, fontsize=10)
         if paths:
             handles, labels = figure.axes[0].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside lower center", ncols=min(len(paths), 6), frameon=False)
@@ -75,12 +70,7 @@ def draw_views(
     return figure
 
 
-def draw_convergence(
-    curves: Mapping[str, tuple[Vector, Vector]],
-    title: str = "",
-    y_label: str = "best cost",
-    logarithmic: bool = False,
-) -> Figure:
+def draw_convergence(curves: Mapping[str, tuple[Vector, Vector]], logarithmic: bool = False) -> Figure:
     """Best cost known over evaluations spent, a curve (evaluations (n,), costs (n,)) for each name."""
     with matplotlib.rc_context(dict(STYLE)):
         figure = Figure(figsize=(4.6, 3.2), dpi=200, layout="constrained")
@@ -88,7 +78,7 @@ def draw_convergence(
         axes = figure.add_subplot()
         for n, (name, (evaluations, costs)) in enumerate(curves.items()):
             axes.step(evaluations, costs, where="post", label=name, linewidth=1.4, **_look(n, len(costs)))
-        axes.set(xlabel="evaluations", ylabel=y_label, title=title)
+        axes.set(xlabel="evaluations", ylabel="best cost")
         axes.grid(color="#E3E3E3", linewidth=0.5)
         if logarithmic:
             axes.set_yscale("log")

@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,10 +19,20 @@ from ipoa_mission.tube.limits import Rim
 from ipoa_mission.world.obstacles.obstacle import Part
 from ipoa_mission.world.terrain import Flat
 
-MOST_HOOPS, CORNERS = 120, 12  # of the tube's, and of each of them
-CELLS = 64  # of the ground along the longer side
-TALLEST = 0.55  # a world higher than this share of its width is drawn flatter
-FLATTEST = 0.10  # and one lower than this is drawn higher
+
+@dataclass(frozen=True)
+class SceneDetail:
+    """How finely the page's 3D view is drawn, and in what proportions."""
+
+    most_hoops: int = 120  # of the tube
+    hoop_corners: int = 12
+    cells: int = 64  # of the ground along the longer side
+    flat_cells: int = 12  # where it is level
+    tallest: float = 0.55  # a world higher than this share of its width is drawn flatter,
+    flattest: float = 0.10  # and one lower than this higher
+
+
+DETAIL = SceneDetail()
 
 
 def page_data(
@@ -50,14 +61,14 @@ def _hoops(points: Points, tube: Rim) -> list[Any]:
     if tube.level <= 0.0:
         return []
     along = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
-    apart = max(4.0 * tube.level, float(along[-1]) / MOST_HOOPS)
+    apart = max(4.0 * tube.level, float(along[-1]) / DETAIL.most_hoops)
     hoops = []
     for at in np.arange(apart, along[-1], apart):
         n = min(int(np.searchsorted(along, at)), len(points) - 1)
         ahead = points[n, :2] - points[n - 1, :2]
         if not (length := float(np.hypot(*ahead))):
             continue
-        turn = np.linspace(0.0, 2 * np.pi, CORNERS + 1)
+        turn = np.linspace(0.0, 2 * np.pi, DETAIL.hoop_corners + 1)
         aside = tube.level * np.cos(turn)[:, None] * np.array([-ahead[1], ahead[0]]) / length
         height = np.where(np.sin(turn) > 0, tube.up, tube.down) * np.sin(turn)
         hoops.append(_rounded(points[n] + np.column_stack([aside, height]), 2))
@@ -74,7 +85,9 @@ def _stop(stop: Stop, course: Course, scenario: Scenario) -> dict[str, Any]:
 
 def _world(scenario: Scenario, extent: Extent, course: Course) -> dict[str, Any]:
     flat = isinstance(scenario.airspace.terrain, Flat)
-    east, north, up = ground_mesh_over(scenario.airspace, extent.lower, extent.upper, 12 if flat else CELLS)
+    east, north, up = ground_mesh_over(
+        scenario.airspace, extent.lower, extent.upper, DETAIL.flat_cells if flat else DETAIL.cells
+    )
     bodies = extent.obstacles(scenario.airspace)
     floor = float(up.min())
     highest = max(
@@ -91,7 +104,7 @@ def _world(scenario: Scenario, extent: Extent, course: Course) -> dict[str, Any]
         "upper": extent.upper,
         "floor": floor,
         "highest": highest,
-        "lift": round(min(max(steepness, FLATTEST), TALLEST) / steepness, 3),
+        "lift": round(min(max(steepness, DETAIL.flattest), DETAIL.tallest) / steepness, 3),
         "ground": {
             "east": float(east[0, 0]),
             "north": float(north[0, 0]),

@@ -6,6 +6,7 @@ dotted where something stands before it.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -21,12 +22,23 @@ from ipoa_mission.report import palette
 from ipoa_mission.report.ground_mesh import ground_mesh
 from ipoa_mission.world.airspace import Airspace
 
-ELEVATION_DEG, AZIMUTH_DEG = 34.0, -62.0
-LOWEST, HIGHEST = 0.28, 0.85  # the box's height as a share of its longer side
-CELLS = 70  # ground cells along the longer side
 LIGHT = np.array([-0.45, -0.35, 0.82]) / np.linalg.norm([-0.45, -0.35, 0.82])
-LOOKS = 160  # points at which a line of sight is tried
-SAMPLES = 300  # a path is cut into this many pieces
+
+
+@dataclass(frozen=True)
+class Look:
+    """From where the box is seen, and how finely what is in it is drawn."""
+
+    elevation_deg: float = 34.0
+    azimuth_deg: float = -62.0
+    lowest: float = 0.28  # the box's height as a share of its longer side,
+    highest: float = 0.85  # at most
+    cells: int = 70  # of the ground along the longer side
+    sight_points: int = 160  # at which a line of sight is tried
+    pieces: int = 300  # of a path
+
+
+LOOK = Look()
 
 
 class _FlatPolygons(PolyCollection):
@@ -45,10 +57,10 @@ class _FlatLines(LineCollection):
 
 def draw_space(axes: Axes3D, airspace: Airspace, paths: Mapping[str, Points]) -> None:
     """Draw ground, obstacles and paths (n, 3) into 3D axes, seen from the south-east above."""
-    east, north, up = ground_mesh(airspace, CELLS)
+    east, north, up = ground_mesh(airspace, LOOK.cells)
     lower, upper = _frame(airspace, paths, up)
     shape = (upper - lower) / (upper - lower)[:2].max()
-    shape[2] = np.clip(shape[2], LOWEST, HIGHEST)
+    shape[2] = np.clip(shape[2], LOOK.lowest, LOOK.highest)
     _set_stage(axes, lower, upper, shape)
     sight = _sight() / shape * (upper - lower)  # towards the viewer, in metres
     cell = float(np.hypot(east[0, 1] - east[0, 0], north[1, 0] - north[0, 0]))
@@ -92,7 +104,7 @@ def _draw_path(axes: Axes3D, airspace: Airspace, path: Points, sight: Vector, na
     for lines in (hidden, plain):
         lines.set_clip_on(False)
         axes.add_collection(lines, autolim=False)
-    marks = np.arange(len(flat))[SAMPLES // 16 :: SAMPLES // 8]
+    marks = np.arange(len(flat))[LOOK.pieces // 16 :: LOOK.pieces // 8]
     marks = marks[np.append(seen, True)[marks]]
     Axes.plot(
         axes,
@@ -113,14 +125,14 @@ def visible(points: Points, airspace: Airspace, sight: Vector) -> NDArray[np.boo
     """Whether a viewer in the direction `sight` (3,) sees each point (n, 3), (n,): nothing stands on the line to it."""
     lower, upper = np.asarray(airspace.bounds.lower), np.asarray(airspace.bounds.upper)
     reach = np.linalg.norm((upper - lower)[:2]) / np.linalg.norm(sight[:2])
-    along = np.linspace(0.0, 1.0, LOOKS + 1)[1:] ** 1.5 * reach
+    along = np.linspace(0.0, 1.0, LOOK.sight_points + 1)[1:] ** 1.5 * reach
     looks = points[:, None, :] + along[:, None] * sight
     clear = airspace.clearance(looks.reshape(-1, 3)).reshape(looks.shape[:2])
     return np.asarray((clear > 0).all(axis=1))
 
 
 def _sight() -> Vector:
-    elevation, azimuth = np.radians([ELEVATION_DEG, AZIMUTH_DEG])
+    elevation, azimuth = np.radians([LOOK.elevation_deg, LOOK.azimuth_deg])
     return np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
 
 
@@ -135,7 +147,7 @@ def _frame(airspace: Airspace, paths: Mapping[str, Points], up: NDArray[np.float
 
 def _set_stage(axes: Axes3D, lower: Vector, upper: Vector, shape: Vector) -> None:
     axes.set_proj_type("ortho")
-    axes.view_init(elev=ELEVATION_DEG, azim=AZIMUTH_DEG)
+    axes.view_init(elev=LOOK.elevation_deg, azim=LOOK.azimuth_deg)
     axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
     axes.set_box_aspect(tuple(shape), zoom=1.3)
     axes.set_xlabel("east [m]", labelpad=-2, fontsize=7)
@@ -166,7 +178,7 @@ def _ground_tiles(
 
 def _resampled(path: Points) -> Points:
     along = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
-    wanted = np.linspace(0.0, along[-1], SAMPLES + 1)
+    wanted = np.linspace(0.0, along[-1], LOOK.pieces + 1)
     return np.column_stack([np.interp(wanted, along, axis) for axis in path.T])
 
 

@@ -59,12 +59,19 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Route:
 
 
 def weigh_routes(plan: Plan, scenario: Scenario) -> tuple[Option, ...]:
-    """What every mode that this autopilot can fly would come to, quickest first."""
-    flights = []
-    for mode in MODES:
+    """What every mode that this autopilot can fly would come to, quickest first.
+
+    Raises:
+        BadInput: as `assemble`.
+        NoRoute: no choice of waypoints of the mode that the scenario asks for keeps the required clearance.
+    """
+    flights, asked = [], scenario.route.mode
+    for mode in (asked, *(mode for mode in MODES if mode != asked)):
         try:
             route = choose_route(plan, scenario, mode)
         except (BadInput, NoRoute):
+            if mode == asked:
+                raise
             continue
         flights.append((mode, route, fly(route, plan.curve, scenario)))
     least = min([_least_time(plan, scenario), *(round(flown.seconds, 3) for _, _, flown in flights)])

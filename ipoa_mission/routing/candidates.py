@@ -13,7 +13,7 @@ from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.relax import relaxed, stations
 from ipoa_mission.routing.resample import ON_THE_CURVE, corridor
-from ipoa_mission.routing.route import Route, push_clear
+from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.route import kinematics
 
@@ -40,20 +40,19 @@ GRID = RouteGrid()
 
 
 def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
-    """Routes whose straight legs, or the chords of their curves, have been moved clear where that was possible."""
+    """Routes beside the curve; their legs, and the chords of their curves, may still cut in on what it bends round."""
     is_ardupilot = scenario.vehicle.autopilot is Autopilot.ARDUPILOT
-    routes = _splines(curve, scenario) if is_ardupilot else iter(())
-    for route in routes:
-        yield Route(push_clear(route.points, scenario), route.spline, route.brakes_on_curve)
-    seen = set[bytes]()
+    if is_ardupilot:
+        yield from _splines(curve, scenario)
+    drawn = set[bytes]()
     for share in GRID.straight_shares:
         width = share * scenario.route.tolerance
         beside = (-GRID.aside_share * width, 0.0, GRID.aside_share * width)
         for asides in (beside, ON_THE_CURVE) if share == 1.0 else (beside,):
-            points = push_clear(corridor(curve, width, asides, scenario.via_points), scenario)
-            if points.tobytes() in seen or leg_lengths(points).min() < NEAREST:
+            points = corridor(curve, width, asides, scenario.via_points)
+            if points.tobytes() in drawn:
                 continue
-            seen.add(points.tobytes())
+            drawn.add(points.tobytes())
             for radius in GRID.turn_radii[:1] if is_ardupilot or len(points) < 3 else GRID.turn_radii:
                 yield Route(points, radius=radius)
 

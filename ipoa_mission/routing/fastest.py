@@ -7,6 +7,7 @@ is out. The best are then improved waypoint by waypoint.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from heapq import heapify, heappop, heappush
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.build import VISITED
 from ipoa_mission.routing.candidates import NEAREST, candidates
 from ipoa_mission.routing.prove_route import prove_route
-from ipoa_mission.routing.route import Route
+from ipoa_mission.routing.route import Route, push_clear
 from ipoa_mission.routing.trial import Flown, fly, sketch
 from ipoa_mission.scenario import Scenario
 
@@ -42,13 +43,9 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
     equally quick it is the one that misses the fewest waypoints, and of those the one that keeps away farthest.
     `fallback` is asked where none is both.
     """
-    drawn = [(route, sketch(route, curve, scenario)) for route in candidates(curve, scenario)]
-    begun: dict[tuple[int, bool], Route] = {}
-    for route, flown in sorted(drawn, key=lambda pair: pair[1].seconds):
-        kind = (len(route.points), route.spline)
-        if len(begun) < SEARCH.starts and kind not in begun and _is_fit(route, flown, scenario):
-            begun[kind] = route
-    improved = [ready for route in begun.values() for ready in (route, _improve(route, curve, scenario))]
+    improved = [
+        ready for route, flown in _quickest(curve, scenario) for ready in (route, _improve(route, flown, scenario))
+    ]
     if not improved:
         return fallback()
     ends = [fly(route, curve, scenario) for route in improved]
@@ -57,6 +54,33 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
         (end.seconds + end.late > equal, round(end.missed, 2), -end.slack(scenario), n) for n, end in enumerate(ends)
     ]
     return improved[min(ranks)[-1]]
+
+
+def _quickest(curve: Spline, scenario: Scenario) -> list[tuple[Route, Flown]]:
+    """The quickest fit routes, of different numbers of waypoints.
+
+    To move a route clear takes longer than to fly it, so that is put off until no other is quicker as it is drawn.
+    """
+    drawn = [(route, sketch(route, curve, scenario)) for route in candidates(curve, scenario)]
+    waiting = [(flown.seconds, n, False, route, flown) for n, (route, flown) in enumerate(drawn)]
+    heapify(waiting)
+    cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], tuple[Route, Flown]]()
+    while waiting and len(fit) < SEARCH.starts:
+        _, n, is_clear, route, flown = heappop(waiting)
+        kind, place = (len(route.points), route.spline), route.points.tobytes()
+        if kind in fit:
+            continue
+        if is_clear:
+            if _is_fit(route, flown, scenario):
+                fit[kind] = route, flown
+            continue
+        if place not in cleared:
+            cleared[place] = push_clear(route.points, scenario)
+        clear = replace(route, points=cleared[place])
+        if leg_lengths(clear.points).min() >= NEAREST:
+            again = flown if (clear.points == route.points).all() else sketch(clear, curve, scenario)
+            heappush(waiting, (again.seconds, n, True, clear, again))
+    return list(fit.values())
 
 
 def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
@@ -69,9 +93,9 @@ def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
     )
 
 
-def _improve(route: Route, curve: Spline, scenario: Scenario) -> Route:
+def _improve(route: Route, flown: Flown, scenario: Scenario) -> Route:
     """Leave waypoints out and move them, as long as that saves time."""
-    seconds, trials = sketch(route, curve, scenario).seconds, SEARCH.trials
+    curve, seconds, trials = flown.curve, flown.seconds, SEARCH.trials
     for step in SEARCH.step_shares:
         gained = True
         while gained and trials > 0:

@@ -45,12 +45,22 @@ def push_clear(waypoints: Points, scenario: Scenario) -> Points:
     and the proof that follows says so.
     """
     moved = waypoints.copy()
+    if not _broken(moved, scenario):
+        return moved
+    moved_legs = set(range(len(moved) - 1))  # since they were last proved
     for _ in range(PUSHES):
-        if not _broken(moved, scenario):
-            break
         for leg in range(len(moved) - 1):
-            for check in _broken(moved[leg : leg + 2], scenario):
+            if leg not in moved_legs:
+                continue
+            moved_legs.remove(leg)
+            ends = moved[leg : leg + 2].copy()
+            for check in _broken(ends, scenario):
                 _push(moved, leg, check, scenario.airspace)
+            first, last = (moved[leg : leg + 2] != ends).any(axis=1)
+            moved_legs |= {leg - 1, leg} if first else set()
+            moved_legs |= {leg, leg + 1} if last else set()
+        if not moved_legs:
+            break
     return moved
 
 

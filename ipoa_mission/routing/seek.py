@@ -9,11 +9,13 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.progress import Progress
-from ipoa_mission.routing.assemble import Option, expect_mode, weigh_routes
+from ipoa_mission.routing.assemble import Option, choose_route, expect_mode, weigh_routes
 from ipoa_mission.routing.build import draft_mission
+from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.promise import Kept, Promise, promise_of
 from ipoa_mission.tube.room import with_room
+from ipoa_mission.world.obstacles import Obstacle
 
 #: At how many tight places the tube is given room, and whether gaps stay open; tried in this order until a route is
 #: safe. Less room than is needed for sure is quicker, and mostly enough.
@@ -34,15 +36,22 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> tuple[P
     if scenario.safety.chance is None:
         plan = plan_path(scenario, seed, progress)
         return plan, weigh_routes(plan, scenario)
+    sought, closed = list[tuple[Obstacle, ...]](), False
     for tight, keep_gaps in ROOMS:
+        roomy = with_room(scenario, tight, keep_gaps)
+        if (closed and not keep_gaps) or roomy.airspace.obstacles in sought:
+            continue  # where there is no path, there is none with more room
+        sought.append(roomy.airspace.obstacles)
         try:
-            plan = plan_path(with_room(scenario, tight, keep_gaps), seed, progress)
+            plan = plan_path(roomy, seed, progress)
         except NoPath:
+            closed = True
             continue
         plan = replace(plan, cost=curve_cost(plan.curve, scenario), proof=prove_curve(plan.curve, scenario))
-        options = weigh_routes(plan, scenario)
-        if any(option.mode == scenario.route.mode for option in options):
-            return plan, options
+        try:
+            return plan, weigh_routes(plan, scenario)
+        except NoRoute:
+            continue
     raise _too_narrow(plan_path(scenario, seed, progress), scenario)
 
 
@@ -96,6 +105,9 @@ def _speed_that_fits(plan: Plan, scenario: Scenario) -> float | None:
         slower = scenario.model_copy(
             update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": max(speed, 0.5)})}
         )
-        if any(option.mode == scenario.route.mode for option in weigh_routes(plan, slower)):
-            return speed
+        try:
+            choose_route(plan, slower, scenario.route.mode)
+        except NoRoute:
+            continue
+        return speed
     return None

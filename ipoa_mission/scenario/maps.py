@@ -1,5 +1,6 @@
 """Files of others that a scenario names: buildings, zones and the flight area, the elevation model of its terrain."""
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
@@ -48,14 +49,7 @@ class BuildingsMap(MapFile):
 
     def read(self, frame: LocalFrame) -> Buildings:
         """What stands in the way, what is passed over, and remarks on what was assumed."""
-        rules = BuildingRules(
-            default_height=self.default_height,
-            storey_height=self.storey_height,
-            point_height=self.point_height,
-            point_radius=self.point_radius,
-            height_key=self.height_key,
-            take=self.take,
-        )
+        rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
         features = read_features(self.file)
         buildings = find_buildings(features, rules, frame, self.file)
         if not buildings.standing:
@@ -144,14 +138,7 @@ class ElevationTerrain(Section):
         """The ground between two corners (east, north) [m] above home, and remarks on how it was read."""
         from ipoa_mission.maps.elevation import ElevationRules, local_grid  # SciPy's splines are slow to import
 
-        rules = ElevationRules(
-            heights=self.heights,
-            geoid=self.geoid,
-            spacing=self.spacing,
-            voids=self.voids,
-            nodata=self.nodata,
-            level_at_home=self.level_at_home,
-        )
+        rules = ElevationRules(**self.model_dump(include={field.name for field in fields(ElevationRules)}))
         return local_grid(self.file, rules, frame, lower, upper)
 
 

@@ -16,14 +16,7 @@ from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
 from ipoa_mission.scenario.maps import MapSection
 from ipoa_mission.scenario.obstacles import ObstacleSection
-from ipoa_mission.scenario.places import (
-    BoundsSection,
-    FenceSection,
-    FlatTerrain,
-    HomeSection,
-    Place,
-    TerrainSection,
-)
+from ipoa_mission.scenario.places import BoundsSection, FenceSection, FlatTerrain, HomeSection, Place, TerrainSection
 from ipoa_mission.scenario.profiles import with_profile
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.surroundings import Surroundings, survey
@@ -214,9 +207,7 @@ class Scenario(Section):
         """A copy with some values replaced, unchecked; its world is the same one unless they describe it."""
         copied = super().model_copy(update=update, deep=deep)
         if not WORLD & (update or {}).keys():
-            copied.__dict__ |= {
-                name: self.__dict__[name] for name in ("frame", "_surroundings") if name in self.__dict__
-            }
+            copied.__dict__ |= {key: self.__dict__[key] for key in ("frame", "_surroundings") if key in self.__dict__}
         return copied
 
     def in_airspace(self, airspace: Airspace) -> "Scenario":

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -116,18 +117,32 @@ def new_scenario(
         )
     if elevation is not None and "altitude" not in answers:
         texts["altitude"] = _altitude(elevation, home)
-    text = _TEMPLATE.format(
-        title=f"Flight from {home[0]:g}, {home[1]:g} to {goal[0]:g}, {goal[1]:g}.",
-        profile=f'profile = "{texts["profile"]}"' if texts["profile"] != "none" else '# profile = "rescue"',
-        home=home,
-        goal=goal,
-        terrain=_ELEVATION.format(_quoted(elevation, target)) if elevation is not None else _FLAT,
-        maps=_BUILDINGS.format(_quoted(buildings, target)) if buildings is not None else _NO_MAPS,
-        **{key: texts[key] for key in ("altitude", "height", "autopilot", "cruise_speed", "safety_distance", "ending")},
+    parts = _parts()
+    text = (
+        parts["template"]
+        .rstrip()
+        .format(
+            title=f"Flight from {home[0]:g}, {home[1]:g} to {goal[0]:g}, {goal[1]:g}.",
+            profile=f'profile = "{texts["profile"]}"' if texts["profile"] != "none" else '# profile = "rescue"',
+            home=home,
+            goal=goal,
+            terrain=parts["flat"] if elevation is None else parts["elevation"].format(_quoted(elevation, target)),
+            maps=parts["no_maps"] if buildings is None else parts["buildings"].format(_quoted(buildings, target)),
+            **{
+                key: texts[key]
+                for key in ("altitude", "height", "autopilot", "cruise_speed", "safety_distance", "ending")
+            },
+        )
     )
     text = _aligned(text)
     parse_scenario(text, target)
     return text
+
+
+def _parts() -> dict[str, str]:
+    """The parts of the template by name: the whole without its terrain and maps, and what may stand for these."""
+    template = files("ipoa_mission.scenario").joinpath("new.toml.template").read_text(encoding="utf-8")
+    return dict(re.findall(r"^%% (\w+)\n(.*?)(?=^%%|\Z)", template, re.MULTILINE | re.DOTALL))
 
 
 def check_goal(answers: Mapping[str, str]) -> None:
@@ -198,81 +213,3 @@ def _quoted(path: Path, target: Path) -> str:
 def _aligned(text: str) -> str:
     """The same text with the comments behind its lines in one column."""
     return re.sub(r"^(\S.*?) {2,}(# .*)$", lambda match: f"{match[1]:<32} {match[2]}", text, flags=re.MULTILINE)
-
-
-_TEMPLATE = """\
-# {title}
-# Plan it by `ipoa-mission plan THIS_FILE`; what is commented out shows what else there is.
-{profile}  # weights for a task: delivery, rescue or endurance
-safety_distance = {safety_distance}  # between the vehicle's hull and anything else [m]
-
-[home]
-latitude_deg = {home[0]}
-longitude_deg = {home[1]}
-altitude_amsl = {altitude}  # of the ground, above mean sea level [m]
-
-[start]                          # where the planned path begins: above home
-east = 0.0
-north = 0.0
-height_above_ground = {height}
-
-[goal]
-latitude_deg = {goal[0]}
-longitude_deg = {goal[1]}
-height_above_ground = {height}
-
-# [bounds]                       # the box in which to stay [m from home]; left out, it is drawn wide enough
-# east = [-100.0, 500.0]
-# north = [-100.0, 500.0]
-# up = [0.0, 120.0]
-
-[vehicle]
-autopilot = "{autopilot}"
-radius = 0.5                     # of a ball that holds the whole vehicle [m]
-cruise_speed = {cruise_speed}
-
-# [vehicle.airframe]             # with these, the energy of the flight is estimated ...
-# mass_kg = 2.0
-# rotors = 4
-# rotor_diameter = 0.33
-# [vehicle.battery]              # ... and a flight that eats the reserve is refused
-# capacity_wh = 90.0
-# reserve = 0.2
-
-[route]
-ending = "{ending}"  # rtl: fly home and land there; land: land at the goal
-
-{terrain}
-{maps}"""
-_FLAT = """\
-[terrain]                        # an elevation model: kind = "elevation", file = "dem.tif"
-kind = "flat"
-"""
-_ELEVATION = """\
-[terrain]
-kind = "elevation"
-file = {}
-"""
-_BUILDINGS = """\
-[[maps]]
-kind = "buildings"
-file = {}
-default_height = 8.0             # of buildings that have neither a height nor storeys [m]
-
-# [[maps]]                       # also: zones to keep out of, and the area to stay in (GeoJSON or KML)
-# kind = "no_fly"
-# file = "zones.kml"
-"""
-_NO_MAPS = """\
-# [[maps]]                       # buildings as OpenStreetMap exports them (GeoJSON)
-# kind = "buildings"
-# file = "buildings.geojson"
-
-# [[obstacles]]                  # or drawn by hand: sphere, cylinder, box, prism
-# kind = "box"
-# east = 50.0
-# north = 20.0
-# width = 20.0
-# depth = 30.0
-# height = 25.0
-"""

@@ -1,18 +1,15 @@
 """Named settings for a task: `profile = "rescue"` sets weights and distances; what the file says itself wins."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
 #: Profile -> the tables and keys of a scenario that it sets. The paper's own weights are those without a profile.
 #: Measured in docs/profiles.md: what saves time and energy most is not to stop, so that waypoints are few.
-PROFILES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-    {
-        "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}},
-        "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},
-        "endurance": {"cost": {"omega": (0.5, 0.45, 0.05)}, "route": {"tolerance": 8.0}},
-    }
-)
+PROFILES: Mapping[str, Mapping[str, Any]] = {
+    "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}},
+    "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},
+    "endurance": {"cost": {"omega": (0.5, 0.45, 0.05)}, "route": {"tolerance": 8.0}},
+}
 
 
 def with_profile(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -93,6 +93,17 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
         raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
 
 
+#: What is expected, by pydantic's kind of mistake.
+_WANTED = {
+    "greater_than": "a number greater than {gt:g}",
+    "greater_than_equal": "a number of at least {ge:g}",
+    "less_than_equal": "a number of at most {le:g}",
+    "finite_number": "a finite number",
+    **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"), "a table"),
+    **dict.fromkeys(("list_type", "tuple_type"), "a list"),
+}
+
+
 def _explain(problem: Any, table: dict[str, Any]) -> str:
     """One of pydantic's findings in our words: `obstacles[0].radius: expected a number greater than 0, not -3`."""
     place, kind, given = _place(problem["loc"], table), problem["type"], problem["input"]
@@ -105,27 +116,17 @@ def _explain(problem: Any, table: dict[str, Any]) -> str:
             keys = _known_keys(problem["loc"])
             near = [one for one in keys if key in one.split("_")] or difflib.get_close_matches(key, keys, n=1)
             return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
-        case "greater_than":
-            wanted = f"a number greater than {limits['gt']:g}"
-        case "greater_than_equal":
-            wanted = f"a number of at least {limits['ge']:g}"
-        case "less_than_equal":
-            wanted = f"a number of at most {limits['le']:g}"
+        case _ if kind in _WANTED:
+            wanted = _WANTED[kind].format(**limits)
         case "enum" | "literal_error" | "union_tag_invalid":
             if kind == "union_tag_invalid":
                 place, given = f"{place}.kind", limits["tag"]
             wanted = limits.get("expected") or limits["expected_tags"]
         case "union_tag_not_found":
             return f"{place}.kind: expected, but not there"
-        case "model_type" | "model_attributes_type" | "dict_type":
-            wanted = "a table"
-        case "list_type" | "tuple_type":
-            wanted = "a list"
         case "timezone_aware" | "datetime_type" | "datetime_parsing" | "datetime_from_date_parsing":
             wanted = "a time with its offset, such as 2026-11-22T10:00:00Z"
             given = str(given)
-        case "finite_number":
-            wanted = "a finite number"
         case "value_error":
             return f"{place}: {limits['error']}" if place else str(limits["error"])
         case "string_pattern_mismatch":

@@ -18,13 +18,7 @@ from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import ObstacleSection
-from ipoa_mission.scenario.places import (
-    BoundsSection,
-    FenceSection,
-    FlatTerrain,
-    Place,
-    TerrainSection,
-)
+from ipoa_mission.scenario.places import BoundsSection, FenceSection, FlatTerrain, Place, TerrainSection
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle
@@ -42,54 +36,23 @@ Box = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner
 class Layout(Protocol):
     """What of a scenario its world is made from."""
 
+    start: Place
+    goal: Place
+    via: tuple[Place, ...]
+    bounds: BoundsSection
+    terrain: TerrainSection
+    obstacles: tuple[ObstacleSection, ...]
+    maps: tuple[MapSection, ...]
+    fence: tuple[FenceSection, ...]
+
     @property
     def frame(self) -> LocalFrame:
         """The local frame at home."""
         ...
 
     @property
-    def start(self) -> Place:
-        """Where the planned path begins."""
-        ...
-
-    @property
-    def goal(self) -> Place:
-        """Where it ends."""
-        ...
-
-    @property
-    def via(self) -> tuple[Place, ...]:
-        """Places to pass on the way."""
-        ...
-
-    @property
-    def bounds(self) -> BoundsSection:
-        """The box in which the flight must stay."""
-        ...
-
-    @property
-    def terrain(self) -> TerrainSection:
-        """The ground."""
-        ...
-
-    @property
-    def obstacles(self) -> tuple[ObstacleSection, ...]:
-        """What was drawn by hand."""
-        ...
-
-    @property
-    def maps(self) -> tuple[MapSection, ...]:
-        """Files of others."""
-        ...
-
-    @property
     def unix_s(self) -> float | None:
         """When it takes off [s since 1970]."""
-        ...
-
-    @property
-    def fence(self) -> tuple[FenceSection, ...]:
-        """The geofence drawn by hand."""
         ...
 
 

@@ -20,8 +20,8 @@ from ipoa_mission.dynamics.copter.leash import LeashedCopter
 from ipoa_mission.dynamics.copter.motion import DESCENT
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import Place
+from ipoa_mission.simulator.conditions import Vehicle
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
-from ipoa_mission.simulator.vehicle import Vehicle
 
 
 class ArduPilotPilot:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.autopilots.modes import knows_mode, mode_name
+from ipoa_mission.autopilots.modes import knows_mode, mode_name, px4_mode
 from ipoa_mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, Command, Frame
 from ipoa_mission.link.codec import EVERYONE
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
@@ -12,7 +12,6 @@ from ipoa_mission.simulator.reporting import Reporting
 
 GUIDED = 4  # ArduCopter's mode in which it climbs by command
 ARMED_IN_AUTO = 1  # a bit of AUTO_OPTIONS: arming in AUTO is allowed
-MAIN_MODE_BIT, SUB_MODE_BIT = 16, 24  # where PX4's custom mode has its two bytes
 ACCEPTED, DENIED, UNSUPPORTED = CommandResult.ACCEPTED, CommandResult.DENIED, CommandResult.UNSUPPORTED
 FAILED = CommandResult.FAILED
 
@@ -140,7 +139,7 @@ class Commander(Reporting):
     def set_mode(self, params: Sequence[float]) -> CommandResult:
         """Command 176: main and sub mode for PX4, ArduPilot's one number."""
         main, sub = whole(params[1]), whole(params[2])
-        return self._set_mode(main if self.habits.home_is_item_0 else _px4_mode(main, sub))
+        return self._set_mode(main if self.habits.home_is_item_0 else px4_mode(main & 0xFF, sub & 0xFF))
 
     def _set_mode(self, custom_mode: int) -> CommandResult:
         if not knows_mode(self.habits.autopilot, custom_mode):
@@ -268,7 +267,3 @@ class Commander(Reporting):
 def whole(value: float) -> int:
     """A parameter of a command as the integer that it means; -1 for what is none."""
     return int(value) if math.isfinite(value) and abs(value) < 2**31 else -1
-
-
-def _px4_mode(main: int, sub: int) -> int:
-    return (main & 0xFF) << MAIN_MODE_BIT | (sub & 0xFF) << SUB_MODE_BIT

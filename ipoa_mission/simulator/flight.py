@@ -18,10 +18,9 @@ from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import Program
 from ipoa_mission.simulator.ardupilot_pilot import ArduPilotPilot
-from ipoa_mission.simulator.conditions import USUAL, Conditions
+from ipoa_mission.simulator.conditions import USUAL, Conditions, Vehicle
 from ipoa_mission.simulator.px4_pilot import PX4Pilot
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Reached, Situation
-from ipoa_mission.simulator.vehicle import Vehicle
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["Flight", "FlightMode", "MissionState", "Reached"]

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
@@ -63,7 +62,7 @@ def judge_px4(item: Item, kind: int, count: int) -> Result:
     return Result.ACCEPTED if item.command in table else Result.UNSUPPORTED
 
 
-JUDGES: Mapping[Autopilot, Judge] = MappingProxyType({Autopilot.ARDUPILOT: judge_ardupilot, Autopilot.PX4: judge_px4})
+JUDGES: Mapping[Autopilot, Judge] = {Autopilot.ARDUPILOT: judge_ardupilot, Autopilot.PX4: judge_px4}
 
 #: Commands that PX4 stores but that its mission check then finds no vehicle able to fly.
 _STORED_BUT_NOT_FLOWN = frozenset({400, 187, 112, 114, 241, 534, 2510})

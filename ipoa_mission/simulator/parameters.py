@@ -2,62 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from types import MappingProxyType
 
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS, OTHER_PARAMETERS
+from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS, OTHER_PARAMETERS, REAL32, TYPES
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRead, ParamSet, ParamValue
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
 
-INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
-_AS_DECLARED: Mapping[Autopilot, Mapping[int, tuple[str, ...]]] = {
-    Autopilot.ARDUPILOT: {
-        INT8: (
-            "WP_YAW_BEHAVIOR",
-            "DISARM_DELAY",
-            "FRAME_CLASS",
-            "FENCE_ENABLE",
-            "FENCE_ACTION",
-            "FENCE_TYPE",
-            "RTL_ALT_TYPE",
-            "MIS_RESTART",
-            "LOG_DISARMED",
-            "TERRAIN_ENABLE",
-        ),
-        INT16: (
-            "ANGLE_MAX",
-            "LAND_SPEED",
-            "LAND_SPEED_HIGH",
-            "LAND_ALT_LOW",
-            "RTL_SPEED",
-            "RTL_ALT_FINAL",
-            "RTL_CLIMB_MIN",
-            "MAV_SYSID",
-            "FENCE_OPTIONS",
-            "MIS_OPTIONS",
-        ),
-        INT32: ("RTL_ALT", "RTL_LOIT_TIME", "AUTO_OPTIONS", "GUID_OPTIONS", "ARMING_CHECK"),
-    },
-    Autopilot.PX4: {
-        INT32: (
-            "MPC_YAW_MODE",
-            "RTL_CONE_ANG",
-            "MAV_SYS_ID",
-            "SYS_AUTOSTART",
-            "GF_ACTION",
-            "MIS_TKO_LAND_REQ",
-            "COM_RC_IN_MODE",
-            "NAV_DLL_ACT",
-        ),
-    },
-}
-#: What the real ones declare, by name; a name that is not here holds a float.
-TYPES: Mapping[Autopilot, Mapping[str, int]] = MappingProxyType(
-    {
-        autopilot: MappingProxyType({name: kind for kind, names in kinds.items() for name in names})
-        for autopilot, kinds in _AS_DECLARED.items()
-    }
-)
 #: PARAM_VALUE.param_index of ArduPilot where a parameter was asked for by its name.
 BY_NAME = 65535
 
@@ -88,7 +38,7 @@ class ParameterTable:
 
     def _set(self, name: str, value: float, kind: int) -> None:
         """PX4 takes no value of another type; ArduPilot looks at the number alone."""
-        own = TYPES[self._autopilot].get(name, REAL32)
+        own = TYPES.get(name, REAL32)
         if name not in self.values or (self._autopilot is Autopilot.PX4 and kind != own):
             return
         number = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
@@ -102,5 +52,5 @@ class ParameterTable:
         return [self._value(name, index, len(names))]
 
     def _value(self, name: str, index: int, count: int) -> ParamValue:
-        kind = TYPES[self._autopilot].get(name, REAL32)
+        kind = TYPES.get(name, REAL32)
         return ParamValue(name, spelled_parameter(self.values[name], kind, self._autopilot), kind, count, index)

@@ -6,7 +6,6 @@ What each firmware stores and drops is in `autopilots.firmware`; how it judges a
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from types import MappingProxyType
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.modes import px4_mode
@@ -148,7 +147,7 @@ ARDUCOPTER = Personality(
     reached_slot_s=0.02,
     takes_orders_as_items=True,
     clears_all=False,
-    stored_text=MappingProxyType({MissionType.MISSION: "Flight plan received"}),
+    stored_text={MissionType.MISSION: "Flight plan received"},
     flags_kept=frozenset({MissionType.MISSION}),
     int_frames=False,
     tells_list_id=False,
@@ -157,7 +156,7 @@ ARDUCOPTER = Personality(
     start_up=StartUp(
         3.0, 20.0, 23.5, 41.4, "Gyros inconsistent", "Need Position Estimate", no_mission="Mode requires mission"
     ),
-    modes=MappingProxyType({FlightMode.HOLD: 5, FlightMode.MISSION: 3, FlightMode.RETURN: 6, FlightMode.LAND: 9}),
+    modes={FlightMode.HOLD: 5, FlightMode.MISSION: 3, FlightMode.RETURN: 6, FlightMode.LAND: 9},
     first_mode=0,
     placed_modes=frozenset({3, 4, 5, 6, 7, 16, 17, 21, 27}),
     armable_modes=frozenset({0, 1, 2, 4, 5, 16}),
@@ -169,7 +168,7 @@ ARDUCOPTER = Personality(
     mode_acks=1,
     acks_first=True,
     heartbeat_on_change=True,
-    streams=MappingProxyType({"HEARTBEAT": 1.0, "TIMESYNC": 10.0}),
+    streams={"HEARTBEAT": 1.0, "TIMESYNC": 10.0},
     fixed_streams=frozenset(),
     no_such_stream=CommandResult.DENIED,
     no_such_message=CommandResult.FAILED,
@@ -205,21 +204,19 @@ PX4 = Personality(
     reached_slot_s=0.1,
     takes_orders_as_items=False,
     clears_all=True,
-    stored_text=MappingProxyType({}),
+    stored_text={},
     flags_kept=frozenset({MissionType.MISSION, MissionType.RALLY}),
     int_frames=True,
     tells_list_id=True,
     no_total=65535,
     missing_takeoff_text=None,
     start_up=StartUp(0.5, 1.0, 1.5, 1.5, *(3 * ("Resolve system health failures first",))),
-    modes=MappingProxyType(
-        {
-            FlightMode.HOLD: px4_mode(4, 3),
-            FlightMode.MISSION: px4_mode(4, 4),
-            FlightMode.RETURN: px4_mode(4, 5),
-            FlightMode.LAND: px4_mode(4, 6),
-        }
-    ),
+    modes={
+        FlightMode.HOLD: px4_mode(4, 3),
+        FlightMode.MISSION: px4_mode(4, 4),
+        FlightMode.RETURN: px4_mode(4, 5),
+        FlightMode.LAND: px4_mode(4, 6),
+    },
     first_mode=px4_mode(4, 3),
     placed_modes=frozenset(px4_mode(4, sub) for sub in range(2, 7)),
     armable_modes=frozenset({px4_mode(4, 3), px4_mode(4, 4)}),
@@ -236,21 +233,19 @@ PX4 = Personality(
     mode_acks=2,
     acks_first=False,
     heartbeat_on_change=False,
-    streams=MappingProxyType(
-        {
-            "HEARTBEAT": 1.0,
-            "SYS_STATUS": 1.0,
-            "SYSTEM_TIME": 1.0,
-            "GPS_RAW_INT": 0.2,
-            "GLOBAL_POSITION_INT": 0.2,
-            "LOCAL_POSITION_NED": 1.0,
-            "ATTITUDE": 1.0 / 15,
-            "VFR_HUD": 0.25,
-            "EXTENDED_SYS_STATE": 1.0,
-            "MISSION_CURRENT": 1.0,
-            "HOME_POSITION": 2.0,
-        }
-    ),
+    streams={
+        "HEARTBEAT": 1.0,
+        "SYS_STATUS": 1.0,
+        "SYSTEM_TIME": 1.0,
+        "GPS_RAW_INT": 0.2,
+        "GLOBAL_POSITION_INT": 0.2,
+        "LOCAL_POSITION_NED": 1.0,
+        "ATTITUDE": 1.0 / 15,
+        "VFR_HUD": 0.25,
+        "EXTENDED_SYS_STATE": 1.0,
+        "MISSION_CURRENT": 1.0,
+        "HOME_POSITION": 2.0,
+    },
     fixed_streams=frozenset({"HEARTBEAT", "MISSION_CURRENT"}),
     no_such_stream=CommandResult.FAILED,
     no_such_message=CommandResult.DENIED,
@@ -260,4 +255,4 @@ PX4 = Personality(
     version=0x01110080,
 )
 
-PERSONALITIES: Mapping[Autopilot, Personality] = MappingProxyType({Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4})
+PERSONALITIES: Mapping[Autopilot, Personality] = {Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4}

@@ -14,8 +14,8 @@ from ipoa_mission.dynamics.px4.state import Enu, Order
 from ipoa_mission.dynamics.px4.step import at_rest, begun, is_over, step
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
+from ipoa_mission.simulator.conditions import Vehicle
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
-from ipoa_mission.simulator.vehicle import Vehicle
 
 #: Items that hide the report of the waypoint before them (as measured).
 HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})

@@ -1,7 +1,9 @@
 """What the built-in autopilot is and tells by itself: its state, its streams, and what it says at once."""
 
+from collections.abc import Mapping
+
 from ipoa_mission.autopilots.vehicle import Parameters
-from ipoa_mission.commands import LAST_NAV, Command
+from ipoa_mission.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.items import QUADROTOR, Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
@@ -12,7 +14,35 @@ from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
 from ipoa_mission.simulator.judgement import Infeasible
 from ipoa_mission.simulator.personality import Personality
 from ipoa_mission.simulator.transfers import Transfers
-from ipoa_mission.simulator.words import SAID_WHEN_REACHED, begun
+
+#: What ArduCopter calls the items of a mission when it tells that it begins one.
+_NAMES: Mapping[int, str] = {
+    Command.NAV_WAYPOINT: "WP",
+    Command.NAV_SPLINE_WAYPOINT: "SplineWP",
+    Command.NAV_RETURN_TO_LAUNCH: "RTL",
+    Command.NAV_LOITER_UNLIM: "LoitUnlim",
+    Command.NAV_LOITER_TIME: "LoitTime",
+    Command.NAV_LOITER_TURNS: "LoitTurns",
+    Command.NAV_LOITER_TO_ALT: "LoitAltitude",
+    Command.NAV_TAKEOFF: "Takeoff",
+    Command.NAV_LAND: "Land",
+    Command.NAV_DELAY: "Delay",
+    Command.NAV_PAYLOAD_PLACE: "PayloadPlace",
+    Command.CONDITION_DELAY: "CondDelay",
+    Command.CONDITION_DISTANCE: "CondDist",
+    Command.CONDITION_YAW: "CondYaw",
+    Command.DO_CHANGE_SPEED: "ChangeSpeed",
+    Command.DO_SET_HOME: "SetHome",
+    Command.DO_JUMP: "Jump",
+}
+#: Items whose end is told in words: places that are flown to.
+SAID_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT}
+
+
+def begun(seq: int, command: int) -> str:
+    """The words with which item `seq` begins."""
+    return f"Mission: {seq} {_NAMES.get(command, '?')}"
+
 
 STATE_UNINIT, STATE_BOOT, STATE_STANDBY, STATE_ACTIVE = 0, 1, 3, 4  # MAV_STATE
 MISSION_ACTIVE, MISSION_SUSPENDED = 1, 2  # MISSION_CURRENT.mission_mode

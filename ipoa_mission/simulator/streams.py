@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Set
-from types import MappingProxyType
+from dataclasses import astuple
 
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
@@ -126,23 +126,17 @@ def _hud(flight: Flight, now: float) -> Hud:
 
 
 #: The streams that show the flight alone; heartbeat, status and mission need the autopilot.
-FROM_FLIGHT: Mapping[str, Callable[[Flight, float], Message]] = MappingProxyType(
-    {
-        "GLOBAL_POSITION_INT": position,
-        "LOCAL_POSITION_NED": _local,
-        "GPS_RAW_INT": _gps,
-        "ATTITUDE": lambda flight, now: Attitude(now, flight.roll, flight.pitch, _half_turn(flight.yaw)),
-        "VFR_HUD": _hud,
-        "EXTENDED_SYS_STATE": lambda flight, now: ExtendedState(1 if flight.landed else 2),
-        "SYSTEM_TIME": lambda flight, now: SystemTime(0.0, now),
-        "HOME_POSITION": lambda flight, now: HomePosition(
-            flight.home.latitude_deg, flight.home.longitude_deg, flight.home.altitude
-        ),
-        "GPS_GLOBAL_ORIGIN": lambda flight, now: GlobalOrigin(
-            flight.home.latitude_deg, flight.home.longitude_deg, flight.home.altitude
-        ),
-    }
-)
+FROM_FLIGHT: Mapping[str, Callable[[Flight, float], Message]] = {
+    "GLOBAL_POSITION_INT": position,
+    "LOCAL_POSITION_NED": _local,
+    "GPS_RAW_INT": _gps,
+    "ATTITUDE": lambda flight, now: Attitude(now, flight.roll, flight.pitch, _half_turn(flight.yaw)),
+    "VFR_HUD": _hud,
+    "EXTENDED_SYS_STATE": lambda flight, now: ExtendedState(1 if flight.landed else 2),
+    "SYSTEM_TIME": lambda flight, now: SystemTime(0.0, now),
+    "HOME_POSITION": lambda flight, now: HomePosition(*astuple(flight.home)),
+    "GPS_GLOBAL_ORIGIN": lambda flight, now: GlobalOrigin(*astuple(flight.home)),
+}
 
 
 def status(is_ready: bool, tells_prearm: bool) -> SystemStatus:

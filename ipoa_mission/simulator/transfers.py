@@ -7,14 +7,13 @@ import math
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 from ipoa_mission.commands import SAME_FRAME
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
-from ipoa_mission.link.dialogue import Dialogue, Exchange, NoAnswer, Tell
+from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
 from ipoa_mission.link.item_run import ItemsRead
 from ipoa_mission.link.messages import (
     INFO,
@@ -43,7 +42,7 @@ KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
 #: Values of an item's `current` that make it an order of its own, and the answer of a vehicle that is not in guided
 #: mode: "go there now" is refused, "change altitude" is accepted and does nothing.
-ORDERS: Mapping[int, int] = MappingProxyType({2: Result.ERROR, 3: Result.ACCEPTED})
+ORDERS: Mapping[int, int] = {2: Result.ERROR, 3: Result.ACCEPTED}
 
 
 @dataclass
@@ -279,15 +278,12 @@ class Transfers:
         elif self._slot(kind) in self._incoming:
             self._reply(self._habits.read_during_upload, kind, client, "mission transfer busy")
         else:
-            exchange = Exchange(self._reading(kind), now, self._habits.patience)
+            exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self._habits.patience)
             self._readers.pop((client, kind), None)
             self._readers[client, kind] = exchange
             while len(self._readers) > MOST_READERS:
                 del self._readers[next(iter(self._readers))]
             self._flush_reader((client, kind), exchange)
-
-    def _reading(self, kind: int) -> Dialogue[int | None]:
-        return offer(self._read_back(kind), kind, Tell)
 
     def _read_back(self, kind: int) -> tuple[Item, ...]:
         """A list with the flags and frames that this firmware tells."""

@@ -44,7 +44,7 @@ class Document:
         changes = tuple(changes)
         if seen < self._numbered_anew:
             raise Stale("the scenario was changed elsewhere meanwhile", hint="look at it, and do it again")
-        different = self._write(changed(self.text, changes), label)
+        different = self._stepped(self._journal.write(changed(self.text, changes), label))
         if any(isinstance(change, Take | Add) for change in changes):
             self._numbered_anew = self.revision
         return different
@@ -123,9 +123,6 @@ class Document:
             undo=journal.undo_label,
             redo=journal.redo_label,
         )
-
-    def _write(self, text: str, label: str) -> bool:
-        return self._stepped(self._journal.write(text, label))
 
     def _renumbered(self, different: bool) -> bool:
         self._stepped(different)

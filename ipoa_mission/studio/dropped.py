@@ -49,11 +49,7 @@ def use_of(file: Path, scenario: str) -> dict[str, Any]:
     suffix = file.suffix.lower()
     if suffix in MISSIONS:
         changes = changes_of(read_mission(file), scenario)
-        return {
-            "kind": "mission",
-            "file": file.name,
-            "changes": [change.model_dump(mode="json") for change in changes],
-        }
+        return {"kind": "mission", "file": file.name, "changes": [change.model_dump(mode="json") for change in changes]}
     return {"kind": "elevation" if suffix in MODELS else "map", "file": file.name, "changes": []}
 
 

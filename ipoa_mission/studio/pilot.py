@@ -6,10 +6,9 @@ Nothing is armed before the page has named vehicle, mission and proof as they ar
 import pickle
 import queue
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
 
 from ipoa_mission.checks.start import check_start
 from ipoa_mission.errors import MissionError
@@ -23,7 +22,7 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.studio.answers import Landed, Loaded, Seen, State
-from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
+from ipoa_mission.studio.harness import Answer, Order, work
 from ipoa_mission.world.frame import Geodetic
 
 SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by its own clock
@@ -70,26 +69,17 @@ class Pilot:
         answer(State(phase="over", words="landed" if record.completed else f"not complete: {record.why_not}"))
 
     def _await_start(self, loaded: Loaded) -> None:
-        """Wait until the page starts this very flight."""
-        start = self._next()
+        """Wait until the page starts this very flight; often, since nothing cancels a thread that waits for ever."""
+        start: Order | None = None
+        while start is None:
+            with suppress(queue.Empty):
+                start = self._beside.get(timeout=LOOK_S)
         for what in ("vehicle", "mission", "proof"):
             if start.get(what) != getattr(loaded, what):
                 raise MissionError(
                     f"not started: you named {what} {start.get(what)!r}, and it is {getattr(loaded, what)!r}",
                     hint="upload again",
                 )
-
-    def _next(self) -> Order:
-        """What the page says next; looked for often, since nothing cancels a thread that waits for ever."""
-        while True:
-            try:
-                return self._beside.get(timeout=LOOK_S)
-            except queue.Empty:
-                continue
-
-    def jobs(self) -> Mapping[str, tuple[Job, Subject]]:
-        """What can be asked."""
-        return {"fly": (self.fly, "flight")}
 
 
 def _handed_over(file: Path) -> tuple[Flight, str]:
@@ -183,14 +173,5 @@ class Watch:
             time.sleep(ahead)
 
 
-def main() -> None:
-    """Fly for whoever started this process."""
-
-    def jobs(beside: Any) -> Mapping[str, tuple[Job, Subject]]:
-        return Pilot(beside).jobs()
-
-    work(jobs)
-
-
 if __name__ == "__main__":
-    main()
+    work(lambda beside: {"fly": (Pilot(beside).fly, "flight")})

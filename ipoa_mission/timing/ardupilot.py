@@ -8,13 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.autopilots.ardupilot import (
-    ARMING_DELAY_S,
-    LAND_DETECTOR_S,
-    LIFT_S,
-    THROTTLE_DOWN_S,
-    copter_limits,
-)
+from ipoa_mission.autopilots.ardupilot import ARMING_DELAY_S, LAND_DETECTOR_S, LIFT_S, THROTTLE_DOWN_S, copter_limits
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe

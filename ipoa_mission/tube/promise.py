@@ -1,7 +1,7 @@
 """The promise: what clearance the predicted path of a mission has, and what is left of it in 99 % of flights."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -59,6 +59,7 @@ class Promise:
 
     confidence: float | None
     limits: tuple[Kept, ...]
+    flight: "PredictedFlight" = field(repr=False, compare=False)
 
     @property
     def broken(self) -> tuple[Kept, ...]:
@@ -93,7 +94,7 @@ def promise_of(mission: Mission, scenario: Scenario) -> Promise:
     route, prediction = predict(mission, scenario.wind.air(), sure=True)
     flight = PredictedFlight(route, prediction, mission.autopilot, scenario)
     chance = scenario.safety.chance
-    return Promise(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)))
+    return Promise(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)), flight)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,8 @@
 """Room for the tube while a path is sought: the same scene, with everything larger by what the tube needs there.
 
 Obstacles grow by the tube at a usual number of tight places. One grows less where it would close in on a place that the
-scenario gives, and, if asked, where it would close a gap that is wide enough for the predicted path.
+scenario gives, and, if asked, where it would close a gap that is wide enough for the predicted path. Over steep ground
+the path is to be higher, but not for that than a given place.
 """
 
 import numpy as np
@@ -32,15 +33,21 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False) -> Scen
         body.grown(by, by / level * rim.up, by / level * rim.down) if by else body
         for body, by in zip(airspace.obstacles, growth.tolist(), strict=True)
     )
-    slopes = _usual_slope(airspace)
-    roomier = raised(scenario, rim.down + slopes * rim.level)
+    slope = _usual_slope(airspace) * rim.level
+    roomier = raised(scenario, max(rim.down, min(rim.down + slope, _spare_height(scenario))))
     if (ceiling := scenario.planning.max_height_above_ground) is not None:
-        lower = max(ceiling - rim.up - slopes * rim.level, roomier.planning.min_height_above_ground or 0.0)
+        lower = max(ceiling - rim.up - slope, roomier.planning.min_height_above_ground or 0.0)
         roomier = roomier.model_copy(
             update={"planning": roomier.planning.model_copy(update={"max_height_above_ground": lower})}
         )
     world = Airspace(_shrunk(airspace.bounds, scenario, rim), airspace.terrain, bodies)
     return roomier.in_airspace(world)
+
+
+def _spare_height(scenario: Scenario) -> float:
+    """How much higher above ground than required the lowest of the given places is [m]."""
+    heights = scenario.places[:, 2] - scenario.airspace.ground(scenario.places)
+    return float(heights.min()) - scenario.limits.height_above_ground - 2 * LEAST_GROWTH
 
 
 def _growth(scenario: Scenario, level: float, keep_gaps: bool) -> Vector:

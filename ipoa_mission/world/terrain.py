@@ -39,6 +39,12 @@ class Terrain(Protocol):
         ...
 
 
+def _end(heights: Vector, i: int) -> Spot:
+    """The end number i of legs whose ends are so high above the ground (n,)."""
+    leg = min(i, len(heights) - 2)
+    return float(heights[i]), leg, float(i - leg)
+
+
 @dataclass(frozen=True)
 class Flat:
     """Level ground."""
@@ -56,15 +62,11 @@ class Flat:
 
     def least_height(self, points: Points) -> Spot:
         """Least height above ground of the legs between points (n, 3)."""
-        return self._at(points, int(np.argmin(points[:, 2])))
+        return _end(heights := points[:, 2] - self.level, int(np.argmin(heights)))
 
     def greatest_height(self, points: Points) -> Spot:
         """Greatest height above ground of the legs between points (n, 3)."""
-        return self._at(points, int(np.argmax(points[:, 2])))
-
-    def _at(self, points: Points, i: int) -> Spot:
-        leg = min(i, len(points) - 2)
-        return float(points[i, 2] - self.level), leg, float(i - leg)
+        return _end(heights := points[:, 2] - self.level, int(np.argmax(heights)))
 
 
 @dataclass(frozen=True)
@@ -115,10 +117,7 @@ class SeaLevel:
 
     def greatest_height(self, points: Points) -> Spot:
         """Greatest height above ground of the legs between points (n, 3): at an end of one."""
-        heights = points[:, 2] - self.height(points)
-        i = int(np.argmax(heights))
-        leg = min(i, len(points) - 2)
-        return float(heights[i]), leg, float(i - leg)
+        return _end(heights := points[:, 2] - self.height(points), int(np.argmax(heights)))
 
     @property
     def _bends(self) -> Vector:

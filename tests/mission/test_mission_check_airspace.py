@@ -203,7 +203,8 @@ def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
             "up = [-5.0, 70.0]": "up = [-5.0, 31.0]",
         }
     )
-    near, out = said(flight(scenario, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0)), scenario)
+    on_the_way, near, out = said(flight(scenario, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0)), scenario)
+    assert "RTL on the way there" in on_the_way
     assert near.startswith("warning: item 4 (NAV_RETURN_TO_LAUNCH): the way home: 1.50 m from hall at east ")
     assert near.endswith(", at least 2.50 m required")
     assert out.startswith(

@@ -12,13 +12,12 @@ from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.report.plots import draw_views, write_picture
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.world.obstacles import Obstacle, Sphere
-from ipoa_mission.world.obstacles.obstacle import Body
 
 Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Cable(Body):
+class Cable(Obstacle):
     """A straight tube with round ends between two places."""
 
     name: str

@@ -13,14 +13,7 @@ from ipoa_mission.commands import Command
 from ipoa_mission.dynamics.compiled import stepping
 from ipoa_mission.dynamics.copter import steps as plain_steps
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe
-from ipoa_mission.dynamics.copter.legs import (
-    at_speeds,
-    hold_leg,
-    joined,
-    spline_leg,
-    straight_leg,
-    upright_leg,
-)
+from ipoa_mission.dynamics.copter.legs import at_speeds, hold_leg, joined, spline_leg, straight_leg, upright_leg
 from ipoa_mission.dynamics.copter.motion import (
     CLIMB,
     DESCENT,

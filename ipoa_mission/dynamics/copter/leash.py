@@ -120,13 +120,13 @@ class LeashedCopter(Copter):
             state.share = min(state.share + state.speed * STEP, max(farthest, state.share))
         if not fast:
             state.share = min(state.share, leg.length)
-        self._aim(leg, along.speed)
+        self._aim(leg)
         if state.share < leg.length:
             return False
         to = leg.target.x - state.x, leg.target.y - state.y, leg.target.z - state.z
         return fast or math.hypot(*to) <= self._tuning.radius
 
-    def _aim(self, leg: Leg, fastest: float) -> None:
+    def _aim(self, leg: Leg) -> None:
         """A velocity towards the point, for the velocity controller, and its change."""
         state, way, tuning, limits = self.state, leg.direction, self._tuning, self.limits
         x = leg.origin.x + state.share * way.x - state.x

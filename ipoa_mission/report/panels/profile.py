@@ -112,11 +112,7 @@ def _near(course: Course, airspace: Airspace, required: float) -> Iterator[tuple
             level = np.column_stack([flat[close], np.full(int(close.sum()), bounds[:, 2].mean())])
             close[close] = body.distance(level) < reach
             for first, last in _runs(close):
-                yield body, (float(course.along[first]), float(course.along[last])), _look(body, look)
-
-
-def _look(body: Obstacle, look: str) -> str:
-    return look if body.solid else "zone"
+                yield body, (float(course.along[first]), float(course.along[last])), look if body.solid else "zone"
 
 
 def _runs(mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:

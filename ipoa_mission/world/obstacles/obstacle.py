@@ -1,4 +1,4 @@
-"""What everyone asks of an obstacle; a new kind is one file that answers, mostly by inheriting from `Body`.
+"""What everyone asks of an obstacle; a new kind is one file that answers, mostly by inheriting from `Obstacle`.
 
 Compiled code (the planner's kernels, the page's script) cannot ask objects. It knows three elementary bodies, and
 every kind says by which `parts` it is to be stood for there: a sphere by itself, a cone perhaps by a pile of
@@ -6,7 +6,7 @@ cylinders. Proofs and checks ask the obstacle itself, and so they are exact.
 """
 
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -38,78 +38,90 @@ class Passing(NamedTuple):
     sides: Vector
 
 
-class Obstacle(Protocol):
-    """A closed body with a name."""
+class Obstacle(ABC):
+    """A closed body with a name; of a new kind these must be said: `bounds`, `parts`, `distance`, `leg_clearance`.
+
+    What a kind does not say else: it is a solid, and drawn as its parts, and as its box from above and the side.
+    """
+
+    name: str
+    """What messages call it."""
 
     @property
-    def name(self) -> str:
-        """What messages call it."""
-        ...
-
-    @property
+    @abstractmethod
     def bounds(self) -> NDArray[np.float64]:
         """The box around it, (2, 3): lower and upper corner [m]."""
-        ...
+
+    @property
+    @abstractmethod
+    def parts(self) -> "tuple[Part, ...]":
+        """Elementary bodies that cover it closely; the cost of a path counts each as a threat of its own."""
+
+    @abstractmethod
+    def distance(self, points: Points) -> Vector:
+        """Euclidean distance of points (n, 3) to the surface, (n,) [m]: negative inside."""
+
+    @abstractmethod
+    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
+        """Least signed distance [m] of the straight leg from a to b, and the fraction of the leg where it is."""
 
     @property
     def convex(self) -> bool:
-        """Whether it is convex; then distance along a straight leg is a convex function."""
-        ...
+        """Whether it is known to be convex; then distance along a straight leg is a convex function."""
+        return False
 
     @property
     def solid(self) -> bool:
         """Whether something stands there; a zone is air that may not be entered."""
-        ...
+        return True
 
     @property
     def column(self) -> Column | None:
         """Itself as an upright body, if it is one."""
-        ...
-
-    @property
-    def parts(self) -> "tuple[Part, ...]":
-        """Elementary bodies that cover it closely; the cost of a path counts each as a threat of its own."""
-        ...
+        return None
 
     @property
     def plan(self) -> Any:
-        """Its ground plan, a geometry of shapely."""
-        ...
+        """Its ground plan, a geometry of shapely: that of its column, or its box."""
+        if (column := self.column) is not None:
+            return column.shape.buffer(column.radius) if column.radius else column.shape
+        return shapely.box(*self.bounds[:, :2].ravel())
 
     def grown(self, aside: float, below: float, above: float) -> "Obstacle":
         """The same, larger by so much [m]; one that cannot grow stays as it is."""
-        ...
+        return self
 
     def passing(self, a: Points, b: Points) -> Passing:
-        """How the straight legs from a to b (n, 3) pass it."""
-        ...
+        """How the straight legs from a to b (n, 3) pass it.
 
-    def distance(self, points: Points) -> Vector:
-        """Euclidean distance of points (n, 3) to the surface, (n,) [m]: negative inside."""
-        ...
-
-    def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Least signed distance [m] of the straight leg from a to b, and the fraction of the leg where it is."""
-        ...
+        Beside its column or its box, over its top or under its base; a court or a corner has two sides.
+        """
+        lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
+        shape, radius, base, top = self.column or Column(self.plan, 0.0, *self.bounds[:, 2])
+        sides = np.ones(len(a))
+        if self.column is not None and not self.convex:
+            sides = np.where(shapely.intersects(lines, shape.convex_hull), 2.0, 1.0)
+        low, high = np.minimum(a[:, 2], b[:, 2]), np.maximum(a[:, 2], b[:, 2])
+        return Passing(shapely.distance(lines, shape) - radius, low - top, base - high, sides)
 
     def outline(self) -> tuple[Plane, ...]:
         """Rings of the ground plan, each (n, 2) and open: the outer one, then the holes."""
-        ...
+        return (_rectangle(self.bounds[:, :2]),)
 
     def tiles(self, size: float) -> list[Points]:
         """The surface without its underside as flat polygons (n, 3), cut so that few are larger than `size` [m].
 
         Small polygons can be painted from the far ones to the near ones without knowing which hides which.
         """
-        ...
+        return [tile for part in self.parts for tile in part.tiles(size)]
 
     def edges(self) -> list[Points]:
         """The lines that a draftsman would draw, each (n, 3)."""
-        ...
+        return []
 
     def silhouette(self, axis: int) -> Plane:
         """Its shadow on the upright plane through `axis` (0: east, 1: north) and up, (n, 2): its front view."""
-        ...
+        return _rectangle(self.bounds[:, [axis, 2]])
 
 
 class ChartRow(NamedTuple):
@@ -127,87 +139,21 @@ SPHERE, CYLINDER, PRISM = range(3)  # kinds of rows
 NO_EDGES = np.zeros((0, 4))
 
 
-class Part(Obstacle, Protocol):
+class Part(Obstacle):
     """An elementary body, which compiled code knows."""
 
     @property
+    @abstractmethod
     def plan_radius(self) -> float:
         """Radius [m] of a circle round its outline, about the middle of its box."""
-        ...
 
+    @abstractmethod
     def chart_row(self) -> ChartRow:
         """Itself for the planner's kernels."""
-        ...
 
+    @abstractmethod
     def page_shape(self) -> dict[str, Any]:
         """Itself for the page's script: numbers and arrays by name."""
-        ...
-
-
-class Body(ABC):
-    """What a kind need not say: it is a solid that is drawn as its parts, and as its box from above and the side."""
-
-    @property
-    @abstractmethod
-    def bounds(self) -> NDArray[np.float64]:
-        """The box around it, (2, 3)."""
-
-    @property
-    @abstractmethod
-    def parts(self) -> tuple[Part, ...]:
-        """Elementary bodies that cover it closely."""
-
-    @property
-    def convex(self) -> bool:
-        """Nobody knows."""
-        return False
-
-    @property
-    def solid(self) -> bool:
-        """It is."""
-        return True
-
-    @property
-    def column(self) -> Column | None:
-        """It is not upright."""
-        return None
-
-    @property
-    def plan(self) -> Any:
-        """That of its column, or its box."""
-        if (column := self.column) is not None:
-            return column.shape.buffer(column.radius) if column.radius else column.shape
-        return shapely.box(*self.bounds[:, :2].ravel())
-
-    def grown(self, aside: float, below: float, above: float) -> "Any":
-        """Nobody knows how: as it is."""
-        return self
-
-    def passing(self, a: Points, b: Points) -> Passing:
-        """Beside its column or its box, over its top or under its base; a court or a corner has two sides."""
-        lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
-        shape, radius, base, top = self.column or Column(self.plan, 0.0, *self.bounds[:, 2])
-        sides = np.ones(len(a))
-        if self.column is not None and not self.convex:
-            sides = np.where(shapely.intersects(lines, shape.convex_hull), 2.0, 1.0)
-        low, high = np.minimum(a[:, 2], b[:, 2]), np.maximum(a[:, 2], b[:, 2])
-        return Passing(shapely.distance(lines, shape) - radius, low - top, base - high, sides)
-
-    def outline(self) -> tuple[Plane, ...]:
-        """One ring, (4, 2): the box."""
-        return (_rectangle(self.bounds[:, :2]),)
-
-    def tiles(self, size: float) -> list[Points]:
-        """Those of its parts."""
-        return [tile for part in self.parts for tile in part.tiles(size)]
-
-    def edges(self) -> list[Points]:
-        """None."""
-        return []
-
-    def silhouette(self, axis: int) -> Plane:
-        """The box, (4, 2)."""
-        return _rectangle(self.bounds[:, [axis, 2]])
 
 
 def _rectangle(corners: NDArray[np.float64]) -> Plane:

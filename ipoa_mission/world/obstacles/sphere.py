@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.nearest import foot, least, straightened
-from ipoa_mission.world.obstacles.obstacle import NO_EDGES, SPHERE, Body, ChartRow, Passing, expect_positive
+from ipoa_mission.world.obstacles.obstacle import NO_EDGES, SPHERE, ChartRow, Part, Passing, expect_positive
 from ipoa_mission.world.obstacles.surface import CIRCLE, circle
 from ipoa_mission.world.polygon import Plane
 
 
 @dataclass(frozen=True)
-class Sphere(Body):
+class Sphere(Part):
     """A ball."""
 
     name: str

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.obstacles.obstacle import Body, Column
+from ipoa_mission.world.obstacles.obstacle import Column, Part
 from ipoa_mission.world.obstacles.surface import raised, roof, walls
 
 
-class Upright(Body):
+class Upright(Part):
     """A plan between two heights [m]."""
 
     base: float

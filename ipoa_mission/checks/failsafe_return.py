@@ -1,0 +1,194 @@
+"""The way home from the middle of a mission: RTL, by hand or by a failsafe, from wherever on its path it is ordered.
+
+The vehicle flies on until it has braked, climbs to its return altitude and flies home straight, whatever stands there.
+For a short piece of the path all these ways together are three flat bodies: where it brakes, where it climbs, and the
+triangle to home. Their distance to obstacles is a bound; where it is too small, the ways from the piece's ends are
+proved. Over the ground ways are looked at from every few meters.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ipoa_mission.autopilots.braking import REACTION, braking_distance
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.checks.finding import Finding, Severity
+from ipoa_mission.checks.way_home import HEIGHT_STEP, PARAMETERS
+from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.legs import return_ways
+from ipoa_mission.planning.proof import Check, prove, prove_heights
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.course import Course
+from ipoa_mission.tube.promise import PredictedFlight
+
+LOOK_EVERY_S = 0.2  # between the places at which the vehicle may be when it is ordered home [s]
+GROUND_EVERY = 3.0  # over the ground the way home is looked at from places so far apart [m]
+ROUNDING = 0.02  # [m]
+STANDS = 0.1  # [m/s]
+MOST_TRIES = 6  # return altitudes
+BRAKES, CLIMBS, RETURNS = range(3)
+
+
+@dataclass(frozen=True)
+class Broken:
+    """A limit that is broken if RTL is ordered on the way to item `seq`; `part` is `BRAKES`, `CLIMBS` or `RETURNS`."""
+
+    seq: int
+    part: int
+    check: Check
+
+
+@dataclass(frozen=True, eq=False)
+class Stops:
+    """Where the vehicle is (n, 3) ordered home, on its way to items `seqs` (n,), and where it stands then."""
+
+    places: Points
+    stands: Points
+    seqs: NDArray[np.intp]
+
+
+def check_failsafe_return(mission: Mission, flight: PredictedFlight) -> Iterator[Finding]:
+    """A warning where the vehicle, ordered home, would come nearer to something than the scenario allows."""
+    if len((stops := stops_of(mission, flight)).seqs) < 2:
+        return
+    broken = list(_once(broken_returns(mission, flight.scenario, stops)))
+    for going, verb, order in ((False, "brakes and climbs", "RTL or pause"), (True, "flies home", "RTL")):
+        some = [one for one in broken if (one.part == RETURNS) is going]
+        if some:
+            worst = min(some, key=lambda one: one.check.slack)
+            message = f"{_items_in_words(some)}: {order} on the way there {verb} {worst.check.words()}"
+            yield Finding(
+                Severity.WARNING, worst.seq, message, _remedy(mission, flight.scenario, stops, some) if going else None
+            )
+
+
+def stops_of(mission: Mission, flight: PredictedFlight) -> Stops:
+    """Where it is and then stands, between the end of the take-off and the last waypoint."""
+    (begin, end), course = flight.way, flight.course
+    times = np.append(np.arange(begin, end, LOOK_EVERY_S), end)
+    then = np.minimum(times + REACTION[mission.autopilot], end)
+    places, stands = _along(course, times), _along(course, then)
+    velocity = (_along(course, then + LOOK_EVERY_S) - _along(course, then - LOOK_EVERY_S)) / (2 * LOOK_EVERY_S)
+    speed = np.hypot(*velocity[:, :2].T)
+    if mission.autopilot is Autopilot.ARDUPILOT:
+        velocity[:, 2] = 0.0  # it stops its climb by itself, within half a meter
+    accel = np.gradient(speed, LOOK_EVERY_S) if len(speed) > 1 else np.zeros(1)
+    way = braking_distance(mission.autopilot, mission.parameters, speed, accel)
+    stands += velocity * (way / np.maximum(speed, STANDS))[:, None]
+    seqs = np.array([visit.seq for visit in flight.route.visits])
+    return Stops(places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)])
+
+
+def broken_returns(mission: Mission, scenario: Scenario, stops: Stops) -> Iterator[Broken]:
+    """What breaks a limit in every part of the returns from the way to each item, one of each, not always the worst."""
+    ways_from = return_ways(mission, scenario.frame, scenario.airspace.ground)
+    ways = np.array([[way[1:] for way in ways_from(stand)] for stand in stops.stands])
+    for goal in range(ways.shape[1]):
+        sheets = _Sheets(stops, ways[:, goal], mission.autopilot is Autopilot.PX4)
+        yield from sheets.near_obstacles(scenario)
+        yield from sheets.near_the_ground(scenario)
+
+
+@dataclass(frozen=True, eq=False)
+class _Sheets:
+    """Ways home to one goal, `ways` (n, 2, 3): over where the vehicle stands, and over the goal.
+
+    `comes_back`: it flies back to where it was ordered home while it climbs, as PX4 does.
+    """
+
+    stops: Stops
+    ways: NDArray[np.float64]
+    comes_back: bool
+
+    def near_obstacles(self, scenario: Scenario) -> Iterator[Broken]:
+        airspace, required = scenario.airspace, scenario.limits.obstacle_distance
+        for part in (BRAKES, CLIMBS, RETURNS):
+            outlines, low, high = self._bodies(part)
+            pieces, others = airspace.beside(outlines, np.full(len(outlines), required))
+            base, top = (np.array([airspace.obstacles[i].bounds[side, 2] for i in others]) for side in (0, 1))
+            apart = np.maximum(np.maximum(base - high[pieces], low[pieces] - top), 0.0) if len(others) else np.zeros(0)
+            close = np.flatnonzero(apart < required - ROUNDING)
+            plans = np.array([airspace.obstacles[i].plan for i in others[close]])
+            bound = np.hypot(shapely.distance(outlines[pieces[close]], plans), apart[close])
+            order = np.argsort(bound, kind="stable")
+            settled = set[int]()
+            for piece in pieces[close][order][np.sort(bound) < required - ROUNDING].tolist():
+                if (seq := int(self.stops.seqs[piece])) not in settled:
+                    checks = (c for k in (piece, piece + 1) for c in prove(self._way(k, part), scenario).checks)
+                    worst = min((c for c in checks if c.limit == "obstacles"), key=lambda check: check.slack)
+                    if worst.slack < -ROUNDING:
+                        settled.add(seq)
+                        yield Broken(seq, part, worst)
+
+    def near_the_ground(self, scenario: Scenario) -> Iterator[Broken]:
+        """Its limits on the way home and while it brakes."""
+        gone = np.concatenate([[0.0], np.cumsum(leg_lengths(self.stops.stands))])
+        _, looked_at = np.unique(np.floor(gone / GROUND_EVERY), return_index=True)
+        seqs = self.stops.seqs[looked_at]
+        for seq in np.unique(seqs):
+            some = looked_at[seqs == seq]
+            for part in (BRAKES, RETURNS):
+                way = np.concatenate([self._way(k, part) for k in some])
+                for check in prove_heights(way, scenario):
+                    if check.limit == "ground" and check.slack < -ROUNDING:
+                        yield Broken(int(seq), part, check)
+
+    def _way(self, k: int, part: int) -> Points:
+        return np.stack((self.stops.places[k], self.stops.stands[k], *self.ways[k])[part : part + 2])
+
+    def _bodies(self, part: int) -> tuple[NDArray[np.object_], Vector, Vector]:
+        """Outlines around what neighbors fly in one part (n-1,), and from which height to which [m]."""
+        corners = [self.stops.places, self.stops.stands, self.ways[:, 0], self.ways[:, 1]][part : part + 2]
+        if self.comes_back:
+            corners = [self.stops.places, *corners]
+        both = np.stack([points[side] for points in corners for side in (slice(None, -1), slice(1, None))], axis=1)
+        outlines = shapely.convex_hull(shapely.multipoints(both[..., :2]))
+        heights = both[:, -4:, 2]
+        return np.asarray(outlines), heights.min(axis=1), heights.max(axis=1)
+
+
+def _once(broken: Iterable[Broken]) -> Iterator[Broken]:
+    """Without a way home that is too near to something only where the vehicle brakes."""
+    nearest: dict[tuple[int, str], float] = {}
+    for one in broken:
+        key = one.seq, one.check.nearest.what
+        if one.check.slack < nearest.get(key, 0.0) - ROUNDING:
+            nearest[key] = one.check.slack
+            yield one
+
+
+def _remedy(mission: Mission, scenario: Scenario, stops: Stops, broken: list[Broken]) -> str | None:
+    """A return altitude, a multiple of five meters, at which the way home is clear from everywhere."""
+    name, unit = PARAMETERS[mission.autopilot]
+    height, tops = 0.0, {body.name: float(body.bounds[1, 2]) for body in scenario.airspace.obstacles}
+    for _ in range(MOST_TRIES):
+        wanted = max(_height_over(one.check, tops) for one in broken)
+        height = max(height + HEIGHT_STEP, HEIGHT_STEP * math.ceil(wanted / HEIGHT_STEP))
+        higher = mission.with_parameters({name: height / unit})
+        if not (broken := [one for one in broken_returns(higher, scenario, stops) if one.part == RETURNS]):
+            highest = scenario.airspace.bounds.upper[2]
+            beyond = f" (above the upper bound of {highest:g} m)" if height > highest else ""
+            return f"{name} = {height / unit:.0f}{beyond} makes it clear, in the vehicle and under [vehicle.parameters]"
+    return None
+
+
+def _height_over(check: Check, tops: dict[str, float]) -> float:
+    place = check.nearest.place[2]
+    return tops[check.nearest.what] + check.required if check.limit == "obstacles" else place - check.slack
+
+
+def _along(course: Course, times: Vector) -> Points:
+    return np.column_stack([np.interp(times, course.times, axis) for axis in course.points.T])
+
+
+def _items_in_words(broken: list[Broken]) -> str:
+    """Items 3, 4, 5 and 7 are "items 3 to 5, 7"."""
+    seqs = np.unique([one.seq for one in broken])
+    runs = np.split(seqs, np.flatnonzero(np.diff(seqs) > 1) + 1)
+    words = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs)
+    return f"item{'' if len(seqs) == 1 else 's'} {words}"
