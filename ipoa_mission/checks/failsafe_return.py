@@ -30,6 +30,8 @@ LOOK_EVERY_S = 0.2  # between the places at which the vehicle may be when it is 
 GROUND_EVERY = 3.0  # over the ground the way home is looked at from places so far apart [m]
 ROUNDING = 0.02  # [m]
 STANDS = 0.1  # [m/s]
+MOST_PIECES = 800  # that a path is cut into
+MOST_LOOKS = 200  # at the ground
 MOST_TRIES = 6  # return altitudes
 BRAKES, CLIMBS, RETURNS = range(3)
 
@@ -72,8 +74,10 @@ def stops_of(mission: Mission, flight: PredictedFlight) -> Stops:
     (begin, end), course = flight.way, flight.course
     times = np.append(np.arange(begin, end, LOOK_EVERY_S), end)
     then = np.minimum(times + REACTION[mission.autopilot], end)
-    places, stands = _along(course, times), _along(course, then)
-    velocity = (_along(course, then + LOOK_EVERY_S) - _along(course, then - LOOK_EVERY_S)) / (2 * LOOK_EVERY_S)
+    before, places, stands, after = (
+        _along(course, at) for at in (then - LOOK_EVERY_S, times, then, then + LOOK_EVERY_S)
+    )
+    velocity = (after - before) / (2 * LOOK_EVERY_S)
     speed = np.hypot(*velocity[:, :2].T)
     if mission.autopilot is Autopilot.ARDUPILOT:
         velocity[:, 2] = 0.0  # it stops its climb by itself, within half a meter
@@ -106,20 +110,22 @@ class _Sheets:
     comes_back: bool
 
     def near_obstacles(self, scenario: Scenario) -> Iterator[Broken]:
-        airspace, required = scenario.airspace, scenario.limits.obstacle_distance
+        """One for each item and part."""
+        obstacles, required = scenario.airspace.obstacles, scenario.limits.obstacle_distance - ROUNDING
+        base, top = np.array([body.bounds[:, 2] for body in obstacles]).reshape(-1, 2).T
         for part in (BRAKES, CLIMBS, RETURNS):
             outlines, low, high = self._bodies(part)
-            pieces, others = airspace.beside(outlines, np.full(len(outlines), required))
-            base, top = (np.array([airspace.obstacles[i].bounds[side, 2] for i in others]) for side in (0, 1))
-            apart = np.maximum(np.maximum(base - high[pieces], low[pieces] - top), 0.0) if len(others) else np.zeros(0)
-            close = np.flatnonzero(apart < required - ROUNDING)
-            plans = np.array([airspace.obstacles[i].plan for i in others[close]])
-            bound = np.hypot(shapely.distance(outlines[pieces[close]], plans), apart[close])
-            order = np.argsort(bound, kind="stable")
+            in_reach = np.flatnonzero((base < high.max() + required) & (top > low.min() - required))
+            plans = np.array([obstacles[n].plan for n in in_reach])
+            pieces, others = shapely.STRtree(plans).query(outlines, "dwithin", required)
+            over = np.maximum(base[in_reach[others]] - high[pieces], low[pieces] - top[in_reach[others]])
+            bound = np.hypot(shapely.distance(outlines[pieces], plans[others]), np.maximum(over, 0.0))
             settled = set[int]()
-            for piece in pieces[close][order][np.sort(bound) < required - ROUNDING].tolist():
-                if (seq := int(self.stops.seqs[piece])) not in settled:
-                    checks = (c for k in (piece, piece + 1) for c in prove(self._way(k, part), scenario).checks)
+            for piece in pieces[np.argsort(bound, kind="stable")][: np.count_nonzero(bound < required)].tolist():
+                first = piece * self._step
+                if (seq := int(self.stops.seqs[first])) not in settled:
+                    ends = (first, min(first + self._step, len(self.ways) - 1))
+                    checks = (c for k in ends for c in prove(self._way(k, part), scenario).checks)
                     worst = min((c for c in checks if c.limit == "obstacles"), key=lambda check: check.slack)
                     if worst.slack < -ROUNDING:
                         settled.add(seq)
@@ -128,7 +134,7 @@ class _Sheets:
     def near_the_ground(self, scenario: Scenario) -> Iterator[Broken]:
         """Its limits on the way home and while it brakes."""
         gone = np.concatenate([[0.0], np.cumsum(leg_lengths(self.stops.stands))])
-        _, looked_at = np.unique(np.floor(gone / GROUND_EVERY), return_index=True)
+        _, looked_at = np.unique(np.floor(gone / max(GROUND_EVERY, gone[-1] / MOST_LOOKS)), return_index=True)
         seqs = self.stops.seqs[looked_at]
         for seq in np.unique(seqs):
             some = looked_at[seqs == seq]
@@ -141,15 +147,22 @@ class _Sheets:
     def _way(self, k: int, part: int) -> Points:
         return np.stack((self.stops.places[k], self.stops.stands[k], *self.ways[k])[part : part + 2])
 
+    @property
+    def _step(self) -> int:
+        """So many places make a piece of the path."""
+        return math.ceil(len(self.stops.seqs) / MOST_PIECES)
+
     def _bodies(self, part: int) -> tuple[NDArray[np.object_], Vector, Vector]:
-        """Outlines around what neighbors fly in one part (n-1,), and from which height to which [m]."""
+        """Outlines around what is flown in one part from each piece (m,), and from which height to which (m,) [m]."""
         corners = [self.stops.places, self.stops.stands, self.ways[:, 0], self.ways[:, 1]][part : part + 2]
+        heights = np.stack([points[:, 2] for points in corners], axis=1)
         if self.comes_back:
             corners = [self.stops.places, *corners]
-        both = np.stack([points[side] for points in corners for side in (slice(None, -1), slice(1, None))], axis=1)
-        outlines = shapely.convex_hull(shapely.multipoints(both[..., :2]))
-        heights = both[:, -4:, 2]
-        return np.asarray(outlines), heights.min(axis=1), heights.max(axis=1)
+        firsts = np.arange(0, len(self.stops.seqs) - 1, self._step)
+        around = np.minimum(firsts[:, None] + np.arange(self._step + 1), len(self.stops.seqs) - 1)
+        flown = np.concatenate([points[around, :2] for points in corners], axis=1)
+        low, high = heights[around].min(axis=(1, 2)), heights[around].max(axis=(1, 2))
+        return np.asarray(shapely.convex_hull(shapely.multipoints(flown))), low, high
 
 
 def _once(broken: Iterable[Broken]) -> Iterator[Broken]:

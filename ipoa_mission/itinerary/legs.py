@@ -191,14 +191,20 @@ class _Flight:
         for goal in (self.home, *self._rally_points()):
             self.at = start
             distance = float(np.hypot(*(goal - start)[:2]))
-            heights = _RETURN_HEIGHTS[self.mission.autopilot](self.parameters, float(start[2] - self.home[2]), distance)
+            above = self.frame.geodetic(start).altitude - self.mission.home.altitude
+            heights = _RETURN_HEIGHTS[self.mission.autopilot](self.parameters, above, distance)
             for n, height in enumerate(heights):
-                top = self.home[2] + height
-                way = np.array([start, [start[0], start[1], top], [goal[0], goal[1], top]])
+                way = np.array([start, self._over(start, height), self._over(goal, height)])
                 self.at = way[-1]
                 down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
                 at_times = goal is not self.home or n > 0
                 yield from (replace(leg, alternative=at_times) for leg in (Leg(seq, Phase.RETURN, way), down))
+
+    def _over(self, place: Vector, height: float) -> Vector:
+        """So high above home over a place: level is not straight, 10 km away it is 8 m lower."""
+        at = self.frame.geodetic(place)
+        up = self.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, self.mission.home.altitude + height))[2]
+        return np.array([place[0], place[1], up])
 
     def _rally_points(self) -> list[Vector]:
         amsl, local = self.mission.home.altitude, self.frame.local
