@@ -3,7 +3,7 @@
 import heapq
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import cycle
 from typing import Any, TypeVar
 
@@ -13,7 +13,7 @@ from ipoa_mission.items import Item, takeoff, waypoint
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.messages import Heartbeat, Message, MissionType
+from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.simulator.personality import PERSONALITIES
 from ipoa_mission.simulator.transfers import Transfers
 from ipoa_mission.world.frame import Geodetic
@@ -150,3 +150,8 @@ def line_of(vehicle: Any) -> Line:
 def far_end(line: Line) -> Any:
     """Who is at the other end of a link in this process."""
     return line.channel.far  # type: ignore[attr-defined]
+
+
+def plain(message: Message) -> Message:
+    """The message without the id under which PX4 keeps a list."""
+    return replace(message, opaque_id=0) if isinstance(message, Ack) else message

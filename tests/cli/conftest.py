@@ -23,6 +23,7 @@ from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
+from tests.quick_search import search_quickly
 
 Run = Callable[[str], "Outcome"]
 Planned = Callable[[str], tuple[Flight, Path]]
@@ -72,7 +73,9 @@ def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
     @cache
     def plan(name: str) -> tuple[Flight, Path]:
         folder = tmp_path_factory.mktemp(name)
-        flight = plan_flight(read_scenario(missions / f"{name}.toml"), 5)
+        with pytest.MonkeyPatch.context() as patch:
+            search_quickly(patch.setattr)
+            flight = plan_flight(read_scenario(missions / f"{name}.toml"), 5)
         flight.write(folder)
         return flight, folder
 

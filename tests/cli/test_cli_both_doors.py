@@ -13,6 +13,7 @@ import ipoa_mission as api
 from ipoa_mission.items import LEVEL
 from ipoa_mission.routing.seek import plan_with_room
 from tests.cli.conftest import Run
+from tests.quick_search import search_quickly
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SCENARIOS = sorted(path.stem for path in MISSIONS.glob("*.toml"))
@@ -55,6 +56,7 @@ def searched_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("ipoa_mission.flight.flight.plan_with_room", once)
+        search_quickly(patch.setattr)
         yield
 
 

@@ -2,12 +2,18 @@
 
 from pathlib import Path
 
+import pytest
+
 from tests.cli.conftest import Run, Serve
 from tests.mission.test_mission_check_ground import PX4
 from tests.mission.test_mission_high_landing import HOME, flight_to_high_ground
+from tests.quick_search import search_quickly
 
 
-def test_fly_refuses_a_vehicle_that_would_touch_down_fast(run: Run, autopilot: Serve, tmp_path: Path) -> None:
+def test_fly_refuses_a_vehicle_that_would_touch_down_fast(
+    run: Run, autopilot: Serve, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search_quickly(monkeypatch.setattr)
     flight = flight_to_high_ground(PX4)
     flight.write(tmp_path)
     with autopilot(HOME) as link:

@@ -18,6 +18,8 @@ from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
+from tests.quick_link import hurry
+from tests.quick_search import search_quickly
 
 REPOSITORY = Path(__file__).parents[2]
 TEXT = (REPOSITORY / "docs" / "api.md").read_text(encoding="utf-8")
@@ -44,6 +46,8 @@ def vehicle_at() -> Iterator[str]:
 def test_the_examples_run_one_after_the_other(
     vehicle_at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    search_quickly(monkeypatch.setattr)
+    hurry(monkeypatch.setattr)
     monkeypatch.chdir(tmp_path)
     Path("missions").symlink_to(REPOSITORY / "missions")
     names: dict[str, Any] = {}

@@ -1,8 +1,5 @@
 """Connection strings, sockets, routes, logs, several vehicles, signed links: the client's verbs over real loopback."""
 
-import gc
-import hashlib
-import os
 import threading
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,16 +20,6 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Heartbeat, MissionType, Text
 from ipoa_mission.link.presence import scan
 from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
-from ipoa_mission.link.signing import (
-    EPOCH_2015_S,
-    RESERVE_TICKS,
-    TICKS_PER_S,
-    Signer,
-    key_of,
-    persistent_signer,
-    read_key,
-)
-from ipoa_mission.link.timestamps import Timestamps
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
@@ -42,7 +29,6 @@ from tests.link_pair import far_end, line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()))
-KEY = key_of("a passphrase")
 
 ADDRESSES = [
     ("udpin:127.0.0.1:14550", Address(Transport.UDP_IN, "127.0.0.1", 14550)),
@@ -207,159 +193,6 @@ def test_ardupilot_is_given_time_to_start_up() -> None:
     vehicle = meet(Line(Loopback(station), Codec(245, 190)))
     vehicle.upload(MISSION)
     assert line_of(vehicle).channel.now() >= 3.0
-
-
-# --- signed links ---------------------------------------------------------------------------------------------------
-
-
-def signed_pair(ours: bytes | None, theirs: bytes | None) -> Line:
-    station = Station(Mock(Autopilot.PX4, HOME), signer=Signer(theirs) if theirs else None)
-    return Line(Loopback(station), Codec(245, 190, Signer(ours) if ours else None))
-
-
-def test_a_mission_goes_over_a_signed_link() -> None:
-    meet(signed_pair(KEY, KEY)).upload(MISSION)
-
-
-@pytest.mark.parametrize(("ours", "theirs"), [(KEY, None), (KEY, bytes(32))])
-def test_whoever_does_not_sign_with_our_key_is_not_heard(ours: bytes, theirs: bytes | None) -> None:
-    with pytest.raises(NoAnswer, match="no autopilot is heard"):
-        meet(signed_pair(ours, theirs))
-
-
-def test_a_vehicle_with_a_key_does_nothing_for_a_stranger() -> None:
-    line = signed_pair(None, KEY)
-    with pytest.raises(NoAnswer):
-        meet(line).upload(MISSION)
-    assert far_end(line).autopilot.transfers.listed(MissionType.MISSION) == ()
-
-
-NOW = 1_767_225_600.0
-
-
-def stamp_of(signature: bytes) -> int:
-    return int.from_bytes(signature[1:7], "little")
-
-
-def ticks(unix_s: float) -> int:
-    return round((unix_s - EPOCH_2015_S) * TICKS_PER_S)
-
-
-def test_timestamps_are_those_of_the_clock_and_only_grow_however_often_one_begins_anew(tmp_path: Path) -> None:
-    last = 0
-    for run in range(50):
-        signer = persistent_signer(KEY, tmp_path / "timestamp")
-        stamp = stamp_of(signer.signature(b"\xfd", NOW + 0.001 * run))
-        signer.close()
-        assert last < stamp <= ticks(NOW + 0.001 * run) + 1
-        last = stamp
-
-
-def test_a_run_that_was_killed_repeats_no_timestamp(tmp_path: Path) -> None:
-    mark = tmp_path / "timestamp"
-    killed = persistent_signer(KEY, mark)
-    stamps = [stamp_of(killed.signature(b"\xfd", NOW + 0.1 * n)) for n in range(100)]
-    killed._timestamps.close()  # type: ignore[union-attr]
-    later = persistent_signer(KEY, mark)
-    after = stamp_of(later.signature(b"\xfd", NOW + 5.0))  # and the clock was set back
-    assert stamps[-1] < after <= stamps[-1] + RESERVE_TICKS + 1
-
-
-def test_a_clock_that_was_set_back_is_told_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    mark = tmp_path / "timestamp"
-    first = persistent_signer(KEY, mark)
-    before = stamp_of(first.signature(b"\xfd", NOW))
-    first.close()
-    later = persistent_signer(KEY, mark)
-    stamps = [stamp_of(later.signature(b"\xfd", NOW - 3600.0)) for _ in range(5)]
-    assert [stamp - before for stamp in stamps] == [1, 2, 3, 4, 5]
-    assert [record.message.split(": was")[0] for record in caplog.records] == [
-        "signing goes on from timestamps that are 3600 s ahead of this computer's clock"
-    ]
-
-
-def test_processes_that_sign_at_the_same_time_are_told_apart_by_their_link_ids(tmp_path: Path) -> None:
-    mark, judge = tmp_path / "timestamp", Codec(1, 1, Signer(KEY))
-    one, other = (Codec(245, 190, persistent_signer(KEY, mark)) for _ in range(2))
-    late = one.encode(Text(6, "late"), EVERYONE, NOW)
-    assert judge.decode(other.encode(Text(6, "early"), EVERYONE, NOW + 0.01)) is not None
-    assert judge.decode(late) is not None
-    one.signer.close()  # type: ignore[union-attr]
-    assert persistent_signer(KEY, mark).link_id == 0
-
-
-def test_a_file_that_holds_no_timestamp_is_an_error(tmp_path: Path) -> None:
-    for words in ("yesterday", str(2**48), "-1"):
-        (tmp_path / "timestamp").write_text(words)
-        with pytest.raises(BadInput, match="expected a timestamp"):
-            persistent_signer(KEY, tmp_path / "timestamp")
-    with pytest.raises(BadInput, match="cannot be opened"):
-        persistent_signer(KEY, tmp_path / "no" / "timestamp")
-
-
-FULL = Path("/dev/full")
-full_disk = pytest.mark.skipif(not FULL.exists(), reason="this system has no /dev/full")
-
-
-@full_disk
-def test_a_full_disk_does_not_end_what_is_signed(caplog: pytest.LogCaptureFixture) -> None:
-    signer = Signer(KEY, 0, Timestamps(FULL, os.open(FULL, os.O_RDWR), 0))
-    assert signer.signature(b"\xfd", NOW)
-    assert "/dev/full: cannot be written: No space left on device" in caplog.text
-    signer.close()
-
-
-def test_timestamps_that_nobody_closed_are_the_next_ones_when_their_owner_is_collected(tmp_path: Path) -> None:
-    forgotten = persistent_signer(KEY, tmp_path / "timestamp")
-    forgotten.itself = forgotten  # type: ignore[attr-defined]
-    assert persistent_signer(KEY, tmp_path / "timestamp").link_id == 1
-    del forgotten
-    gc.collect()
-    assert persistent_signer(KEY, tmp_path / "timestamp").link_id == 0
-
-
-@full_disk
-def test_a_log_on_a_full_disk_ends_with_one_warning_and_the_session_goes_on(caplog: pytest.LogCaptureFixture) -> None:
-    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190), FULL)
-    meet(line).upload(MISSION)
-    line.close()
-    assert [record.message for record in caplog.records] == [
-        "/dev/full: cannot be written any more: No space left on device; the log ends here"
-    ]
-
-
-@pytest.mark.parametrize("words", ["a passphrase", "p" * 31, "p" * 32, KEY.hex(), "sch\u00f6n " * 4, " spaced "])
-def test_a_key_is_the_same_in_a_file_and_in_the_environment(tmp_path: Path, words: str) -> None:
-    path = tmp_path / "key"
-    for end in ("", "\n", "\r\n"):
-        path.write_bytes((words + end).encode())
-        assert read_key(path) == key_of(words)
-    hashed = hashlib.sha256(words.encode()).digest()
-    assert key_of(words) == (KEY if words == KEY.hex() else hashed)
-
-
-def test_keys_are_read_as_ground_stations_write_them(tmp_path: Path) -> None:
-    path = tmp_path / "key"
-    for content in (KEY, KEY.hex().encode(), b"a passphrase\n"):
-        path.write_bytes(content)
-        assert read_key(path) == KEY
-    for content in (b"", b"\n", b" \n", KEY + b"\n", b"\x00" * 16):
-        path.write_bytes(content)
-        with pytest.raises(BadInput, match="signing key: expected"):
-            read_key(path)
-    with pytest.raises(BadInput, match="cannot be read"):
-        read_key(tmp_path / "none")
-
-
-def test_a_key_that_others_may_write_is_warned_of(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    path = tmp_path / "key"
-    path.write_bytes(KEY)
-    path.chmod(0o644)
-    read_key(path)
-    assert caplog.text == ""
-    path.chmod(0o664)
-    read_key(path)
-    assert "others than its owner may write this key" in caplog.text
 
 
 # --- routes and logs ------------------------------------------------------------------------------------------------

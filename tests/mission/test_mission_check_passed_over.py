@@ -13,6 +13,7 @@ from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.quick_search import search_quickly
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 #: Required are 0.5 m of radius and 2 m of distance; the path may leave its legs by 4 m: 6.5 m in all.
@@ -78,13 +79,15 @@ def test_an_open_line_among_no_fly_zones_is_an_error_too(read: Read) -> None:
     assert "which is passed over: a line that encloses no area" in told
 
 
-def test_plan_refuses_it(read: Read) -> None:
+def test_plan_refuses_it(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
+    search_quickly(monkeypatch.setattr)
     with pytest.raises(Unsafe, match=r"thing on m\.geojson, which is passed over: an area untagged") as told:
         plan_flight(read(-5.0), seed=0)
     assert told.value.hint
     assert 'take = "tagged" says that it is nothing' in told.value.hint
 
 
-def test_what_is_passed_over_is_a_remark_of_every_plan(read: Read) -> None:
+def test_what_is_passed_over_is_a_remark_of_every_plan(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
+    search_quickly(monkeypatch.setattr)
     flight = plan_flight(read(20.0), seed=0)
     assert "m.geojson: 1 passed over, an area untagged: thing" in flight.remarks

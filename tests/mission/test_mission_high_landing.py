@@ -20,9 +20,15 @@ from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.tube.flown_in import ground_of
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.mission.test_mission_check_ground import ARDUPILOT, PX4, slope
+from tests.quick_search import search_quickly
 
 HOME = Geodetic(47.0, 8.0, 500.0)
 NO_RANGE_FINDER = {"SIH_DISTSNSR_OVR": 20000.0}
+
+
+@pytest.fixture(autouse=True)
+def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    search_quickly(monkeypatch.setattr)
 
 
 def landing_scenario(height: float, autopilot: Autopilot, parameters: Parameters | None = None) -> Scenario:

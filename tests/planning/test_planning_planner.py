@@ -9,8 +9,8 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize.registry import OPTIMIZERS
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
-from ipoa_mission.planning.strategy import SearchStrategy
 from tests.planning.conftest import Make, Place, Town
+from tests.quick_search import QUICK
 
 TALL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base": 0.0}
 PILLAR = {"kind": "cylinder", "name": "pillar", "east": 50, "north": 1, "radius": 10, "height": 99, "base": 0.0}
@@ -44,7 +44,7 @@ def test_every_optimizer_finds_a_safe_path(scenario: Make, name: str) -> None:
 @pytest.mark.parametrize("tables", [{}, {"planning": {"polish": False}}, {"cost": {"form": "nodes"}}])
 def test_the_same_seed_gives_the_same_plan_to_the_last_bit(scenario: Make, tables: dict[str, Any]) -> None:
     job = scenario(obstacles=[PILLAR], optimizer={"population": 10, "iterations": 20}, **tables)
-    one, two, other = plan_path(job, 5), plan_path(job, 5), plan_path(job, 6)
+    one, two, other = (plan_path(job, seed, strategy=QUICK) for seed in (5, 5, 6))
     np.testing.assert_array_equal(one.curve.control, two.curve.control)
     np.testing.assert_array_equal(one.history, two.history)
     assert one.cost == two.cost
@@ -67,15 +67,14 @@ def test_history_never_gets_worse_and_counts_evaluations(scenario: Make) -> None
 
 
 def test_a_strategy_that_looks_less_hard_spends_less(scenario: Make) -> None:
-    quick = SearchStrategy(straight_starts=1, lattice_starts=1, max_rounds=4)
-    plan = plan_path(scenario(obstacles=[PILLAR]), strategy=quick)
+    plan = plan_path(scenario(obstacles=[PILLAR]), strategy=QUICK)
     assert plan.proof.holds
     assert plan.evaluations[-1] < 20_000
 
 
 def test_via_points_are_passed_in_order(scenario: Make) -> None:
     via = [(30, 40, 25), (70, -40, 30)]
-    plan = plan_path(scenario(obstacles=[PILLAR, BALL], via=via))
+    plan = plan_path(scenario(obstacles=[PILLAR, BALL], via=via), strategy=QUICK)
     points = plan.curve.points(np.linspace(0, 1, 40_001))
     away = [np.linalg.norm(points - place, axis=1) for place in via]
     assert max(a.min() for a in away) < 0.01
@@ -84,13 +83,13 @@ def test_via_points_are_passed_in_order(scenario: Make) -> None:
 
 
 def test_a_round_trip_is_a_path_too(scenario: Make) -> None:
-    plan = plan_path(scenario(goal=(0, 0, 20), via=[(80, 0, 20)], obstacles=[PILLAR]))
+    plan = plan_path(scenario(goal=(0, 0, 20), via=[(80, 0, 20)], obstacles=[PILLAR]), strategy=QUICK)
     assert plan.proof.holds
     assert 160 < plan.cost.length < 190
 
 
 def test_limits_are_kept(town: Town) -> None:
-    plan = plan_path(town(0))
+    plan = plan_path(town(0), strategy=QUICK)
     limits = {check.limit: check for check in plan.proof.checks}
     assert limits.keys() == {"obstacles", "bounds", "ground", "ceiling", "climb", "descent"}
     assert plan.proof.worst.slack >= -1e-3
@@ -151,14 +150,15 @@ def test_a_gap_that_is_just_wide_enough_is_flown_through(scenario: Make) -> None
 
 
 def test_over_the_wall_where_that_is_the_only_way(scenario: Make) -> None:
-    plan = plan_path(scenario(obstacles=[fort(60)]))
+    plan = plan_path(scenario(obstacles=[fort(60)]), strategy=QUICK)
     assert plan.proof.holds
     assert plan.curve.sample(500)[:, 2].max() > 60
 
 
 def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario: Make) -> None:
     steep = {"max_climb_angle_deg": 12, "max_descent_angle_deg": 45}
-    plan = plan_path(scenario(start=(100, 0, 20), goal=(0, 0, 20), obstacles=[fort(60)], planning=steep))
+    job = scenario(start=(100, 0, 20), goal=(0, 0, 20), obstacles=[fort(60)], planning=steep)
+    plan = plan_path(job, strategy=QUICK)
     assert plan.proof.holds
     assert plan.cost.turning_deg > 300
 

@@ -6,6 +6,7 @@ import pytest
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem, plan_path
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.spline import Spline
+from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
 from ipoa_mission.world.obstacles import Cylinder, Prism
 from ipoa_mission.world.terrain import Flat
 
@@ -27,7 +28,8 @@ def room() -> PathProblem:
 
 
 def test_every_seed_finds_the_same_way_through_a_room() -> None:
-    costs = [plan_path(room(), seed).cost.total for seed in range(3)]
+    thin = SearchStrategy(lattice=LatticeStrategy(nodes=20_000))
+    costs = [plan_path(room(), seed, strategy=thin).cost.total for seed in range(2)]
     assert max(costs) <= 1.005 * min(costs)
 
 

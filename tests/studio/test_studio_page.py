@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ pytestmark = [
 WEB = Path(__file__).parents[2] / "ipoa_mission" / "studio" / "web"
 SOFTWARE = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 PATIENCE_MS = 60_000
+USUAL = {"width": 1280, "height": 800}
 
 
 @pytest.fixture(scope="module")
@@ -58,26 +60,55 @@ def browser() -> Iterator[Any]:
         chromium.close()
 
 
+class Window:
+    """A page on the studio, and what was complained of in it."""
+
+    def __init__(self, browser: Any, url: str) -> None:
+        self.complaints: list[str] = []
+        self.page = browser.new_page(viewport=USUAL, reduced_motion="reduce")
+        self.page.set_default_timeout(PATIENCE_MS)
+        self.page.on("console", lambda message: self.complaints.append(f"{message.type}: {message.text}"))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda asked: self.complaints.extend([asked.url] * is_elsewhere(asked.url, url)))
+        self.page.goto(url)
+        until(self.page, "window.map?.isStyleLoaded()")
+
+    @contextmanager
+    def on_the_meadow(self, scenario: Path) -> Iterator[Any]:
+        """The page, with the scenario as it is in the repository; at the end nobody may have complained."""
+        if self.page.locator("textarea").input_value() != MEADOW.read_text():
+            rewrite(self.page, MEADOW.read_text())
+        yield self.page
+        scenario.write_text(MEADOW.read_text())
+        assert self.complaints == []
+
+
+def is_elsewhere(asked: str, url: str) -> bool:
+    return not asked.startswith((url, "blob:", "data:"))
+
+
 @pytest.fixture
-def page(browser: Any, address: tuple[str, Path]) -> Iterator[Any]:
-    """The page on the meadow as it is in the repository; at the end nobody may have complained."""
-    url, scenario = address
-    complaints: list[str] = []
-    page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
-    page.set_default_timeout(PATIENCE_MS)
-    page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on(
-        "request", lambda asked: complaints.extend([asked.url] * (not asked.url.startswith((url, "blob:", "data:"))))
-    )
-    page.goto(url)
-    until(page, "window.map?.isStyleLoaded()")
-    if page.locator("textarea").input_value() != MEADOW.read_text():
-        rewrite(page, MEADOW.read_text())
-    yield page
-    page.close()
-    scenario.write_text(MEADOW.read_text())
-    assert complaints == []
+def own_page(browser: Any, address: tuple[str, Path]) -> Iterator[Any]:
+    """A page that is opened for one test, which leaves more in it than another scenario."""
+    window = Window(browser, address[0])
+    with window.on_the_meadow(address[1]) as page:
+        yield page
+        page.close()
+
+
+@pytest.fixture(scope="module")
+def window(browser: Any, address: tuple[str, Path]) -> Window:
+    """A page for many tests: the map takes seconds to begin."""
+    return Window(browser, address[0])
+
+
+@pytest.fixture
+def page(window: Window, address: tuple[str, Path]) -> Iterator[Any]:
+    """It, as it was when it was opened."""
+    window.page.set_viewport_size(USUAL)
+    window.page.emulate_media(media="screen", color_scheme="light", reduced_motion="reduce")
+    with window.on_the_meadow(address[1]) as page:
+        yield page
 
 
 def until(page: Any, expression: str) -> None:
@@ -112,6 +143,72 @@ def at(page: Any, east_share: float, north_share: float) -> tuple[float, float]:
     return x + east_share * reach, y - north_share * reach
 
 
+def test_candidates_stand_side_by_side(own_page: Any) -> None:
+    proved(own_page)
+    before = scenario_of(own_page)
+    own_page.get_by_role("button", name="Keep this one").click()
+    own_page.get_by_label("Cruise speed").fill("4")
+    own_page.get_by_label("Cruise speed").press("Tab")
+    cells = "[...document.querySelectorAll('[aria-label=\"Candidates\"] tbody tr:first-child td')]"
+    times = f"{cells}.map(cell => parseFloat(cell.textContent))"
+    until(own_page, f"({times}).length === 2 && ({times})[1] > ({times})[0]")  # slower takes longer
+    own_page.get_by_role("button", name="Take").click()
+    until(own_page, f"document.querySelector('textarea').value === {json.dumps(before)}")
+
+
+def test_a_flight_is_started_by_name_and_watched(own_page: Any) -> None:
+    proved(own_page)
+    own_page.locator("summary", has_text="Fly it").click()
+    own_page.get_by_label("So many times as fast").fill("40")
+    own_page.get_by_role("button", name="Upload").click()
+    own_page.get_by_role("button", name="Arm and start …").click()
+    dialog = own_page.get_by_role("dialog")
+    assert "built-in ardupilot, system 1" in dialog.inner_text()
+    start = dialog.get_by_role("button", name="Arm and start")
+    assert start.is_disabled()
+    dialog.locator("input").fill("meadow")
+    start.click()
+    own_page.get_by_text("flying for").wait_for()
+    own_page.get_by_text("✓ Landed").wait_for()
+    assert own_page.locator(".chart .flown").count() == 1
+
+
+def test_a_building_is_drawn_named_and_saved(own_page: Any, address: tuple[str, Path]) -> None:
+    name = '<img src="https://evil.example/x" onerror="alert(1)">'
+    own_page.keyboard.press("b")
+    for place in ((0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
+        own_page.mouse.click(*at(own_page, *place))
+    own_page.keyboard.press("Enter")
+    until(own_page, "document.querySelector('textarea').value.split('[[obstacles]]').length === 4")  # it has come back
+    field = own_page.locator("label", has_text="Name").locator("input")
+    field.fill(name)
+    field.press("Tab")
+    own_page.get_by_role("heading", name=name).wait_for()  # text, not markup
+    assert own_page.locator("img").count() == 0
+    own_page.keyboard.press("Control+s")
+    until(own_page, "document.querySelector('.saved') !== null")
+    written = address[1].read_text()
+    assert written.count("[[obstacles]]") == 3
+    assert written.startswith(MEADOW.read_text().rstrip("\n"))
+    own_page.reload()
+    until(own_page, "window.map?.isStyleLoaded()")
+    assert scenario_of(own_page) == written
+
+
+def test_a_map_is_dropped(own_page: Any, tmp_path: Path, address: tuple[str, Path]) -> None:
+    ring = [[8.5002, 47.2999], [8.5003, 47.2999], [8.5003, 47.30], [8.5002, 47.2999]]
+    file = tmp_path / "town.geojson"
+    shape = {"type": "Polygon", "coordinates": [ring]}
+    feature = {"type": "Feature", "properties": {"building": "yes", "height": "9"}, "geometry": shape}
+    file.write_text(json.dumps({"type": "FeatureCollection", "features": [feature]}))
+    own_page.locator("summary", has_text="Maps and missions").click()
+    own_page.locator("input[type=file]").set_input_files(file)
+    own_page.get_by_role("button", name="Buildings to fly round").click()
+    until(own_page, """document.querySelector('textarea').value.includes('file = "town.geojson"')""")
+    proved(own_page)
+    assert (address[1].parent / "town.geojson").read_bytes() == file.read_bytes()
+
+
 def test_it_opens_proved(page: Any) -> None:
     proved(page)
     assert "required" in page.locator(".verdict").inner_text()
@@ -136,28 +233,6 @@ def test_the_goal_is_dragged_and_undone(page: Any) -> None:
     page.locator(".saved").wait_for()
 
 
-def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path]) -> None:
-    name = '<img src="https://evil.example/x" onerror="alert(1)">'
-    page.keyboard.press("b")
-    for place in ((0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
-        page.mouse.click(*at(page, *place))
-    page.keyboard.press("Enter")
-    until(page, "document.querySelector('textarea').value.split('[[obstacles]]').length === 4")  # it has come back
-    field = page.locator("label", has_text="Name").locator("input")
-    field.fill(name)
-    field.press("Tab")
-    page.get_by_role("heading", name=name).wait_for()  # text, not markup
-    assert page.locator("img").count() == 0
-    page.keyboard.press("Control+s")
-    until(page, "document.querySelector('.saved') !== null")
-    written = address[1].read_text()
-    assert written.count("[[obstacles]]") == 3
-    assert written.startswith(MEADOW.read_text().rstrip("\n"))
-    page.reload()
-    until(page, "window.map?.isStyleLoaded()")
-    assert scenario_of(page) == written
-
-
 def test_a_height_is_changed_for_all_at_once(page: Any) -> None:
     field = page.get_by_label("Height of all places")
     field.fill("14")
@@ -167,54 +242,26 @@ def test_a_height_is_changed_for_all_at_once(page: Any) -> None:
     until(page, "!document.querySelector('textarea').value.includes('height_above_ground')")
 
 
-def test_candidates_stand_side_by_side(page: Any) -> None:
-    proved(page)
-    before = scenario_of(page)
-    page.get_by_role("button", name="Keep this one").click()
-    page.get_by_label("Cruise speed").fill("4")
-    page.get_by_label("Cruise speed").press("Tab")
-    cells = "[...document.querySelectorAll('[aria-label=\"Candidates\"] tbody tr:first-child td')]"
-    times = f"{cells}.map(cell => parseFloat(cell.textContent))"
-    until(page, f"({times}).length === 2 && ({times})[1] > ({times})[0]")  # slower takes longer
-    page.get_by_role("button", name="Take").click()
-    until(page, f"document.querySelector('textarea').value === {json.dumps(before)}")
-
-
-def test_a_flight_is_started_by_name_and_watched(page: Any) -> None:
-    proved(page)
-    page.locator("summary", has_text="Fly it").click()
-    page.get_by_label("So many times as fast").fill("150")
-    page.get_by_role("button", name="Upload").click()
-    page.get_by_role("button", name="Arm and start …").click()
-    dialog = page.get_by_role("dialog")
-    assert "built-in ardupilot, system 1" in dialog.inner_text()
-    start = dialog.get_by_role("button", name="Arm and start")
-    assert start.is_disabled()
-    dialog.locator("input").fill("meadow")
-    start.click()
-    page.get_by_text("flying for").wait_for()
-    page.get_by_text("✓ Landed").wait_for()
-    assert page.locator(".chart .flown").count() == 1
-
-
 def test_the_arrow_keys_move_what_is_focused(page: Any) -> None:
     page.locator("[data-spot=goal]").focus()
     page.keyboard.press("Shift+ArrowUp")
     until(page, "document.querySelector('textarea').value.includes('north = 10.0')")
 
 
-def test_a_map_is_dropped(page: Any, tmp_path: Path, address: tuple[str, Path]) -> None:
-    ring = [[8.5002, 47.2999], [8.5003, 47.2999], [8.5003, 47.30], [8.5002, 47.2999]]
-    file = tmp_path / "town.geojson"
-    shape = {"type": "Polygon", "coordinates": [ring]}
-    feature = {"type": "Feature", "properties": {"building": "yes", "height": "9"}, "geometry": shape}
-    file.write_text(json.dumps({"type": "FeatureCollection", "features": [feature]}))
-    page.locator("summary", has_text="Maps and missions").click()
-    page.locator("input[type=file]").set_input_files(file)
-    page.get_by_role("button", name="Buildings to fly round").click()
-    until(page, """document.querySelector('textarea').value.includes('file = "town.geojson"')""")
+def test_it_fits_a_telephone(page: Any) -> None:
+    page.set_viewport_size({"width": 390, "height": 844})
     proved(page)
-    assert (address[1].parent / "town.geojson").read_bytes() == file.read_bytes()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert page.locator(".map").bounding_box()["height"] > 250
+
+
+def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
+    proved(page)
+    page.emulate_media(media="print")
+    assert page.get_by_text("m required").first.is_visible()
+    assert page.locator(".bindings button").first.is_visible()
+    assert page.locator("th button", has_text="fastest").is_visible()
+    assert not page.get_by_role("button", name="Save").is_visible()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -234,19 +281,3 @@ def test_nothing_serious_is_wrong_for_who_sees_or_hears_otherwise(page: Any, sch
         if one["impact"] in ("serious", "critical")
     ]
     assert told == []
-
-
-def test_it_fits_a_telephone(page: Any) -> None:
-    page.set_viewport_size({"width": 390, "height": 844})
-    proved(page)
-    assert page.evaluate("document.documentElement.scrollWidth") <= 390
-    assert page.locator(".map").bounding_box()["height"] > 250
-
-
-def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
-    proved(page)
-    page.emulate_media(media="print")
-    assert page.get_by_text("m required").first.is_visible()
-    assert page.locator(".bindings button").first.is_visible()
-    assert page.locator("th button", has_text="fastest").is_visible()
-    assert not page.get_by_role("button", name="Save").is_visible()

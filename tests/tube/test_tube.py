@@ -24,6 +24,7 @@ from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
 from ipoa_mission.world.terrain import Flat
+from tests.quick_search import search_quickly
 
 PASSES = list(csv.DictReader((Path(__file__).parent / "passes.csv").read_text().splitlines()))
 SIDES = ("east", "north", "west", "south")
@@ -199,7 +200,10 @@ def test_a_spread_is_turned_round() -> None:
         assert PX4.level.distance(float(PX4.level.chance(np.array([distance]))[0])) == pytest.approx(distance)
 
 
-def test_wind_widens_the_tube_and_chooses_the_route(scenario_of: Callable[[], Scenario]) -> None:
+def test_wind_widens_the_tube_and_chooses_the_route(
+    scenario_of: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search_quickly(monkeypatch.setattr)
     calm, windy = law_of(Autopilot.ARDUPILOT), law_of(Autopilot.ARDUPILOT, 8.0)
     assert windy.level.distance(0.01) == pytest.approx(calm.level.distance(0.01) + 0.48)
     assert (windy.down.distance(0.01), windy.up.distance(0.01)) > (calm.down.distance(0.01), calm.up.distance(0.01))

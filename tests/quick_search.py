@@ -1,0 +1,19 @@
+"""Plans and routes that were looked for less hard than usual, for tests of what becomes of a plan."""
+
+from collections.abc import Callable
+from functools import partial
+
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
+from ipoa_mission.routing.candidates import RouteGrid
+from ipoa_mission.routing.fastest import RouteSearch
+
+QUICK = SearchStrategy(LatticeStrategy(nodes=20_000), straight_starts=1, lattice_starts=2, max_rounds=4, settled=1)
+FEW = RouteGrid(straight_shares=(1.0, 0.3), turn_radii=(0.0, 7.0), spline_shares=(0.4,), spline_spacings=(25.0,))
+
+
+def search_quickly(patch: Callable[..., None]) -> None:
+    """Have `plan_flight` and the command line look so; `patch`: `setattr` of a monkeypatch."""
+    patch("ipoa_mission.routing.seek.plan_path", partial(plan_path, strategy=QUICK))
+    patch("ipoa_mission.routing.candidates.GRID", FEW)
+    patch("ipoa_mission.routing.fastest.SEARCH", RouteSearch(starts=1, trials=20))
