@@ -182,6 +182,8 @@ def test_a_building_is_drawn_named_and_saved(own_page: Any, address: tuple[str, 
     until(own_page, "document.querySelector('textarea').value.split('[[obstacles]]').length === 4")  # it has come back
     field = own_page.locator("label", has_text="Name").locator("input")
     field.fill(name)
+    proved(own_page)  # an answer that comes meanwhile takes nothing of what is being typed
+    assert field.input_value() == name
     field.press("Tab")
     own_page.get_by_role("heading", name=name).wait_for()  # text, not markup
     assert own_page.locator("img").count() == 0

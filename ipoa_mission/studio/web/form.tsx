@@ -1,4 +1,5 @@
 // What can be changed by numbers: the thing that is chosen, and the flight's limits. A field says what it expects.
+import { useState } from "preact/hooks";
 import type { Scenario } from "./messages";
 import { nameOf, remove } from "./hands";
 import { edit, type Path, type Studio } from "./store";
@@ -47,8 +48,8 @@ export function Chosen({ now }: { now: Studio }) {
       <h2>{nameOf(path)}</h2>
       {kind === "obstacles" && (
         <label class="field"><span>Name</span>
-          <input type="text" value={String(table.name ?? "")} maxLength={60}
-            onChange={event => edit("name changed", { op: "put", path: [...path, "name"], value: event.currentTarget.value })} /></label>
+          <Typed type="text" value={String(table.name ?? "")} maxLength={60}
+            change={value => edit("name changed", { op: "put", path: [...path, "name"], value })} /></label>
       )}
       {sizes.filter(([key]) => key in table).map(([key, unit]) => (
         <NumberField key={key} field={{ path: [...path, key], label: key.replaceAll("_", " ").replace(" deg", ""), unit, step: key === "heading_deg" ? 5 : 1 }} now={now} />
@@ -71,6 +72,24 @@ export function Limits({ now }: { now: Studio }) {
   );
 }
 
+interface Typing {
+  type: "text" | "number";
+  value: string;
+  change: (text: string) => void;
+  step?: number | "any";
+  placeholder?: string;
+  maxLength?: number;
+}
+
+/** An input that keeps what is being typed when an answer arrives meanwhile. */
+function Typed({ type, value, change, ...rest }: Typing) {
+  const [draft, setDraft] = useState<string | null>(null);
+  const settle = (event: { currentTarget: HTMLInputElement }) => { setDraft(null); change(event.currentTarget.value); };
+  const keep = (event: { currentTarget: HTMLInputElement }) => setDraft(event.currentTarget.value);
+  const all = { ...rest, value: draft ?? value, onInput: keep, onChange: settle, onBlur: () => setDraft(null) };
+  return type === "number" ? <input type="number" {...all} /> : <input type="text" {...all} />;
+}
+
 function NumberField({ field, now }: { field: Field; now: Studio }) {
   const value = valueAt(now.document?.scenario, field.path);
   const change = (text: string) => {
@@ -80,8 +99,7 @@ function NumberField({ field, now }: { field: Field; now: Studio }) {
   };
   return (
     <label class="field"><span>{field.label}</span>
-      <input type="number" step={field.step ?? "any"} value={value === undefined ? "" : String(value)} placeholder={field.unset ?? ""}
-        onChange={event => change(event.currentTarget.value)} />
+      <Typed type="number" step={field.step ?? "any"} value={value === undefined ? "" : String(value)} placeholder={field.unset ?? ""} change={change} />
       <em>{field.unit ?? ""}</em></label>
   );
 }
