@@ -7,6 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pymavlink import mavutil
+from pyulog import ULog  # type: ignore[import-untyped]
+from scipy.spatial.transform import Rotation
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import EVERYONE, Codec
@@ -105,3 +108,33 @@ def test_a_telemetry_log_tells_each_battery_or_the_general_one(tmp_path: Path) -
     untold = SystemStatus(0, 0, 0, 12.0, 90), SystemStatus(0, 0, 0, 12.1, 90)
     with pytest.raises(MissionError, match="no current sensor"):
         with_messages(path, untold).measured.power()
+
+
+RECORDED = LOGS.parent / "learn"
+
+
+def test_px4s_attitude_is_that_of_its_quaternions_by_scipy() -> None:
+    flight = read_flights(RECORDED / "other_vehicle-0.ulg").flights[0]
+    (data,) = (d.data for d in ULog(str(RECORDED / "other_vehicle-0.ulg")).data_list if d.name == "vehicle_attitude")
+    turned = Rotation.from_quat(np.column_stack([data[f"q[{n}]"] for n in (1, 2, 3, 0)]))
+    angles = turned.as_euler("ZYX")[:, ::-1]
+    attitude = flight.measured.attitude
+    which = np.searchsorted(data["timestamp"] / 1e6 - flight.armed_s, attitude[:, 0] - 1e-6)
+    assert len(attitude) > 50
+    assert np.abs(attitude[:, 1:] - angles[which]).max() < 1e-5
+    with pytest.raises(MissionError, match="no current sensor"):  # its simulator has none
+        flight.measured.power()
+
+
+def test_copters_attitude_is_what_pymavlink_reads() -> None:
+    flight = read_flights(RECORDED / "other_vehicle-0.bin").flights[0]
+    log, degrees = mavutil.mavlink_connection(str(RECORDED / "other_vehicle-0.bin")), []
+    while (record := log.recv_match(type="ATT")) is not None:
+        degrees.append((record.TimeUS / 1e6 - flight.armed_s, record.Roll, record.Pitch, record.Yaw))
+    log.close()
+    expected = np.array(degrees)
+    attitude = flight.measured.attitude
+    assert len(attitude) > 100
+    nearest = np.abs(attitude[:, :1] - expected[:, 0]).argmin(axis=1)
+    assert np.abs(np.degrees(attitude[:, 1:]) - expected[nearest, 1:]).max() < 0.01
+    assert flight.measured.power()[:, 1].max() > 200.0
