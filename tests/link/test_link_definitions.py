@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.link import definitions
 from tools import REPOSITORY
 
@@ -50,3 +51,12 @@ def test_without_table_and_pymavlink_the_error_names_the_way_out(checkout: Path)
     neither = said(checkout, "without")
     assert neither.returncode == 1
     assert "no table of MAVLink's messages, and pymavlink is not installed; pip install pymavlink" in neither.stderr
+
+
+def test_a_table_that_is_not_there_is_pymavlinks_or_an_error_that_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    table = json.loads(json.dumps(definitions._table()))
+    monkeypatch.setattr(definitions, "TABLE", "nowhere.json")
+    assert json.loads(json.dumps(definitions._table())) == table
+    monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20", None)
+    with pytest.raises(MissionError, match="no table of MAVLink's messages, and pymavlink is not installed"):
+        definitions.rows()
