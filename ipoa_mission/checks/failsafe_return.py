@@ -3,7 +3,8 @@
 The vehicle flies on until it has braked, climbs to its return altitude and flies home straight, whatever stands there.
 For a short piece of the path all these ways together are three flat bodies: where it brakes, where it climbs, and the
 triangle to home. Their distance to obstacles is a bound; where it is too small, the ways from the piece's ends are
-proved. Over the ground ways are looked at from every few meters.
+proved. Over the ground ways are looked at from every few meters. PX4 flies back to where it was ordered home while it
+climbs: its ways begin at five places between there and where it stood.
 """
 
 import math
@@ -33,6 +34,7 @@ STANDS = 0.1  # [m/s]
 MOST_PIECES = 800  # that a path is cut into
 MOST_LOOKS = 200  # at the ground
 MOST_TRIES = 6  # return altitudes
+BACK = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares of the way back to where PX4 was ordered home, at which it may turn home
 BRAKES, CLIMBS, RETURNS = range(3)
 
 
@@ -125,7 +127,7 @@ class _Sheets:
                 first = piece * self._step
                 if (seq := int(self.stops.seqs[first])) not in settled:
                     ends = (first, min(first + self._step, len(self.ways) - 1))
-                    checks = (c for k in ends for c in prove(self._way(k, part), scenario).checks)
+                    checks = (c for k in ends for way in self._ways(k, part) for c in prove(way, scenario).checks)
                     worst = min((c for c in checks if c.limit == "obstacles"), key=lambda check: check.slack)
                     if worst.slack < -ROUNDING:
                         settled.add(seq)
@@ -139,13 +141,22 @@ class _Sheets:
         for seq in np.unique(seqs):
             some = looked_at[seqs == seq]
             for part in (BRAKES, RETURNS):
-                way = np.concatenate([self._way(k, part) for k in some])
+                way = np.concatenate([way for k in some for way in self._ways(k, part)])
                 for check in prove_heights(way, scenario):
                     if check.limit == "ground" and check.slack < -ROUNDING:
                         yield Broken(int(seq), part, check)
 
-    def _way(self, k: int, part: int) -> Points:
-        return np.stack((self.stops.places[k], self.stops.stands[k], *self.ways[k])[part : part + 2])
+    def _ways(self, k: int, part: int) -> list[Points]:
+        """The ways of one part on which it may be from place number `k`, each (2, 3)."""
+        place, stand = self.stops.places[k], self.stops.stands[k]
+        if part == BRAKES:
+            return [np.stack((place, stand))]
+        below_top = (stand, *self.ways[k])[part - 1 : part + 1]
+        back = np.array([*(place - stand)[:2], 0.0])
+        turns = BACK if self.comes_back else BACK[:1]
+        return [
+            np.stack((below_top[0] + t * back, below_top[1] + (t * back if part == CLIMBS else 0.0))) for t in turns
+        ]
 
     @property
     def _step(self) -> int:

@@ -128,3 +128,13 @@ def test_a_place_that_is_not_left_is_no_way() -> None:
     at = np.array([[100.0, 0.0, 20.0]] * 2)
     (broken,) = broken_returns(mission, scenario, Stops(at, at, np.array([4, 4])))
     assert (broken.seq, broken.part, broken.check.nearest.what) == (4, RETURNS, "hall")
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_ordered(autopilot: Autopilot) -> None:
+    """The hall is beside the way home from where the vehicle stands, and in that from halfway back."""
+    scenario = scene(autopilot, HALL)
+    mission, _ = flight_in(scenario)
+    places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
+    broken = list(broken_returns(mission, scenario, Stops(places, stands, np.array([4, 4]))))
+    assert [one.part for one in broken] == ([RETURNS] if autopilot is Autopilot.PX4 else [])
