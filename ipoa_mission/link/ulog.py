@@ -14,6 +14,7 @@ import numpy as np
 from ipoa_mission.autopilots.modes import px4_mode
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.logged import Fixes, Log, presence, version_name
@@ -95,11 +96,7 @@ def _open(path: Path) -> Any:
 
 def _expect_definitions(path: Path) -> None:
     """Refuse a log whose definitions are spoiled: pyulog looks for their end without one."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
-    at = HEADER
+    data, at = read_bytes(path), HEADER
     while at + MESSAGE.size <= len(data):
         size, kind = MESSAGE.unpack_from(data, at)
         if kind in BEGINS_DATA:
