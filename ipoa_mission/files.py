@@ -80,6 +80,19 @@ def read_text(path: Path) -> str:
         ) from error
 
 
+def read_bytes(path: Path, most: int = -1) -> bytes:
+    """The bytes of a file that a user named; so many at most, if that is not negative.
+
+    Raises:
+        BadInput: the file is not there, or is no file.
+    """
+    try:
+        with path.open("rb") as file:
+            return file.read(most)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+
+
 def _read_pipe(path: Path) -> bytes:
     """What is written into a pipe, to its end, if a writer begins soon."""
     pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)

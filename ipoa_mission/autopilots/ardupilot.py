@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from ipoa_mission.autopilots.renamed import by_old_names
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import GRAVITY
 
 ARMING_DELAY_S = 2.0  # motors stand still for so long after arming, whatever the mode
 LIFT_S = 0.2  # from motors at full spin until the thrust carries the vehicle
@@ -125,13 +126,12 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
     for name in POSITIVE:
         if not p[name] > 0:
             raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")
-    gravity = 9.80665
     turning = math.radians(min(p["ATC_RATE_R_MAX"], p["ATC_RATE_P_MAX"]))
-    jerk = min(p["WPNAV_JERK"], turning * gravity) if turning > 0 else p["WPNAV_JERK"]
+    jerk = min(p["WPNAV_JERK"], turning * GRAVITY) if turning > 0 else p["WPNAV_JERK"]
     snap = jerk * math.pi / (2 * max(p["ATC_INPUT_TC"], 0.1))
     spinning = math.radians(min(p["ATC_ACCEL_R_MAX"], p["ATC_ACCEL_P_MAX"]) / 100)
     if spinning > 0:
-        snap = min(snap, spinning * gravity)
+        snap = min(snap, spinning * GRAVITY)
     lean_deg = p["PSC_ANGLE_MAX"] if p["PSC_ANGLE_MAX"] > 0 else p["ANGLE_MAX"] / 100
     accel, descent = p["WPNAV_ACCEL"] / 100, p["WPNAV_SPEED_DN"] / 100
     return CopterLimits(

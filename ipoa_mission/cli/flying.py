@@ -18,7 +18,7 @@ from ipoa_mission.cli.options import (
     or_packed,
 )
 from ipoa_mission.cli.overwriting import expect_folder, make_folder
-from ipoa_mission.cli.telling import progress_bar, tell
+from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import connect_to, states_firmware
 from ipoa_mission.errors import BadInput
 
@@ -158,13 +158,11 @@ def _expect_sent(nak_at: int | None, mission: "Mission") -> None:
 
 def _write(flight: "Flight", folder: Path, as_json: bool) -> list[Path]:
     """Write the files of a flight that was planned here, and tell of it."""
-    from ipoa_mission.cli.summary import describe, tell_routes
+    from ipoa_mission.cli.summary import tell_planned
 
     written = [*flight.write(folder)]
     if not as_json:
-        tell(*describe(flight))
-        tell_routes(flight)
-        tell(f"written: {', '.join(map(str, written))}")
+        tell_planned(flight, written)
     return written
 
 

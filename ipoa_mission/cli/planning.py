@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, ReportOption, ScenarioArgument
-from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.cli.telling import tell_json
 
 
 def plan(
@@ -25,7 +25,7 @@ def plan(
     from ipoa_mission.cli.job import adapt_scenario
     from ipoa_mission.cli.job import plan as plan_it
     from ipoa_mission.cli.overwriting import expect_folder, expect_free
-    from ipoa_mission.cli.summary import describe, tell_routes
+    from ipoa_mission.cli.summary import tell_planned
     from ipoa_mission.flight.written import not_as_written
 
     expect_folder(out)
@@ -40,9 +40,7 @@ def plan(
     if as_json:
         tell_json(flight.summary() | {"written": [str(file) for file in files]})
     else:
-        tell(*describe(flight))
-        tell_routes(flight)
-        tell(f"written: {', '.join(map(str, files))}")
+        tell_planned(flight, files)
 
 
 def schema() -> None:

@@ -1,8 +1,18 @@
 """What a planned flight is like, in a few lines for a human."""
 
+from collections.abc import Iterable
+from pathlib import Path
+
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.tube.promise import Promise
+
+
+def tell_planned(flight: Flight, written: Iterable[Path]) -> None:
+    """Print what was planned, how else it could be flown, and the files written."""
+    tell(*describe(flight))
+    tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
+    tell(*ROUTE_WORDS, "", f"written: {', '.join(map(str, written))}")
 
 
 def describe(flight: Flight) -> list[str]:
@@ -32,12 +42,6 @@ ROUTE_WORDS = (
     "at limits: flown along the curve itself at the vehicle's limits of speed and acceleration",
     "clear: the clearance is kept by the path that this autopilot is predicted to fly",
 )
-
-
-def tell_routes(flight: Flight) -> None:
-    """Print the table of routes, and what its words mean."""
-    tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
-    tell(*ROUTE_WORDS, "")
 
 
 def route_rows(flight: Flight) -> list[tuple[str, ...]]:

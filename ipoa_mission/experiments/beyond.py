@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.cec2022 import FUNCTIONS
 from ipoa_mission.experiments.maps import MAPS
-from ipoa_mission.experiments.paper import FLOOR, errors, mean_log_error, off_the_print
-from ipoa_mission.experiments.paper_maps import of_map
-from ipoa_mission.experiments.rows import Row, runs_of, settings_text
+from ipoa_mission.experiments.paper import FLOOR, mean_log_error, off_the_print
+from ipoa_mission.experiments.paper_maps import mean_over_maps
+from ipoa_mission.experiments.rows import Row, mean_evaluations, results, runs_of, settings_text
 from ipoa_mission.experiments.series import ABLATION, BEYOND, EQUAL
-from ipoa_mission.experiments.statistics import Samples, places, ranking, told_apart
+from ipoa_mission.experiments.statistics import Samples, against, counted, places, ranking, told_apart
 from ipoa_mission.experiments.tables import Table, number
 
 OURS = BEYOND[0]
@@ -24,38 +24,29 @@ OURS = BEYOND[0]
 def table_equal(rows: Sequence[Row]) -> Table:
     """The six at the same number of evaluations: what is left of the places when nobody is given more."""
     settings = {name: settings_text(**wanted) for name, wanted in EQUAL.items()}
-    means = np.array([[errors(rows, f, name, settings[name]).mean() for name in EQUAL] for f in FUNCTIONS])
+
+    def of(name: str, function: str) -> NDArray[np.float64]:
+        return results(rows, function, name, settings=settings[name])
+
+    means = np.array([[of(name, f).mean() for name in EQUAL] for f in FUNCTIONS])
     scores = [mean_log_error(rows, name, settings[name]) for name in EQUAL]
-    spent = [np.mean([row.evaluations for row in rows if row.trial.algorithm == name]) for name in EQUAL]
-    signs = {
-        rival: told_apart(
-            [(errors(rows, f, "ipoa", settings["ipoa"]), errors(rows, f, rival, settings[rival])) for f in FUNCTIONS]
-        )
-        for rival in EQUAL
-        if rival != "ipoa"
-    }
+    signs = _each_told_apart(of, "ipoa", [name for name in EQUAL if name != "ipoa"], FUNCTIONS)
     return Table(
         f"The six at equal budget: mean error (place), CEC2022, D = 20, 90,060 evaluations, {runs_of(rows)} runs.",
         ["", *(name.upper() for name in EQUAL)],
         [*_with_places(FUNCTIONS, means), ["mean log10", *(f"**{score:.2f}**" for score in scores)]],
         [
             "Iterations are set so that each spends the budget; mean evaluations: "
-            + ", ".join(f"{name.upper()} {n:,.0f}" for name, n in zip(EQUAL, spent, strict=True))
+            + ", ".join(f"{name.upper()} {mean_evaluations(rows, name):,.0f}" for name in EQUAL)
             + ".",
             f"Mean rank: {ranking(list(EQUAL), means)}.",
-            "IPOA better / not told apart / worse (rank-sum, Holm over the twelve functions, 0.05): "
-            + "; ".join(f"than {rival.upper()} {_counted(outcomes)}" for rival, outcomes in signs.items())
-            + ".",
+            _sentence("IPOA", {rival.upper(): outcomes for rival, outcomes in signs.items()}, "twelve functions"),
         ],
     )
 
 
 def table_ablation(rows: Sequence[Row]) -> Table:
     """IPOA on CEC2022 with each strategy off and each other reading, one at a time."""
-
-    def of(settings: str, function: str) -> NDArray[np.float64]:
-        return errors(rows, function, "ipoa", settings)
-
     return Table(
         f"Ablation and readings: IPOA on CEC2022, D = 20, {runs_of(rows)} runs.",
         ["", "mean log10 error", "off the print", "better / same / worse than the first", *FUNCTIONS],
@@ -64,7 +55,7 @@ def table_ablation(rows: Sequence[Row]) -> Table:
                 label,
                 f"{mean_log_error(rows, 'ipoa', settings_text(**wanted)):.2f}",
                 f"{off_the_print(rows, settings=settings_text(**wanted)):.2f}",
-                *_against_the_first(of, wanted, FUNCTIONS),
+                *_against_the_first(rows, wanted, FUNCTIONS),
             ]
             for label, wanted in ABLATION.items()
         ],
@@ -78,22 +69,15 @@ def table_ablation(rows: Sequence[Row]) -> Table:
 
 def table_maps_ablation(rows: Sequence[Row]) -> Table:
     """The same on the maps, by cost."""
-
-    def of(settings: str, case: str) -> NDArray[np.float64]:
-        return of_map(rows, case, "ipoa", None, settings)
-
-    def feasible(settings: str) -> float:
-        return float(np.mean([of_map(rows, case, "ipoa", "feasible", settings).mean() for case in MAPS]))
-
     return Table(
         f"Ablation and readings on the maps: mean cost of IPOA, {runs_of(rows)} runs, absolute coordinates.",
         ["", "mean cost", "collision-free", "better / same / worse than the first", *MAPS],
         [
             [
                 label,
-                f"{np.mean([of(settings_text(**wanted), case).mean() for case in MAPS]):.1f}",
-                f"{feasible(settings_text(**wanted)):.0%}",
-                *_against_the_first(of, wanted, list(MAPS)),
+                f"{mean_over_maps(rows, 'ipoa', settings=settings_text(**wanted)):.1f}",
+                f"{mean_over_maps(rows, 'ipoa', 'feasible', settings_text(**wanted)):.0%}",
+                *_against_the_first(rows, wanted, list(MAPS)),
             ]
             for label, wanted in ABLATION.items()
         ],
@@ -101,21 +85,21 @@ def table_maps_ablation(rows: Sequence[Row]) -> Table:
     )
 
 
-def _against_the_first(
-    of: Callable[[str, str], NDArray[np.float64]], wanted: dict[str, object], cases: Sequence[str]
-) -> list[str]:
-    """On how many cases the setting is better, the same and worse than the default; then its mean on each."""
-    settings, first = settings_text(**wanted), settings_text()
-    signs = told_apart([(of(settings, case), of(first, case)) for case in cases])
-    return [_counted(signs) if wanted else "-", *(number(of(settings, case).mean()) for case in cases)]
+def _against_the_first(rows: Sequence[Row], wanted: dict[str, object], cases: Sequence[str]) -> list[str]:
+    """On how many cases IPOA so set is better, the same and worse than by default; then its mean on each."""
+    ours, first = (
+        [results(rows, case, "ipoa", settings=settings) for case in cases]
+        for settings in (settings_text(**wanted), settings_text())
+    )
+    signs = told_apart(list(zip(ours, first, strict=True)))
+    return [counted(signs) if wanted else "-", *(number(costs.mean()) for costs in ours)]
 
 
 def table_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
     """Mean error of the rivals beyond the paper, beside the paper's six."""
     everyone = [*rows, *paper]
     names = [*BEYOND, *published.ALGORITHMS]
-
-    means = np.array([[errors(everyone, f, name).mean() for name in names] for f in FUNCTIONS])
+    means = np.array([[results(everyone, f, name).mean() for name in names] for f in FUNCTIONS])
     return Table(
         "Beyond the paper: CEC2022, D = 20.",
         ["", *names],
@@ -128,7 +112,7 @@ def table_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
             f"1e-8, averaged over the functions. The first {len(BEYOND)} spent 90,060 evaluations a run, the paper's "
             "six what N = 30 and T = 1000 gives them.",
             f"Mean rank: {ranking(names, np.maximum(means, FLOOR), OURS)}.",
-            _sentence(ours_against(rows, paper), len(FUNCTIONS)),
+            _sentence(OURS, ours_against(rows, paper), f"{len(FUNCTIONS)}"),
         ],
     )
 
@@ -137,42 +121,44 @@ def table_maps_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
     """Mean cost on each map: rivals beyond the paper beside the paper's six."""
     everyone = [*rows, *paper]
     names = [*BEYOND, *published.ALGORITHMS]
-    means = np.array([[of_map(everyone, case, name).mean() for name in names] for case in MAPS])
-    feasible = [np.mean([of_map(everyone, case, name, "feasible").mean() for case in MAPS]) for name in names]
+    means = np.array([[results(everyone, case, name).mean() for name in names] for case in MAPS])
+    feasible = [mean_over_maps(everyone, name, "feasible") for name in names]
     return Table(
         f"Beyond the paper, on the maps: mean cost (place), {runs_of(rows)} runs, absolute coordinates.",
         ["map", *names],
         [*_with_places(list(MAPS), means), ["collision-free", *(f"{share:.0%}" for share in feasible)]],
-        [f"Mean rank: {ranking(names, means, OURS)}.", _sentence(ours_against_on_maps(everyone), len(MAPS))],
+        [f"Mean rank: {ranking(names, means, OURS)}.", _sentence(OURS, ours_against_on_maps(everyone), f"{len(MAPS)}")],
     )
 
 
 def ours_against(rows: Sequence[Row], paper: Sequence[Row]) -> dict[str, list[str]]:
     """For each rival, function by function: is our variant told to be better (+), worse (-), or neither (=)?"""
     everyone = [*rows, *paper]
-    return _ours_against(lambda name, function: np.maximum(errors(everyone, function, name), FLOOR), FUNCTIONS)
+
+    def of(name: str, function: str) -> NDArray[np.float64]:
+        return np.maximum(results(everyone, function, name), FLOOR)
+
+    return _each_told_apart(of, OURS, (*BEYOND[1:], "ipoa"), FUNCTIONS)
 
 
 def ours_against_on_maps(rows: Sequence[Row]) -> dict[str, list[str]]:
     """The same by cost on the maps; `rows` are those of the paper's six and of the rivals."""
-    return _ours_against(lambda name, case: of_map(rows, case, name), list(MAPS))
+    return _each_told_apart(lambda name, case: results(rows, case, name), OURS, (*BEYOND[1:], "ipoa"), list(MAPS))
 
 
-def _ours_against(of: Callable[[str, str], Samples], cases: Sequence[str]) -> dict[str, list[str]]:
-    rivals = (*BEYOND[1:], "ipoa")
-    return {rival: told_apart([(of(OURS, case), of(rival, case)) for case in cases]) for rival in rivals}
+def _each_told_apart(
+    of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
+) -> dict[str, list[str]]:
+    """As `against`, but Holm's correction is over the cases of one rival."""
+    return {rival: against(of, ours, [rival], cases)[rival] for rival in rivals}
 
 
-def _sentence(signs: dict[str, list[str]], cases: int) -> str:
+def _sentence(ours: str, signs: dict[str, list[str]], over: str) -> str:
     return (
-        f"{OURS} better / not told apart / worse (rank-sum, Holm over the {cases}, 0.05): "
-        + "; ".join(f"than {rival} {_counted(outcomes)}" for rival, outcomes in signs.items())
+        f"{ours} better / not told apart / worse (rank-sum, Holm over the {over}, 0.05): "
+        + "; ".join(f"than {rival} {counted(outcomes)}" for rival, outcomes in signs.items())
         + "."
     )
-
-
-def _counted(signs: Sequence[str]) -> str:
-    return f"{signs.count('+')} / {signs.count('=')} / {signs.count('-')}"
 
 
 def _with_places(labels: Sequence[str], means: NDArray[np.float64]) -> list[list[str]]:

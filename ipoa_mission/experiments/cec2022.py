@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.experiments.problem import Problem
 from ipoa_mission.optimize.search import Box, Candidates, Costs
 
@@ -26,15 +26,9 @@ def cec2022(function: str, dimension: int) -> Problem:
         raise BadInput(f"function: expected f1 to f12, not {function!r}")
     if dimension not in DIMENSIONS:
         raise BadInput(f"dimension: expected 10 or 20, not {dimension}")
-    try:
-        from minionpy.cec import CEC2022Functions
-    except ImportError as error:
-        raise MissionError(
-            "the CEC2022 functions need minionpy, which is not installed",
-            hint='pip install "ipoa-mission[experiments]"',
-        ) from error
+    cec = imported("minionpy.cec", "the CEC2022 functions need minionpy, which is not installed", "experiments")
     number = FUNCTIONS.index(function)
-    raw = CEC2022Functions(number + 1, dimension)
+    raw = cec.CEC2022Functions(number + 1, dimension)
 
     def error_of(candidates: Candidates) -> Costs:
         return np.asarray(raw(candidates), dtype=np.float64) - OPTIMA[number]

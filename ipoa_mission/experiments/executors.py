@@ -5,9 +5,8 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from typing import Any
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, MissionError, imported
 
 
 @contextmanager
@@ -31,18 +30,12 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
                 "a process that ran trials was killed", hint="by lack of memory, perhaps; the same command goes on"
             ) from error
         return
-    try:
-        import distributed
-    except ImportError as error:
-        raise MissionError(
-            "an executor on a cluster needs Dask distributed, which is not installed",
-            hint='pip install "ipoa-mission[cluster]"',
-        ) from error
+    needed = "an executor on a cluster needs Dask distributed, which is not installed"
+    distributed = imported("distributed", needed, "cluster")
     if "://" not in address:
         raise BadInput(f"executor: expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}")
     try:
-        connect: Any = distributed.Client
-        client = connect(address, timeout=patience_s, set_as_default=False)
+        client = distributed.Client(address, timeout=patience_s, set_as_default=False)
     except ValueError as error:
         raise BadInput(f"executor: expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}") from error
     except OSError as error:

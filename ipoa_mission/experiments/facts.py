@@ -17,7 +17,6 @@ from ipoa_mission.experiments.maps import MAPS
 from ipoa_mission.experiments.paper import (
     contradictions,
     dimension_of_the_print,
-    errors,
     firsts,
     ipoa_against,
     mean_log_error,
@@ -27,7 +26,7 @@ from ipoa_mission.experiments.paper import (
 )
 from ipoa_mission.experiments.paper_maps import mean_over_maps, on_length, table_improvements
 from ipoa_mission.experiments.published import ALGORITHMS
-from ipoa_mission.experiments.rows import Row, Rows, settings_text
+from ipoa_mission.experiments.rows import Row, Rows, mean_evaluations, results, settings_text
 from ipoa_mission.experiments.runs import CHECKPOINTS
 from ipoa_mission.experiments.series import (
     BEYOND,
@@ -103,7 +102,7 @@ def _on_functions(rows: Sequence[Row], equal: Sequence[Row]) -> Facts:
     every = [sign for outcomes in against.values() for sign in outcomes]
     score = {name: mean_log_error(rows, name) for name in ALGORITHMS}
     alike = {name: mean_log_error(equal, name, settings_text(**wanted)) for name, wanted in EQUAL.items()}
-    spent = {name: np.mean([row.evaluations for row in rows if row.trial.algorithm == name]) for name in ALGORITHMS}
+    spent = {name: mean_evaluations(rows, name) for name in ALGORITHMS}
     return {
         "score_ipoa": score["ipoa"],
         "score_poa": score["poa"],
@@ -112,7 +111,7 @@ def _on_functions(rows: Sequence[Row], equal: Sequence[Row]) -> Facts:
         "equal_ipoa": alike["ipoa"],
         "equal_poa": alike["poa"],
         "equal_scores": ", ".join(f"{n.upper()} {s:.2f}" for n, s in sorted(alike.items(), key=lambda pair: pair[1])),
-        "evaluations_of_a_rival": float(spent["ipoa"] / min(spent.values())),
+        "evaluations_of_a_rival": spent["ipoa"] / min(spent.values()),
         "better_than_poa": against["poa"].count("+"),
         "worse_than_poa": against["poa"].count("-"),
         "wins": every.count("+"),
@@ -129,7 +128,7 @@ def _of_the_print(rows: Sequence[Row]) -> Facts:
     apart = {name: off_the_print(rows, name) for name in ALGORITHMS}
     met = [name.upper() for name, value in apart.items() if value < np.log(1.25)]
     return {
-        "first_means": sum(places([errors(rows, f, a).mean() for a in ALGORITHMS])[0] == 1 for f in FUNCTIONS),
+        "first_means": sum(places([results(rows, f, a).mean() for a in ALGORITHMS])[0] == 1 for f in FUNCTIONS),
         "printed_first_means": sum(places(published.TABLE_3[f]["mean"])[0] == 1 for f in FUNCTIONS),
         "firsts": firsts(rows),
         "printed_firsts": printed_firsts(),
@@ -160,9 +159,9 @@ def _of_the_text() -> Facts:
 
 
 def _at_ten_dimensions(rows: Sequence[Row], rows_10: Sequence[Row]) -> Facts:
-    lowest = [f for f in FUNCTIONS if places([np.median(errors(rows_10, f, a)) for a in ALGORITHMS])[0] == 1]
+    lowest = [f for f in FUNCTIONS if places([np.median(results(rows_10, f, a)) for a in ALGORITHMS])[0] == 1]
     narrowest = [f for f in FUNCTIONS if places([_box(rows_10, f, a) for a in ALGORITHMS])[0] == 1]
-    at_20, at_10 = (float(errors(some, "f4", "poa").mean() + 800) for some in (rows, rows_10))
+    at_20, at_10 = (float(results(some, "f4", "poa").mean() + 800) for some in (rows, rows_10))
     return {
         "lowest_medians": len(lowest),
         "functions_of_lowest_median": ", ".join(lowest) or "none",
@@ -175,7 +174,7 @@ def _at_ten_dimensions(rows: Sequence[Row], rows_10: Sequence[Row]) -> Facts:
 
 def _box(rows: Sequence[Row], function: str, name: str) -> float:
     """The length of the box in a box plot: from the first quartile to the third."""
-    return float(np.subtract(*np.percentile(errors(rows, function, name), [75, 25])))
+    return float(np.subtract(*np.percentile(results(rows, function, name), [75, 25])))
 
 
 def _of_strategies_and_readings(rows: Sequence[Row]) -> Facts:
@@ -198,7 +197,7 @@ def _of_strategies_and_readings(rows: Sequence[Row]) -> Facts:
 def _beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Facts:
     score = {name: mean_log_error(rows, name) for name in BEYOND}
     cmaes = ours_against(rows, paper)["rcmaes"]
-    pairs = [(errors(rows, f, OURS).mean(), errors(rows, f, "rcmaes").mean()) for f in FUNCTIONS]
+    pairs = [(results(rows, f, OURS).mean(), results(rows, f, "rcmaes").mean()) for f in FUNCTIONS]
     return {
         "ours": OURS,
         "score_ours": score[OURS],

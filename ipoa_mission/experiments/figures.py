@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.experiments.paper import errors
 from ipoa_mission.experiments.published import ALGORITHMS
-from ipoa_mission.experiments.rows import Row
+from ipoa_mission.experiments.rows import Row, results
 from ipoa_mission.experiments.runs import CHECKPOINTS
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
 from ipoa_mission.planning.spline import Spline
@@ -86,7 +85,7 @@ def figure_8(rows: Sequence[Row]) -> str:
     """Box plots of the cost at D = 10."""
     figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
-        samples = [errors(rows, function, name) + optimum for name in ALGORITHMS]
+        samples = [results(rows, function, name) + optimum for name in ALGORITHMS]
         boxes = axes.boxplot(samples, patch_artist=True, flierprops={"markersize": 2}, medianprops={"color": "black"})
         for box, name in zip(boxes["boxes"], ALGORITHMS, strict=True):
             box.set_facecolor(COLORS[name])

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.experiments.rows import Row, runs_of
-from ipoa_mission.experiments.statistics import holm, places, rank_sum, ranking, told_apart
+from ipoa_mission.experiments.rows import Row, mean_evaluations, results, runs_of
+from ipoa_mission.experiments.statistics import against, holm, places, rank_sum, ranking
 from ipoa_mission.experiments.tables import Table, beside_print, factor, number
 
 FLOOR = 1e-8  # errors below it count as it, as the CEC competitions have it
@@ -19,19 +19,9 @@ _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {
 }
 
 
-def errors(rows: Sequence[Row], function: str, algorithm: str, settings: str = "{}") -> NDArray[np.float64]:
-    """Cost less the optimum of every run, in the order of the runs."""
-    costs = [
-        (row.trial.run, row.cost)
-        for row in rows
-        if (row.trial.case, row.trial.algorithm, row.trial.settings) == (function, algorithm, settings)
-    ]
-    return np.array([cost for _, cost in sorted(costs)])
-
-
 def mean_log_error(rows: Sequence[Row], algorithm: str, settings: str = "{}") -> float:
     """log10 of the mean error, averaged over the twelve functions: how near the optimum a method comes."""
-    means = [max(errors(rows, function, algorithm, settings).mean(), FLOOR) for function in FUNCTIONS]
+    means = [max(results(rows, function, algorithm, settings=settings).mean(), FLOOR) for function in FUNCTIONS]
     return float(np.mean(np.log10(means)))
 
 
@@ -39,7 +29,7 @@ def off_the_print(rows: Sequence[Row], algorithm: str = "ipoa", settings: str = 
     """Mean of |ln(our mean error / the printed one)| over the functions: 0 is a match, 0.69 a factor of two."""
     k = published.ALGORITHMS.index(algorithm)
     ratios = [
-        errors(rows, f, algorithm, settings).mean() / (published.TABLE_3[f]["mean"][k] - optimum)
+        results(rows, f, algorithm, settings=settings).mean() / (published.TABLE_3[f]["mean"][k] - optimum)
         for f, optimum in zip(FUNCTIONS, OPTIMA, strict=True)
     ]
     return float(np.mean(np.abs(np.log(ratios))))
@@ -48,7 +38,7 @@ def off_the_print(rows: Sequence[Row], algorithm: str = "ipoa", settings: str = 
 def firsts(rows: Sequence[Row]) -> int:
     """In how many of the 36 bests, means and SDs IPOA is first."""
     return sum(
-        places([of(errors(rows, f, name)) for name in published.ALGORITHMS])[0] == 1
+        places([of(results(rows, f, name)) for name in published.ALGORITHMS])[0] == 1
         for f in FUNCTIONS
         for of in _METRICS.values()
     )
@@ -63,14 +53,14 @@ def table_3(rows: Sequence[Row]) -> Table:
     """Best, mean and SD on CEC2022 at D = 20: ours and its place, the printed value and its place, their ratio."""
     lines = []
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
-        costs = [errors(rows, function, name) + optimum for name in published.ALGORITHMS]
+        costs = [results(rows, function, name) + optimum for name in published.ALGORITHMS]
         for metric, of in _METRICS.items():
             ours, theirs = [of(sample) for sample in costs], published.TABLE_3[function][metric]
             least = 0.0 if metric == "sd" else optimum
             ratios = (factor(o - least, t - least) for o, t in zip(ours, theirs, strict=True))
             cells = beside_print(ours, theirs, (number, number))
             lines.append([function, metric, *(" · ".join(both) for both in zip(cells, ratios, strict=True))])
-    means = np.array([[errors(rows, f, name).mean() for name in published.ALGORITHMS] for f in FUNCTIONS])
+    means = np.array([[results(rows, f, name).mean() for name in published.ALGORITHMS] for f in FUNCTIONS])
     printed_means = np.array([published.TABLE_3[f]["mean"] for f in FUNCTIONS])
     return Table(
         f"Table 3. CEC2022, D = 20, {runs_of(rows)} runs. Each cell: ours (place) · printed (place) · "
@@ -85,10 +75,7 @@ def table_3(rows: Sequence[Row]) -> Table:
             "have an SD above √30 times their mean less their least, here "
             f"{widest_sd(published.TABLE_3['f7'], 2):.0f}. The print's own place for it, 4, suits 28.35.",
             "Mean evaluations of a run: "
-            + ", ".join(
-                f"{name.upper()} {np.mean([r.evaluations for r in rows if r.trial.algorithm == name]):,.0f}"
-                for name in published.ALGORITHMS
-            )
+            + ", ".join(f"{name.upper()} {mean_evaluations(rows, name):,.0f}" for name in published.ALGORITHMS)
             + ". MPOA is inferred, see its module.",
         ],
     )
@@ -102,7 +89,7 @@ def widest_sd(printed: dict[str, published.Numbers], k: int) -> float:
 def table_4(rows: Sequence[Row]) -> Table:
     """Rank-sum tests of IPOA against each rival: ours, corrected by Holm over all sixty, and the printed p."""
     rivals = published.RIVALS_OF_TABLE_4
-    raw = [rank_sum(ipoa, other) for rival in rivals for ipoa, other in _pairs(rows, rival)]
+    raw = [rank_sum(results(rows, f, "ipoa"), results(rows, f, rival)) for rival in rivals for f in FUNCTIONS]
     signs = [sign for outcomes in ipoa_against(rows).values() for sign in outcomes]
     cells = [f"{p:.2g}, Holm {q:.2g} ({sign})" for p, q, sign in zip(raw, holm(raw), signs, strict=True)]
     columns = [cells[k : k + len(FUNCTIONS)] for k in range(0, len(cells), len(FUNCTIONS))]
@@ -125,14 +112,7 @@ def table_4(rows: Sequence[Row]) -> Table:
 
 def ipoa_against(rows: Sequence[Row]) -> dict[str, list[str]]:
     """For each rival of Table 4, function by function: is IPOA told to be better (+), worse (-), or neither (=)?"""
-    rivals = published.RIVALS_OF_TABLE_4
-    signs = iter(told_apart([pair for rival in rivals for pair in _pairs(rows, rival)]))
-    return {rival: [next(signs) for _ in FUNCTIONS] for rival in rivals}
-
-
-def _pairs(rows: Sequence[Row], rival: str) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """IPOA's errors and the rival's, function by function."""
-    return [(errors(rows, f, "ipoa"), errors(rows, f, rival)) for f in FUNCTIONS]
+    return against(lambda name, f: results(rows, f, name), "ipoa", published.RIVALS_OF_TABLE_4, FUNCTIONS)
 
 
 def contradictions() -> Table:
@@ -187,7 +167,7 @@ def dimension_of_the_print(rows_20: Sequence[Row], rows_10: Sequence[Row]) -> Ta
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         printed = np.array(published.TABLE_3[function]["mean"]) - optimum
         ours = {
-            d: np.array([max(errors(rows, function, name).mean(), FLOOR) for name in published.ALGORITHMS])
+            d: np.array([max(results(rows, function, name).mean(), FLOOR) for name in published.ALGORITHMS])
             for d, rows in ((20, rows_20), (10, rows_10))
         }
         off = {d: float(np.mean(np.abs(np.log(o / printed)))) for d, o in ours.items()}

@@ -6,39 +6,32 @@ The paper does not publish its maps, so no number can agree; what can be compare
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipoa_mission.experiments import published
 from ipoa_mission.experiments.maps import MAPS, WEIGHTS
-from ipoa_mission.experiments.rows import Row, runs_of
-from ipoa_mission.experiments.statistics import places, ranking, told_apart
+from ipoa_mission.experiments.rows import Row, results, runs_of
+from ipoa_mission.experiments.statistics import against, counted, places, ranking
 from ipoa_mission.experiments.tables import Table, beside_print, number, per_cent
 
 _MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
 
 
-def of_map(
-    rows: Sequence[Row], case: str, algorithm: str, measure: str | None = None, settings: str = "{}"
-) -> NDArray[np.float64]:
-    """The cost of every run on a map, or one of its measures, in the order of the runs."""
-    values = []
-    for row in rows:
-        if (row.trial.case, row.trial.algorithm, row.trial.settings) == (case, algorithm, settings):
-            value = row.cost if measure is None else row.measures[measure]
-            values.append((row.trial.run, value))
-    return np.array([value for _, value in sorted(values)], dtype=np.float64)
-
-
-def mean_over_maps(rows: Sequence[Row], algorithm: str, measure: str | None = None) -> float:
+def mean_over_maps(
+    rows: Sequence[Row],
+    algorithm: str,
+    measure: str | None = None,
+    settings: str = "{}",
+    cases: Sequence[str] = tuple(MAPS),
+) -> float:
     """Mean over the maps of the mean over the runs, of the cost or of a measure."""
-    return float(np.mean([of_map(rows, case, algorithm, measure).mean() for case in MAPS]))
+    return float(np.mean([results(rows, case, algorithm, measure, settings).mean() for case in cases]))
 
 
 def table_5(rows: Sequence[Row]) -> Table:
     """Best, mean and SD of the cost under three sets of weights, ours and printed, each with its place."""
     lines = []
     for experiment, weights in WEIGHTS.items():
-        costs = [of_map(rows, f"map-8-1/{experiment}", name) for name in published.ALGORITHMS]
+        costs = [results(rows, f"map-8-1/{experiment}", name) for name in published.ALGORITHMS]
         for metric, of in (("best", np.min), ("mean", np.mean), ("sd", lambda c: np.std(c, ddof=min(1, len(c) - 1)))):
             ours, theirs = [float(of(c)) for c in costs], published.TABLE_5[experiment][metric]
             cells = beside_print(ours, theirs, (number, number))
@@ -69,25 +62,22 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
     lines = []
     for case, printed in maps.values():
         for measure, label in _MEASURES.items():
-            ours = [float(of_map(rows, case, name, measure).mean()) for name in published.ALGORITHMS]
+            ours = [float(results(rows, case, name, measure).mean()) for name in published.ALGORITHMS]
             lines.append([case, label, *beside_print(ours, printed[measure], ("{:.1f}".format, "{:g}".format))])
-        feasible = [of_map(rows, case, name, "feasible").mean() for name in published.ALGORITHMS]
+        feasible = [results(rows, case, name, "feasible").mean() for name in published.ALGORITHMS]
         lines.append([case, "collision-free", *(f"{share:.0%}" for share in feasible)])
     cases = [case for case, _ in maps.values()]
-    smooth = [of_map(rows, case, name, "turn_smooth").mean() for case in cases for name in published.ALGORITHMS]
-    length = {name: np.mean([of_map(rows, c, name, "distance").mean() for c in cases]) for name in published.ALGORITHMS}
+    smooth = [results(rows, case, name, "turn_smooth").mean() for case in cases for name in published.ALGORITHMS]
+    length = {name: mean_over_maps(rows, name, "distance", cases=cases) for name in published.ALGORITHMS}
     printed_length = dict(
         zip(published.ALGORITHMS, np.mean([p["distance"] for _, p in maps.values()], axis=0), strict=True)
     )
     gains = ", ".join(
-        f"{name.upper()} {per_cent(float(length['ipoa']), float(length[name]))} "
+        f"{name.upper()} {per_cent(length['ipoa'], length[name])} "
         f"(printed {per_cent(float(printed_length['ipoa']), float(printed_length[name]))})"
         for name in published.ALGORITHMS[1:]
     )
-    comparison = "; ".join(
-        f"{rival.upper()} {' / '.join(str(outcomes.count(sign)) for sign in '+=-')}"
-        for rival, outcomes in on_length(rows, cases).items()
-    )
+    comparison = "; ".join(f"{rival.upper()} {counted(outcomes)}" for rival, outcomes in on_length(rows, cases).items())
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
         "Each cell: ours (place) · printed, on other maps (place).",
@@ -111,18 +101,11 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
 
 def on_length(rows: Sequence[Row], cases: Sequence[str]) -> dict[str, list[str]]:
     """For each rival, map by map: are IPOA's paths told to be shorter (+), longer (-), or neither (=)?"""
-    rivals = published.ALGORITHMS[1:]
-    pairs = [
-        (of_map(rows, case, "ipoa", "distance"), of_map(rows, case, rival, "distance"))
-        for rival in rivals
-        for case in cases
-    ]
-    signs = iter(told_apart(pairs))
-    return {rival: [next(signs) for _ in cases] for rival in rivals}
+    return against(lambda name, case: results(rows, case, name, "distance"), "ipoa", published.ALGORITHMS[1:], cases)
 
 
 def _ranked_by_length(rows: Sequence[Row], cases: Sequence[str]) -> str:
-    means = [[of_map(rows, case, name, "distance").mean() for name in published.ALGORITHMS] for case in cases]
+    means = [[results(rows, case, name, "distance").mean() for name in published.ALGORITHMS] for case in cases]
     return ranking(published.ALGORITHMS, np.array(means))
 
 

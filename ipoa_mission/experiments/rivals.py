@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import imported
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum
 
 
@@ -50,12 +50,7 @@ def _by_minionpy(
     name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
 ) -> Optimum:
     """`minionpy`'s optimizer called `name` with its own defaults."""
-    try:
-        from minionpy import algorithms
-    except ImportError as error:
-        raise MissionError(
-            f"{name} needs minionpy, which is not installed", hint='pip install "ipoa-mission[experiments]"'
-        ) from error
+    algorithms = imported("minionpy.algorithms", f"{name} needs minionpy, which is not installed", "experiments")
     counted = Counted(cost, box, budget)
 
     def call(candidates: Any) -> list[float]:

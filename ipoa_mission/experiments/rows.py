@@ -13,6 +13,9 @@ from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from typing import TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.experiments.problem import Measures
 from ipoa_mission.files import read_text
@@ -56,6 +59,26 @@ Rows: TypeAlias = Mapping[str, Sequence[Row]]
 def runs_of(rows: Sequence[Row]) -> int:
     """How many runs of each the rows hold."""
     return 1 + max(row.trial.run for row in rows)
+
+
+def results(
+    rows: Sequence[Row], case: str, algorithm: str, measure: str | None = None, settings: str = "{}"
+) -> NDArray[np.float64]:
+    """The cost of every run on a case, or one of its measures, in the order of the runs, (runs,).
+
+    On CEC2022 the optimum is taken off: costs are errors.
+    """
+    values = [
+        (row.trial.run, row.cost if measure is None else row.measures[measure])
+        for row in rows
+        if (row.trial.case, row.trial.algorithm, row.trial.settings) == (case, algorithm, settings)
+    ]
+    return np.array([value for _, value in sorted(values)], dtype=np.float64)
+
+
+def mean_evaluations(rows: Sequence[Row], algorithm: str) -> float:
+    """How many evaluations a run of it spent."""
+    return float(np.mean([row.evaluations for row in rows if row.trial.algorithm == algorithm]))
 
 
 def settings_text(**settings: object) -> str:

@@ -1,6 +1,6 @@
 """The tests that tell a difference from chance, and the corrections that many comparisons need."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -38,6 +38,22 @@ def told_apart(pairs: Sequence[tuple[Samples, Samples]]) -> list[str]:
     """
     corrected = holm([rank_sum(a, b) for a, b in pairs])
     return ["=" if p >= 0.05 else "+" if _is_lower(a, b) else "-" for (a, b), p in zip(pairs, corrected, strict=True)]
+
+
+def against(
+    of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
+) -> dict[str, list[str]]:
+    """For each rival, case by case: is `ours` told to be lower (+), higher (-), or neither (=)?
+
+    `of` gives the sample of a name on a case; Holm's correction is over all of them.
+    """
+    signs = iter(told_apart([(of(ours, case), of(rival, case)) for rival in rivals for case in cases]))
+    return {rival: [next(signs) for _ in cases] for rival in rivals}
+
+
+def counted(signs: Sequence[str]) -> str:
+    """How many are lower, not told apart and higher."""
+    return " / ".join(str(signs.count(sign)) for sign in "+=-")
 
 
 def _is_lower(a: Samples, b: Samples) -> bool:

@@ -10,10 +10,11 @@ import numpy as np
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.commands import Command, Frame, command_name, plain_frame
+from ipoa_mission.exports.track import in_world
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.itinerary.legs import Leg, flown_legs
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
@@ -55,10 +56,7 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
 
     Where a position or height makes no sense no item has a leg: `refusals` says why.
     """
-    frame, ground = LocalFrame(mission.home), None
-    if scenario is not None:
-        frame, ground = scenario.frame, scenario.airspace.ground
-        mission = mission.assuming(scenario.vehicle.autopilot_parameters())
+    mission, frame, ground = in_world(mission, scenario)
     legs: dict[int, list[Leg]] = defaultdict(list)
     for leg in flown_legs(mission, frame, ground) if not refusals(mission) else ():
         if not leg.alternative:

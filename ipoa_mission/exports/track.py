@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipoa_mission.items import FenceCircle, FencePolygon, Mission
-from ipoa_mission.itinerary.legs import Leg, flown_legs
+from ipoa_mission.itinerary.legs import Ground, Leg, flown_legs
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 if TYPE_CHECKING:
@@ -26,12 +26,16 @@ class Stretch:
     over_terrain: bool
 
 
+def in_world(mission: Mission, scenario: "Scenario | None") -> "tuple[Mission, LocalFrame, Ground | None]":
+    """The mission with the parameters of the scenario's vehicle, its frame, and the ground, where that is known."""
+    if scenario is None:
+        return mission, LocalFrame(mission.home), None
+    return mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame, scenario.airspace.ground
+
+
 def track(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Stretch, ...]:
     """The way from home over all items and back, in as few lines as possible; down to the ground of the scenario."""
-    frame, ground = LocalFrame(mission.home), None
-    if scenario is not None:
-        frame, ground = scenario.frame, scenario.airspace.ground
-        mission = mission.assuming(scenario.vehicle.autopilot_parameters())
+    mission, frame, ground = in_world(mission, scenario)
     lines: list[Stretch] = []
     for leg in flown_legs(mission, frame, ground):
         for stretch in _stretches(leg, frame, mission.home.altitude if ground is None else None):

@@ -8,6 +8,7 @@ from typing import Any
 from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_bytes
 
 NUMBERS = ("drag", "lag", "lift_delay", "landing_delay", "hover_power")
 PLAIN = {"autopilot", "leashed", "version", "flights"}
@@ -53,11 +54,7 @@ def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehic
     Raises:
         BadInput: the file cannot be read, or something in it is not as `write_vehicle` has it; with the place.
     """
-    try:
-        with path.open("rb") as file:
-            text = file.read(LARGEST + 1)
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    text = read_bytes(path, LARGEST + 1)
     if len(text) > LARGEST:
         raise BadInput(f"{path}: expected a vehicle.toml of at most {LARGEST} bytes")
     try:

@@ -4,7 +4,6 @@ A channel knows peers, not vehicles: `receive` says where bytes came from, `send
 beyond the moment it is told; writing never blocks at all (a full buffer loses, as a radio does).
 """
 
-import importlib
 import os
 import select
 import socket
@@ -14,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import MissionError, imported
 from ipoa_mission.link.address import Address, Transport, parse_address
 
 Peer: TypeAlias = Hashable
@@ -266,10 +265,7 @@ class SerialChannel(_RealTime):
 
     def __init__(self, address: Address) -> None:
         super().__init__()
-        try:
-            serial = importlib.import_module("serial")
-        except ModuleNotFoundError:
-            raise LinkDown("serial links need pyserial", hint="pip install 'ipoa-mission[serial]'") from None
+        serial = imported("serial", "serial links need pyserial", "serial", LinkDown)
         if not Path(address.device).exists() and not address.device.upper().startswith("COM"):
             raise LinkDown(f"{address}: there is no such device")
         self._port = serial.Serial(address.device, address.baud, timeout=0, write_timeout=0)

@@ -7,7 +7,6 @@ import logging
 import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from types import TracebackType
 from typing import Protocol, TypeVar
 
 from ipoa_mission.errors import MissionError
@@ -221,7 +220,7 @@ class Line:
     def __enter__(self) -> "Line":
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

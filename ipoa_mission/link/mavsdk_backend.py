@@ -15,7 +15,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.items import Item
 from ipoa_mission.link import wire
 from ipoa_mission.link.address import Address, Transport, parse_address
@@ -37,7 +37,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.presence import Found
 from ipoa_mission.link.upload import NO_MISSION, ReadBackDiffers, Unflyable
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.link.wire import coordinate, degrees
+from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.progress import Progress, count, silent
 
@@ -64,10 +64,7 @@ def connect(url: str, system: int | None = None, log: str | Path | None = None) 
     """
     if log is not None:
         raise BadInput("log: the mavsdk backend writes no .tlog; leave it out, or use the built-in backend")
-    try:
-        mavsdk = import_module("mavsdk")
-    except ModuleNotFoundError:
-        raise LinkDown("MAVSDK is not installed", hint="pip install 'ipoa-mission[mavsdk]'") from None
+    mavsdk = imported("mavsdk", "MAVSDK is not installed", "mavsdk", LinkDown)
     address = parse_address(url)
     instance = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION))
     result = instance.add_any_connection(_spelled(address))
@@ -210,8 +207,7 @@ class MavsdkVehicle(Vehicle):
         if self._hold(until(lambda: state.current is not None and state.current.mission_state > NO_MISSION, VERDICT_S)):
             return
         if state.current is not None and state.current.mission_state == NO_MISSION:
-            why = "; ".join(state.warnings) or "no reason was heard"
-            raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")
+            raise Unflyable("; ".join(state.warnings))
 
     def _upload(self, rows: Sequence[Any], kind: int, interrupt: Interrupt) -> None:
         """MAVSDK's upload; Ctrl-C ends it where the vehicle then keeps its old list: PX4, and only its mission."""
@@ -235,7 +231,7 @@ class MavsdkVehicle(Vehicle):
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
         """One list as it stands on the wire."""
         read = (self._raw.download_mission, self._raw.download_geofence, self._raw.download_rallypoints)[kind]
-        items = tuple(_read(item) for item in self._transfer(kind, read))
+        items = tuple(map(wire.read_item, self._transfer(kind, read)))
         count(progress, len(items), len(items))
         return items
 
@@ -265,15 +261,3 @@ class MavsdkVehicle(Vehicle):
         return self._item(
             seq, item.frame, item.command, current, int(item.autocontinue), *item.params, x, y, item.altitude, int(kind)
         )
-
-
-def _read(raw: Any) -> Item:
-    return Item(
-        raw.command,
-        raw.frame,
-        (raw.param1, raw.param2, raw.param3, raw.param4),
-        degrees(raw.x, raw.frame),
-        degrees(raw.y, raw.frame),
-        raw.z,
-        bool(raw.autocontinue),
-    )

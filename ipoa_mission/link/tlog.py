@@ -9,10 +9,10 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 from typing import BinaryIO
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_bytes
 from ipoa_mission.link.codec import frame_at, next_magic
 
 log = logging.getLogger(__name__)
@@ -50,7 +50,7 @@ class TlogWriter:
     def __enter__(self) -> "TlogWriter":
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
@@ -68,11 +68,7 @@ def read_tlog(path: str | Path) -> Iterator[Record]:
     Raises:
         BadInput: the file cannot be read.
     """
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
-    at = 0
+    data, at = read_bytes(Path(path)), 0
     while (start := next_magic(data, at + STAMP_BYTES)) >= 0:
         at = start - STAMP_BYTES
         frame = frame_at(data, start)

@@ -2,7 +2,6 @@
 `logs`). Its mission is told item by item as the flight comes to them (`px4_items`), from PX4 1.12 on.
 """
 
-import importlib
 from collections.abc import Iterator
 from contextlib import redirect_stdout
 from io import StringIO
@@ -14,7 +13,8 @@ import numpy as np
 
 from ipoa_mission.autopilots.modes import px4_mode
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.logged import Fixes, Log, presence, version_name
@@ -85,12 +85,7 @@ def _told(path: Path, log: Any) -> Log:
 
 
 def _open(path: Path) -> Any:
-    try:
-        pyulog = importlib.import_module("pyulog")
-    except ImportError as error:
-        raise MissionError(
-            f"{path}: reading PX4's logs needs the package pyulog", hint="pip install 'ipoa-mission[logs]'"
-        ) from error
+    pyulog = imported("pyulog", f"{path}: reading PX4's logs needs the package pyulog", "logs")
     _expect_definitions(path)
     try:
         with path.open("rb") as file, redirect_stdout(StringIO()):  # it prints what it thinks of a broken file
@@ -101,11 +96,7 @@ def _open(path: Path) -> Any:
 
 def _expect_definitions(path: Path) -> None:
     """Refuse a log whose definitions are spoiled: pyulog looks for their end without one."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
-    at = HEADER
+    data, at = read_bytes(path), HEADER
     while at + MESSAGE.size <= len(data):
         size, kind = MESSAGE.unpack_from(data, at)
         if kind in BEGINS_DATA:

@@ -55,7 +55,11 @@ class Replaced(MissionError):
 
 
 class Unflyable(MissionError):
-    """The vehicle took the mission and then found that it cannot fly it."""
+    """The vehicle took the mission and then found that it cannot fly it; `why` in its words, if it has said so."""
+
+    def __init__(self, why: str) -> None:
+        why = why or "no reason was heard"
+        super().__init__(f"the vehicle stored the mission but finds it unflyable: {why}")
 
 
 @dataclass(frozen=True)
@@ -160,8 +164,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
         if course.reports.doubts(job):
             yield from _expect_unchanged(job)
         if state == NO_MISSION:
-            why = str(course.reports) or "no reason was heard"
-            raise Unflyable(f"the vehicle stored the mission but finds it unflyable: {why}")
+            raise Unflyable(str(course.reports))
 
 
 def _expect_unchanged(job: Upload) -> Dialogue[None]:

@@ -73,24 +73,23 @@ def _write_item(message: m.ItemAt) -> Fields:
     }
 
 
+def read_item(raw: Any) -> Item:
+    """The item in the fields of MISSION_ITEM_INT."""
+    return _item(raw, degrees(raw.x, raw.frame), degrees(raw.y, raw.frame))
+
+
+def _item(raw: Any, latitude: float, longitude: float) -> Item:
+    params = (raw.param1, raw.param2, raw.param3, raw.param4)
+    return Item(raw.command, raw.frame, params, latitude, longitude, raw.z, bool(raw.autocontinue))
+
+
 def _read_item(raw: Any) -> m.ItemAt:
-    item = Item(
-        raw.command,
-        raw.frame,
-        (raw.param1, raw.param2, raw.param3, raw.param4),
-        degrees(raw.x, raw.frame),
-        degrees(raw.y, raw.frame),
-        raw.z,
-        bool(raw.autocontinue),
-    )
-    return m.ItemAt(raw.seq, item, raw.mission_type, raw.current)
+    return m.ItemAt(raw.seq, read_item(raw), raw.mission_type, raw.current)
 
 
 def _read_old_item(raw: Any) -> m.ItemAt:
     """MISSION_ITEM, whose degrees are single precision (up to 0.85 m off): understood, never sent."""
-    params = (raw.param1, raw.param2, raw.param3, raw.param4)
-    item = Item(raw.command, raw.frame, params, raw.x, raw.y, raw.z, bool(raw.autocontinue))
-    return m.ItemAt(raw.seq, item, raw.mission_type, raw.current)
+    return m.ItemAt(raw.seq, _item(raw, raw.x, raw.y), raw.mission_type, raw.current)
 
 
 def _write_request(message: m.Request) -> Fields:

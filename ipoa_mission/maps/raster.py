@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.geometry import Vector
 
 UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
@@ -160,13 +160,8 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[Raster]:
         BadInput: the file is none that GDAL reads.
         MissionError: rasterio is not installed.
     """
-    try:
-        import rasterio
-    except ImportError as error:
-        raise MissionError(
-            f"{path}: reading an elevation model needs rasterio, which is not installed",
-            hint="pip install 'ipoa-mission[maps]'",
-        ) from error
+    needed = f"{path}: reading an elevation model needs rasterio, which is not installed"
+    rasterio = imported("rasterio", needed, "maps")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # `system` refuses it in words

@@ -11,7 +11,8 @@ import numpy as np
 import shapely
 from pyproj import CRS, Transformer
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.geojson import blank_keys, tags_of
 
@@ -28,19 +29,9 @@ def read_table(path: Path) -> tuple[Feature, ...]:
         BadInput: naming the file, the layer and the row, and what was expected there.
         MissionError: pyogrio is not installed.
     """
-    try:
-        import pyogrio
-    except ImportError as error:
-        raise MissionError(
-            f"{path}: reading it needs pyogrio, which is not installed", hint="pip install 'ipoa-mission[maps]'"
-        ) from error
+    pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps")
     suffix = path.suffix.lower()
-    try:
-        with path.open("rb") as file:
-            begins = file.read(16)
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
-    if not begins.startswith(BEGINS[suffix]):
+    if not read_bytes(path, 16).startswith(BEGINS[suffix]):
         raise BadInput(f"{path}: expected a {suffix} file, but it does not begin like one")
     try:
         with warnings.catch_warnings():

@@ -111,12 +111,7 @@ def _survey(node: Node, plane: Points, style: _Style) -> list[Points]:
         raise node["polygon"].wrong("a polygon with an area")
     forth = transects[0][1] - transects[0][0]
     transects = [line if (line[1] - line[0]) @ forth >= 0 else line[::-1] for line in transects]
-    entry = node.get("entryLocation")
-    corner = 0 if entry is None else entry.whole("0 to 3", 0, 3)
-    if corner in (BOTTOM_LEFT, BOTTOM_RIGHT):
-        transects = [line[::-1] for line in transects]
-    if corner in (TOP_RIGHT, BOTTOM_RIGHT):
-        transects.reverse()
+    transects = _entered(transects, node.get("entryLocation"))
     alternate = node.get("flyAlternateTransects")
     if alternate is not None and alternate.flag():
         transects = transects[::2] + transects[1::2][::-1]
@@ -154,12 +149,15 @@ def _corridor(node: Node, plane: Points, style: _Style) -> list[Points]:
     offsets = [0.0] if count == 1 else [width / 2 - (n + 0.5) * spacing for n in range(count)]
     if not (np.diff(plane, axis=0) != 0.0).any(axis=1).all():
         raise node["polyline"].wrong("a line whose corners differ")
-    transects = [_beside(plane, offset) for offset in offsets]
-    entry = node.get("EntryPoint")
+    return _entered([_beside(plane, offset) for offset in offsets], node.get("EntryPoint"))
+
+
+def _entered(transects: list[Points], entry: Node | None) -> list[Points]:
+    """The same from the corner at which it is to begin."""
     corner = 0 if entry is None else entry.whole("0 to 3", 0, 3)
-    if corner in (1, 3):
-        transects.reverse()
-    return [line[::-1] for line in transects] if corner in (2, 3) else transects
+    if corner in (BOTTOM_LEFT, BOTTOM_RIGHT):
+        transects = [line[::-1] for line in transects]
+    return transects[::-1] if corner in (TOP_RIGHT, BOTTOM_RIGHT) else transects
 
 
 def _beside(line: Points, offset: float) -> Points:

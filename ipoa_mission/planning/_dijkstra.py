@@ -13,26 +13,22 @@ GLANCES = 100  # places at which the straight leg between two nodes is looked at
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def spread(price, slack, places, steps, lengths, look, source, chart, rules):
+def spread(nodes, steps, lengths, look, source, chart, rules):
     """Least cost from one lattice node to every other, and the node before it on the way, by Dijkstra's algorithm.
 
-    `price` and `slack` (nx, ny, nz) are the cost per metre at each node, infinite where none may go, and how much more
-    room it has than is required; it is at `places` (nx ny nz, 3). A step of `steps` (s, 3) costs its length of
-    `lengths` (s,) times the mean of both ends; it is looked at whether its straight leg runs into something if `look`
-    says so. Nodes are numbered flat; returns (nodes,) and (nodes,).
+    A step of `steps` (s, 3) costs its length of `lengths` (s,) times the mean of both ends; it is looked at whether its
+    straight leg runs into something if `look` says so. `nodes` are numbered flat; returns (n,) and (n,).
     """
-    nx, ny, nz = price.shape
-    cells, first, listed, around = chart.cells, chart.first, chart.listed, chart.around
-    kind, shape, edges, raster, heights = chart.kind, chart.shape, chart.edges, chart.ground, chart.heights
-    zones, lower, upper, reach = chart.low_zones, chart.lower, chart.upper, chart.reach
-    flat, room, total = price.ravel(), slack.ravel(), nx * ny * nz
+    places, (nx, ny, nz) = nodes.places, nodes.price.shape
+    price, room, total = nodes.price.ravel(), nodes.slack.ravel(), nx * ny * nz
+    onward = (steps[:, 0] * ny + steps[:, 1]) * nz + steps[:, 2]
     cost, before = np.full(total, np.inf), np.full(total, -1, np.int64)
-    keys, nodes, size = np.empty(4 * total + 64), np.empty(4 * total + 64, np.int64), 1
-    cost[source], keys[0], nodes[0] = 0.0, 0.0, source
+    keys, heap, size = np.empty(4 * total + 64), np.empty(4 * total + 64, np.int64), 1
+    cost[source], keys[0], heap[0] = 0.0, 0.0, source
     while size > 0:
-        key, here = keys[0], nodes[0]
+        key, here = keys[0], heap[0]
         size -= 1
-        last_key, last, hole = keys[size], nodes[size], 0
+        last_key, last, hole = keys[size], heap[size], 0
         while True:  # sift the last entry down from the top
             child = 2 * hole + 1
             if child >= size:
@@ -41,32 +37,29 @@ def spread(price, slack, places, steps, lengths, look, source, chart, rules):
                 child += 1
             if keys[child] >= last_key:
                 break
-            keys[hole], nodes[hole], hole = keys[child], nodes[child], child
-        keys[hole], nodes[hole] = last_key, last
+            keys[hole], heap[hole], hole = keys[child], heap[child], child
+        keys[hole], heap[hole] = last_key, last
         if key > cost[here]:
             continue
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
+        x, y, z = places[here, 0], places[here, 1], places[here, 2]
+        price_here, room_here = price[here], room[here]
         for s in range(len(steps)):
             a, b, c = i + steps[s, 0], j + steps[s, 1], k + steps[s, 2]
             if not (0 <= a < nx and 0 <= b < ny and 0 <= c < nz):
                 continue
-            there = (a * ny + b) * nz + c
-            trial = key + lengths[s] * 0.5 * (flat[here] + flat[there])
+            there = here + onward[s]
+            trial = key + lengths[s] * 0.5 * (price_here + price[there])
             if not trial < cost[there] or size >= len(keys):
                 continue
             if look:  # where the balls round both ends do not meet, from ball to ball
-                x, y, z = places[here, 0], places[here, 1], places[here, 2]
                 e, n, u = places[there, 0] - x, places[there, 1] - y, places[there, 2] - z
                 length = math.sqrt(e * e + n * n + u * u)
                 least = max(0.5 * rules.clearance, length / GLANCES)
-                along = max(room[here], least)
-                free = True
-                while free and along < length - room[there]:
+                along, end, free = max(room_here, least), length - room[there], True
+                while free and along < end:
                     t = along / length
-                    spare, _ = _look(
-                        cells, first, listed, around, kind, shape, edges, raster, heights, zones, lower, upper, reach,
-                        rules, x + t * e, y + t * n, z + t * u,
-                    )  # fmt: skip
+                    spare, _ = _look(chart, rules, x + t * e, y + t * n, z + t * u)
                     free = spare >= -0.5 * rules.clearance
                     along += max(spare, least)
                 if not free:
@@ -75,7 +68,7 @@ def spread(price, slack, places, steps, lengths, look, source, chart, rules):
             hole = size
             size += 1
             while hole > 0 and keys[(hole - 1) // 2] > trial:
-                keys[hole], nodes[hole] = keys[(hole - 1) // 2], nodes[(hole - 1) // 2]
+                keys[hole], heap[hole] = keys[(hole - 1) // 2], heap[(hole - 1) // 2]
                 hole = (hole - 1) // 2
-            keys[hole], nodes[hole] = trial, there
+            keys[hole], heap[hole] = trial, there
     return cost, before

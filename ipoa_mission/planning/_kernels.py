@@ -120,14 +120,8 @@ def survey(points, chart, rules):
     Obstacles farther than the chart's reach count as at its edge.
     """
     n = len(points)
-    cells, first, listed, around = chart.cells, chart.first, chart.listed, chart.around
-    kind, shape, edges, raster, heights = chart.kind, chart.shape, chart.edges, chart.ground, chart.heights
-    zones, lower, upper, reach = chart.low_zones, chart.lower, chart.upper, chart.reach
     slack, threat = np.empty(n), np.empty(n)
     for i in range(n):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        slack[i], threat[i] = _look(
-            cells, first, listed, around, kind, shape, edges, raster, heights, zones, lower, upper, reach,
-            rules, x, y, z,
-        )  # fmt: skip
+        slack[i], threat[i] = _look(chart, rules, x, y, z)
     return slack, threat

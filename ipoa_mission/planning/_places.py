@@ -1,6 +1,7 @@
 """What stands at a place, for compiled code: ground, distance to an obstacle, what is required there.
 
-All of it is inlined where it is called, at every node: handing on a whole chart there would count references to it.
+All of it is inlined where it is called, at every node: a chart that lives on there would have its references counted,
+so it is taken apart at once.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -98,10 +99,11 @@ def _distance(kind, shape, edges, body, x, y, z):
 
 
 @njit(inline="always")
-def _look(
-    cells, first, listed, around, kind, shape, edges, raster, heights, zones, lower, upper, reach, rules, x, y, z
-):
+def _look(chart, rules, x, y, z):
     """How much a place has more than required of everything solid [m], and the threat there per metre."""
+    cells, first, listed, around = chart.cells, chart.first, chart.listed, chart.around
+    kind, shape, edges, raster, heights = chart.kind, chart.shape, chart.edges, chart.ground, chart.heights
+    zones, lower, upper, reach = chart.low_zones, chart.lower, chart.upper, chart.reach
     ground, threat = _ground(raster, heights, x, y)[0], 0.0
     spare = min(z - ground - _least_height(zones, rules.height, x, y), rules.ceiling - (z - ground))
     spare = min(spare, reach - rules.clearance)

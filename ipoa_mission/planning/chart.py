@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.limits import Limits
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Part
@@ -73,6 +73,14 @@ class Rules(NamedTuple):
     per_node: bool
     collision: float  # what breaking any limit costs, and per square metre of how deep along how far
     depth: float
+
+
+class Nodes(NamedTuple):
+    """A lattice for kernels."""
+
+    price: NDArray[np.float64]  # (nx, ny, nz): cost per metre at each node, infinite where none may go
+    slack: NDArray[np.float64]  # (nx, ny, nz): how much more room it has than is required [m]
+    places: Points  # (nx ny nz, 3)
 
 
 class Soft(NamedTuple):

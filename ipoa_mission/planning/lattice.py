@@ -16,7 +16,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.planning.chart import STEEP
+from ipoa_mission.planning.chart import STEEP, Nodes
 from ipoa_mission.planning.gaps import gap_places
 from ipoa_mission.planning.problem import PreparedProblem, Trail, follow
 from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
@@ -281,10 +281,10 @@ def _leg_ways(
         return []
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
 
+    nodes = Nodes(lattice.price, lattice.slack, lattice.places)
+
     def costs(steps: NDArray[np.int64], lengths: Vector, node: int) -> tuple[Vector, NDArray[np.int64]]:
-        return spread(  # type: ignore[no-any-return]
-            lattice.price, lattice.slack, lattice.places, steps, lengths, look, node, problem.chart, problem.rules
-        )
+        return spread(nodes, steps, lengths, look, node, problem.chart, problem.rules)  # type: ignore[no-any-return]
 
     there, before = costs(*lattice.steps(), source)
     if not np.isfinite(there[target]):

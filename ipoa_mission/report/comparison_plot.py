@@ -1,15 +1,13 @@
 """The picture of a comparison: the predicted and the flown path from above, and each leg's two times."""
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ipoa_mission.geometry import Points
 from ipoa_mission.report import palette
 from ipoa_mission.report.compare import Comparison
-from ipoa_mission.report.plots import STYLE, settle
+from ipoa_mission.report.plots import sheet
 from ipoa_mission.report.words import signed
 
 MOST_LABELS = 30
@@ -17,9 +15,7 @@ MOST_LABELS = 30
 
 def draw_comparison(comparison: Comparison, planned: Points, flown: Points | None, title: str = "") -> Figure:
     """Predicted and flown path (n, 3) from above, beside the time of each leg by the estimate and in flight."""
-    with matplotlib.rc_context(dict(STYLE)):
-        figure = Figure(figsize=(9.2, 3.8), dpi=200, layout="constrained")
-        FigureCanvasAgg(figure)
+    with sheet(9.2, 3.8) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1, 1.5))
         _draw_paths(left, planned, flown)
         _draw_legs(right, comparison)
@@ -27,7 +23,6 @@ def draw_comparison(comparison: Comparison, planned: Points, flown: Points | Non
         figure.legend([*left.lines, *right.containers], words, loc="outside lower center", ncols=4, frameon=False)
         if title:
             figure.suptitle(title, fontsize=10)
-        settle(figure)
     return figure
 
 

@@ -4,7 +4,8 @@ Paths differ by color and by marker. The same input gives the same bytes.
 """
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -13,7 +14,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
@@ -24,7 +24,7 @@ from ipoa_mission.files import write_atomically
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.report import palette
 from ipoa_mission.report.ground_mesh import ground_mesh
-from ipoa_mission.report.view3d import draw_space
+from ipoa_mission.report.view3d import GROUND, ROOFS, draw_space, look_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 
@@ -53,10 +53,8 @@ def draw_views(
     `top` looks down with north up, `front` looks north with east to the right, `space` is a parallel projection.
     """
     draw = {"top": _draw_top, "front": _draw_front, "space": draw_space}
-    with matplotlib.rc_context(dict(STYLE)):
-        widths = [WIDTHS[view] for view in views]
-        figure = Figure(figsize=(sum(widths), 3.7), dpi=200, layout="constrained")
-        FigureCanvasAgg(figure)
+    widths = [WIDTHS[view] for view in views]
+    with sheet(sum(widths), 3.7) as figure:
         grid = figure.add_gridspec(1, len(views), width_ratios=widths)
         for n, view in enumerate(views):
             axes = figure.add_subplot(grid[n], projection="3d" if view == "space" else None)
@@ -66,15 +64,12 @@ def draw_views(
         if paths:
             handles, labels = figure.axes[0].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside lower center", ncols=min(len(paths), 6), frameon=False)
-        settle(figure)
     return figure
 
 
 def draw_convergence(curves: Mapping[str, tuple[Vector, Vector]], logarithmic: bool = False) -> Figure:
     """Best cost known over evaluations spent, a curve (evaluations (n,), costs (n,)) for each name."""
-    with matplotlib.rc_context(dict(STYLE)):
-        figure = Figure(figsize=(4.6, 3.2), dpi=200, layout="constrained")
-        FigureCanvasAgg(figure)
+    with sheet(4.6, 3.2) as figure:
         axes = figure.add_subplot()
         for n, (name, (evaluations, costs)) in enumerate(curves.items()):
             axes.step(evaluations, costs, where="post", label=name, linewidth=1.4, **_look(n, len(costs)))
@@ -84,7 +79,6 @@ def draw_convergence(curves: Mapping[str, tuple[Vector, Vector]], logarithmic: b
             axes.set_yscale("log")
         if len(curves) > 1:
             axes.legend(frameon=False)
-        settle(figure)
     return figure
 
 
@@ -108,26 +102,33 @@ def write_picture(figure: Figure, path: str | Path) -> None:
     write_atomically(path, buffer.getvalue())
 
 
-def settle(figure: Figure) -> None:
-    """Lay out now and round: the layout's solver differs in the last bits from run to run, and SVG hashes them."""
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    for axes in figure.axes:
-        axes.set_position(tuple(np.round(axes.get_position(original=True).bounds, 6)))
+@contextmanager
+def sheet(width: float, height: float) -> Iterator[Figure]:
+    """A figure of this size [inch] to be drawn on in the pictures' style.
+
+    At the end it is laid out and rounded: the layout's solver differs in the last bits from run to run, and SVG hashes
+    them.
+    """
+    with matplotlib.rc_context(dict(STYLE)):
+        figure = Figure(figsize=(width, height), dpi=200, layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        for axes in figure.axes:
+            axes.set_position(tuple(np.round(axes.get_position(original=True).bounds, 6)))
 
 
 def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
     east, north, up = ground_mesh(airspace, 240)
     extent = (east[0, 0], east[0, -1], north[0, 0], north[-1, 0])
-    axes.imshow(
-        up, extent=extent, origin="lower", cmap=_GROUND, interpolation="bilinear", vmin=up.min(), vmax=_most(up)
-    )
+    axes.imshow(up, extent=extent, origin="lower", cmap=GROUND, interpolation="bilinear", vmin=up.min(), vmax=_most(up))
     if np.ptp(up) > 1.0:
         contours = axes.contour(east, north, up, levels=_levels(up), colors="#8C7F63", linewidths=0.4, alpha=0.7)
         axes.clabel(contours, fontsize=5, fmt="%g m")
     tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
     for obstacle in sorted(airspace.obstacles, key=lambda o: float(o.bounds[1, 2])):
-        shade = _ROOFS(obstacle.bounds[1, 2] / max(*tops, 1.0))
+        shade = ROOFS(obstacle.bounds[1, 2] / max(*tops, 1.0))
         rings = [np.vstack([ring, ring[:1]]) for ring in obstacle.outline()]
         whole = Outline.make_compound_path(*(Outline(ring, closed=True) for ring in _alternating(rings)))
         axes.add_patch(PathPatch(whole, facecolor=shade, edgecolor=palette.OUTLINE, linewidth=0.4))
@@ -143,7 +144,7 @@ def _draw_front(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> 
     tops = [float(obstacle.bounds[1, 2]) for obstacle in far_first]
     shapes = PolyCollection(
         [obstacle.silhouette(0) for obstacle in far_first],
-        facecolors=[_ROOFS(top / max(*tops, 1.0), alpha=0.55) for top in tops],
+        facecolors=[ROOFS(top / max(*tops, 1.0), alpha=0.55) for top in tops],
         edgecolors=palette.OUTLINE,
         linewidths=0.4,
     )
@@ -187,15 +188,7 @@ def _marks(path: Points) -> list[int]:
 
 def _look(n: int, marks: int | list[int]) -> dict[str, Any]:
     """What sets the n-th line apart; `marks`: at these nodes, or at even steps along so many."""
-    every = max(1, marks // MARKS) if isinstance(marks, int) else marks
-    return {
-        "color": palette.PATHS[n % len(palette.PATHS)],
-        "marker": palette.MARKERS[n % len(palette.MARKERS)],
-        "markevery": every,
-        "markersize": 4,
-        "markeredgecolor": "white",
-        "markeredgewidth": 0.5,
-    }
+    return look_of(n) | {"markevery": max(1, marks // MARKS) if isinstance(marks, int) else marks}
 
 
 def _alternating(rings: list[Points]) -> list[Points]:
@@ -212,7 +205,3 @@ def _levels(up: Points) -> Vector:
 
 def _most(up: Points) -> float:
     return max(float(up.max()), float(up.min()) + 5.0)
-
-
-_GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
-_ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])

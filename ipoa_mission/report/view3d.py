@@ -8,6 +8,7 @@ dotted where something stands before it.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,6 +23,8 @@ from ipoa_mission.report import palette
 from ipoa_mission.report.ground_mesh import ground_mesh
 from ipoa_mission.world.airspace import Airspace
 
+GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
+ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])
 LIGHT = np.array([-0.45, -0.35, 0.82]) / np.linalg.norm([-0.45, -0.35, 0.82])
 
 
@@ -109,16 +112,23 @@ def _draw_path(axes: Axes3D, airspace: Airspace, path: Points, sight: Vector, na
     Axes.plot(
         axes,
         *flat[marks].T,
-        color=color,
         linestyle="",
-        marker=palette.MARKERS[n % len(palette.MARKERS)],
-        markersize=4,
-        markeredgecolor="white",
-        markeredgewidth=0.5,
         label=name,
         zorder=4,
         clip_on=False,
+        **look_of(n),
     )
+
+
+def look_of(n: int) -> dict[str, Any]:
+    """What sets the n-th line apart: its color and its markers."""
+    return {
+        "color": palette.PATHS[n % len(palette.PATHS)],
+        "marker": palette.MARKERS[n % len(palette.MARKERS)],
+        "markersize": 4,
+        "markeredgecolor": "white",
+        "markeredgewidth": 0.5,
+    }
 
 
 def visible(points: Points, airspace: Airspace, sight: Vector) -> NDArray[np.bool_]:
@@ -215,13 +225,9 @@ def _lit(color: tuple[float, ...], normal: Vector) -> tuple[float, ...]:
     return tuple(min(1.0, channel * brightness) for channel in color)
 
 
-_GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
-_ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])
-
-
 def _ground_color(up: float, least: float, most: float) -> tuple[float, ...]:
-    return tuple(_GROUND((up - least) / max(most - least, 5.0))[:3])
+    return tuple(GROUND((up - least) / max(most - least, 5.0))[:3])
 
 
 def _roof_color(top: float, least: float, most: float) -> tuple[float, ...]:
-    return tuple(_ROOFS((top - least) / (most - least))[:3])
+    return tuple(ROOFS((top - least) / (most - least))[:3])

@@ -69,7 +69,7 @@ class ArduPilotPilot:
         """Take off outside a mission, in GUIDED, to a height above home."""
         self._take_off(height, self._stay)
 
-    def step(self, dt: float) -> None:
+    def step(self) -> None:
         """Decide, and let the copter move."""
         lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s
         if self._touched_s is not None:

@@ -35,8 +35,8 @@ class Pilot(Protocol):
     def replaced(self, before: tuple[Item, ...]) -> None:
         """Another mission lies in the store while one is flown."""
 
-    def step(self, dt: float) -> None:
-        """Let `dt` seconds pass."""
+    def step(self) -> None:
+        """Let `STEP_S` pass."""
 
 
 PILOTS: dict[Autopilot, Callable[[Any, Situation, Parameters, random.Random], Pilot]] = {
@@ -234,7 +234,7 @@ class Flight:
         """Integrate to this simulated time."""
         now = self._now
         while now.time_s + STEP_S <= to_s + 1e-9:
-            self._pilot.step(STEP_S)
+            self._pilot.step()
             now.time_s += STEP_S
 
     def _enter(self, mode: FlightMode) -> None:

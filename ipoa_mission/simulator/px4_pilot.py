@@ -57,13 +57,13 @@ class PX4Pilot:
         """Another mission lies in the store while one is flown: it goes on at the present index."""
         self._begin(self._now.current)
 
-    def step(self, dt: float) -> None:
+    def step(self) -> None:
         """Decide, and let the vehicle move."""
         now, state = self._now, self._state
         if not now.armed:
             self._fall()
         elif not self._orders or (now.landed and now.time_s - now.armed_s < self._limits.spool_up):
-            self._state = state._replace(time=now.time_s + dt)
+            self._state = state._replace(time=now.time_s + STEP_S)
         else:
             self._advance()
         self._show()

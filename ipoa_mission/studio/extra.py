@@ -15,4 +15,4 @@ def expect_extra() -> None:
     """
     missing = [name for name in LIBRARIES if find_spec(name) is None]
     if missing:
-        raise MissionError(f"the studio needs {', '.join(missing)}", hint='pip install "ipoa-mission[studio]"')
+        raise MissionError(f"the studio needs {', '.join(missing)}", hint="pip install 'ipoa-mission[studio]'")

@@ -139,15 +139,19 @@ def test_a_terminal_gets_color_unless_no_color_says_otherwise(tmp_path: Path, no
     assert ("\x1b[1;31m" in said) is not no_color
 
 
-def test_a_bar_tells_the_time_gone_and_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+def stderr_as_terminal(monkeypatch: pytest.MonkeyPatch) -> io.StringIO:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:
             return True
 
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(sys, "stderr", shown := Terminal())
     monkeypatch.setenv("TERM", "xterm-256color")
-    monkeypatch.setenv("COLUMNS", "120")
+    monkeypatch.setenv("COLUMNS", "160")
+    return shown
+
+
+def test_a_bar_tells_the_time_gone_and_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = stderr_as_terminal(monkeypatch)
     with progress_bar("measuring") as show:
         for done in (1, 2, 3):
             show(done / 4, f"tiny: {done} of 4")
@@ -292,14 +296,7 @@ def test_control_characters_in_json_are_escaped_and_read_back_the_same(capsys: p
 
 
 def test_a_bar_shows_what_a_terminal_would_obey(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Terminal(io.StringIO):
-        def isatty(self) -> bool:
-            return True
-
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setenv("TERM", "xterm-256color")
-    monkeypatch.setenv("COLUMNS", "160")
+    terminal = stderr_as_terminal(monkeypatch)
     with telling.progress_bar("flying") as show:
         show(0.5, "\x1b]0;owned\x07[red]")
     assert r"\x1b]0;owned\x07[red]" in terminal.getvalue()

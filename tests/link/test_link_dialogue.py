@@ -156,12 +156,13 @@ def test_a_remark_is_said_without_disturbing_what_is_awaited() -> None:
     assert exchange.result == Request(0)
 
 
-def test_the_echo_of_a_question_is_not_answered_again() -> None:
-    def answering() -> Dialogue[None]:
-        heard = yield Ask(Count(9))
-        while heard:
-            heard = yield Tell(Ack(0))
+def answering() -> Dialogue[None]:
+    heard = yield Ask(Count(9))
+    while heard:
+        heard = yield Tell(Ack(0))
 
+
+def test_the_echo_of_a_question_is_not_answered_again() -> None:
     exchange = Exchange(answering(), 0.0, SPECIFIED)
     exchange.outgoing()
     exchange.receive(Request(0), 0.05)
@@ -172,11 +173,6 @@ def test_the_echo_of_a_question_is_not_answered_again() -> None:
 
 
 def test_a_question_asked_again_before_its_answer_can_have_arrived_is_not_answered_again() -> None:
-    def answering() -> Dialogue[None]:
-        heard = yield Ask(Count(9))
-        while heard:
-            heard = yield Tell(Ack(0))
-
     exchange = Exchange(answering(), 0.0, SPECIFIED)
     exchange.receive(Request(0), 0.4)  # so long is the round trip
     exchange.outgoing()

@@ -54,7 +54,11 @@ def test_both_spellings_of_a_connection_are_understood(url: str, address: Addres
 
 
 @pytest.mark.parametrize(
-    "url", ["", "udpin", "udpin:127.0.0.1", "http://x:80", "udpin:a:b", "tcp:1:2:3", "udpin:x:99999"]
+    "url",
+    [
+        *("", "udpin", "udpin:127.0.0.1", "http://x:80", "udpin:a:b", "tcp:1:2:3", "udpin:x:99999", "udpin::١٤٥٥٠"),
+        *(f"udpin:127.0.0.1:{'9' * 5000}", f"serial:/dev/ttyS0:{'9' * 5000}"),
+    ],
 )
 def test_what_is_no_connection_is_said_with_an_example(url: str) -> None:
     with pytest.raises(BadInput, match="link: expected"):

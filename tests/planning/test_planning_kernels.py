@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.geometry import climb_angles, turning_angles
-from ipoa_mission.planning.chart import Soft, chart_of
+from ipoa_mission.planning.chart import Nodes, Soft, chart_of
 from ipoa_mission.planning.polish import _windows
 from ipoa_mission.planning.problem import PreparedProblem, pose
 from ipoa_mission.planning.spline import even_basis
@@ -150,8 +150,8 @@ def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
         source = int(rng.choice(np.nonzero(np.isfinite(price.ravel()))[0]))
         steps = every[rng.random(26) < 0.7]
         lengths = np.linalg.norm(steps * rng.uniform(1, 3, 3), axis=1)
-        unseen = np.zeros(price.shape), np.zeros((price.size, 3)), steps, lengths, False, source
-        cost, before = spread(price, *unseen, anywhere.chart, anywhere.rules)
+        nodes = Nodes(price, np.zeros(price.shape), np.zeros((price.size, 3)))
+        cost, before = spread(nodes, steps, lengths, False, source, anywhere.chart, anywhere.rules)
         np.testing.assert_allclose(cost, twins.spread(price, steps, lengths, source), rtol=1e-12)
         reached = np.isfinite(cost)
         reached[source] = False
@@ -170,8 +170,8 @@ def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None
     price, steps = np.ones((2, 2, 1)), np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
     lengths = np.array([20.0, 20.0, 15.0, 15.0])
     for look, through in ((False, 20.0), (True, 50.0)):
-        lattice = price, np.zeros((2, 2, 1)), places, steps, lengths, look, 0
-        assert spread(*lattice, problem.chart, problem.rules)[0][2] == through
+        nodes = Nodes(price, np.zeros((2, 2, 1)), places)
+        assert spread(nodes, steps, lengths, look, 0, problem.chart, problem.rules)[0][2] == through
 
 
 @pytest.mark.parametrize("spot", [(np.nan, 0.0), (0.0, np.nan), (np.inf, -np.inf), (1e300, -1e300)])

@@ -14,7 +14,7 @@ from ipoa_mission.dynamics.copter.motion import NO_LEG, State, flat, packed, pac
 from ipoa_mission.dynamics.px4.compiled import compiled as compiled_flight
 from ipoa_mission.dynamics.px4.compiled import records
 from ipoa_mission.dynamics.px4.state import Law, Order
-from ipoa_mission.planning.chart import Chart, Raster, Rules, Soft
+from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft
 from ipoa_mission.wind import CALM
 
 MODULES = {
@@ -49,6 +49,7 @@ def kernels() -> Iterator[Kernel]:
         _numbers(1), _numbers(1), 1.0, low_zones,
     )  # fmt: skip
     rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
+    nodes = Nodes(_numbers(3), _numbers(3), _numbers(2))
     soft, spans = Soft._make([1.0] * len(Soft._fields)), (_numbers(1, np.int64), _numbers(3))
     examples = {
         "path_costs": (_numbers(3), chart, rules),
@@ -56,10 +57,8 @@ def kernels() -> Iterator[Kernel]:
         "path_model": (_numbers(2), spans, 1, chart, rules, soft, 1.0, _numbers(2)),
         "solve_banded": (_numbers(2), _numbers(1)),
         "farthest": (_numbers(2), _numbers(2)),
-        "spread": (
-            _numbers(3), _numbers(3), _numbers(2), _numbers(2, np.int64), _numbers(1), True, 0, chart, rules,
-        ),
-    }  # fmt: skip
+        "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, chart, rules),
+    }
     for name, arguments in examples.items():
         module = f"ipoa_mission.{MODULES[name]}"
         yield Kernel(f"{module}.{name}", getattr(importlib.import_module(module), name), arguments)
