@@ -24,6 +24,7 @@ MODULES = {
     "spread": "planning._dijkstra",
     "solve_banded": "planning.banded",
     "farthest": "routing._hausdorff",
+    "fewest_legs": "routing._corridor",
 }
 
 
@@ -56,6 +57,7 @@ def kernels() -> Iterator[Kernel]:
         "path_model": (_numbers(2), spans, 1, chart, rules, soft, 1.0, _numbers(2)),
         "solve_banded": (_numbers(2), _numbers(1)),
         "farthest": (_numbers(2), _numbers(2)),
+        "fewest_legs": (_numbers(2), _numbers(3), _numbers(1, np.int64), 1.0),
         "spread": (
             _numbers(3), _numbers(3), _numbers(2), _numbers(2, np.int64), _numbers(1), True, 0, chart, rules,
         ),
