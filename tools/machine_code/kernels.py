@@ -25,6 +25,7 @@ MODULES = {
     "solve_banded": "planning.banded",
     "farthest": "routing._hausdorff",
     "fewest_legs": "routing._corridor",
+    "nearest": "world.obstacles._prism",
 }
 
 
@@ -58,6 +59,7 @@ def kernels() -> Iterator[Kernel]:
         "solve_banded": (_numbers(2), _numbers(1)),
         "farthest": (_numbers(2), _numbers(2)),
         "fewest_legs": (_numbers(2), _numbers(3), _numbers(1, np.int64), 1.0),
+        "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),
         "spread": (
             _numbers(3), _numbers(3), _numbers(2), _numbers(2, np.int64), _numbers(1), True, 0, chart, rules,
         ),
