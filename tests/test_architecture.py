@@ -17,7 +17,7 @@ GROUND = {"errors", "files", "finding", "geometry", "progress", "wind"}
 MAY_IMPORT = {
     "compiled": set(),
     "commands": set(),
-    "world": set(),
+    "world": {"compiled"},
     "optimize": set(),
     "energy": set(),
     "autopilots": {"commands"},

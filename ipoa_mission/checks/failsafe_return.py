@@ -8,7 +8,7 @@ climbs: its ways begin at five places between there and where it stood.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,10 +22,11 @@ from ipoa_mission.checks.way_home import HEIGHT_STEP, PARAMETERS
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import return_ways
-from ipoa_mission.planning.proof import Check, prove, prove_heights
+from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.course import Course
 from ipoa_mission.tube.promise import PredictedFlight
+from ipoa_mission.world.airspace import nearest_of
 
 LOOK_EVERY_S = 0.2  # between the places at which the vehicle may be when it is ordered home [s]
 GROUND_EVERY = 3.0  # over the ground the way home is looked at from places so far apart [m]
@@ -90,14 +91,14 @@ def stops_of(mission: Mission, flight: PredictedFlight) -> Stops:
     return Stops(places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)])
 
 
-def broken_returns(mission: Mission, scenario: Scenario, stops: Stops) -> Iterator[Broken]:
-    """What breaks a limit in every part of the returns from the way to each item, one of each, not always the worst."""
-    ways_from = return_ways(mission, scenario.frame, scenario.airspace.ground)
-    ways = np.array([[way[1:] for way in ways_from(stand)] for stand in stops.stands])
-    for goal in range(ways.shape[1]):
-        sheets = _Sheets(stops, ways[:, goal], mission.autopilot is Autopilot.PX4)
-        yield from sheets.near_obstacles(scenario)
-        yield from sheets.near_the_ground(scenario)
+def broken_returns(
+    mission: Mission, scenario: Scenario, stops: Stops, parts: Collection[int] = (BRAKES, CLIMBS, RETURNS)
+) -> Iterator[Broken]:
+    """What breaks a limit in `parts` of the returns from the way to each item, one of each, not always the worst."""
+    for ways in return_ways(mission, scenario.frame, stops.stands):
+        sheets = _Sheets(stops, ways[:, 1:], mission.autopilot is Autopilot.PX4)
+        yield from sheets.near_obstacles(scenario, parts)
+        yield from sheets.near_the_ground(scenario, parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,36 +112,38 @@ class _Sheets:
     ways: NDArray[np.float64]
     comes_back: bool
 
-    def near_obstacles(self, scenario: Scenario) -> Iterator[Broken]:
+    def near_obstacles(self, scenario: Scenario, parts: Collection[int]) -> Iterator[Broken]:
         """One for each item and part."""
         obstacles, required = scenario.airspace.obstacles, scenario.limits.obstacle_distance - ROUNDING
         base, top = np.array([body.bounds[:, 2] for body in obstacles]).reshape(-1, 2).T
-        for part in (BRAKES, CLIMBS, RETURNS):
+        for part in parts:
             outlines, low, high = self._bodies(part)
             in_reach = np.flatnonzero((base < high.max() + required) & (top > low.min() - required))
             plans = np.array([obstacles[n].plan for n in in_reach])
             pieces, others = shapely.STRtree(plans).query(outlines, "dwithin", required)
             over = np.maximum(base[in_reach[others]] - high[pieces], low[pieces] - top[in_reach[others]])
             bound = np.hypot(shapely.distance(outlines[pieces], plans[others]), np.maximum(over, 0.0))
-            settled = set[int]()
-            for piece in pieces[np.argsort(bound, kind="stable")][: np.count_nonzero(bound < required)].tolist():
+            settled, doubtful = set[int](), np.argsort(bound, kind="stable")[: np.count_nonzero(bound < required)]
+            for piece in dict.fromkeys(pieces[doubtful].tolist()):
                 first = piece * self._step
                 if (seq := int(self.stops.seqs[first])) not in settled:
                     ends = (first, min(first + self._step, len(self.ways) - 1))
-                    checks = (c for k in ends for way in self._ways(k, part) for c in prove(way, scenario).checks)
-                    worst = min((c for c in checks if c.limit == "obstacles"), key=lambda check: check.slack)
-                    if worst.slack < -ROUNDING:
+                    near = [obstacles[n] for n in in_reach[others[pieces == piece]]]
+                    distances = (nearest_of(near, *way) for k in ends for way in self._ways(k, part))
+                    nearest = min(distances, key=lambda clearance: clearance.distance)
+                    check = Check("obstacles", nearest, scenario.limits.obstacle_distance)
+                    if check.slack < -ROUNDING:
                         settled.add(seq)
-                        yield Broken(seq, part, worst)
+                        yield Broken(seq, part, check)
 
-    def near_the_ground(self, scenario: Scenario) -> Iterator[Broken]:
+    def near_the_ground(self, scenario: Scenario, parts: Collection[int]) -> Iterator[Broken]:
         """Its limits on the way home and while it brakes."""
         gone = np.concatenate([[0.0], np.cumsum(leg_lengths(self.stops.stands))])
         _, looked_at = np.unique(np.floor(gone / max(GROUND_EVERY, gone[-1] / MOST_LOOKS)), return_index=True)
         seqs = self.stops.seqs[looked_at]
         for seq in np.unique(seqs):
             some = looked_at[seqs == seq]
-            for part in (BRAKES, RETURNS):
+            for part in (part for part in (BRAKES, RETURNS) if part in parts):
                 way = np.concatenate([way for k in some for way in self._ways(k, part)])
                 for check in prove_heights(way, scenario):
                     if check.limit == "ground" and check.slack < -ROUNDING:
@@ -194,7 +197,7 @@ def _remedy(mission: Mission, scenario: Scenario, stops: Stops, broken: list[Bro
         wanted = max(_height_over(one.check, tops) for one in broken)
         height = max(height + HEIGHT_STEP, HEIGHT_STEP * math.ceil(wanted / HEIGHT_STEP))
         higher = mission.with_parameters({name: height / unit})
-        if not (broken := [one for one in broken_returns(higher, scenario, stops) if one.part == RETURNS]):
+        if not (broken := list(broken_returns(higher, scenario, stops, (RETURNS,)))):
             highest = scenario.airspace.bounds.upper[2]
             beyond = f" (above the upper bound of {highest:g} m)" if height > highest else ""
             return f"{name} = {height / unit:.0f}{beyond} makes it clear, in the vehicle and under [vehicle.parameters]"

@@ -13,6 +13,7 @@ from enum import StrEnum
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.px4 import Px4Return
@@ -46,8 +47,7 @@ class Phase(StrEnum):
 class Leg:
     """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
 
-    `alternative`: flown at times only: after a jump, to a rally point, or home at the height that PX4's manual says
-    where its recorded flights did otherwise. `over_terrain`: it keeps its height over the
+    `alternative`: flown at times only: after a jump, or to a rally point. `over_terrain`: it keeps its height over the
     ground. `stray`: how far the way may be from the lines [m].
     """
 
@@ -68,15 +68,9 @@ def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None
     return tuple(_Flight(as_flown(mission), frame, ground).legs())
 
 
-def return_ways(mission: Mission, frame: LocalFrame, ground: Ground) -> Callable[[Vector], list[Points]]:
-    """On which ways the vehicle returns from a place (3,), each (3, 3) [m]: it, over it, over where it will land."""
-    flight = _Flight(as_flown(mission), frame, ground)
-
-    def ways(place: Vector) -> list[Points]:
-        flight.at = place
-        return [leg.points for leg in flight.returns(0) if leg.phase is Phase.RETURN]
-
-    return ways
+def return_ways(mission: Mission, frame: LocalFrame, places: Points) -> NDArray[np.float64]:
+    """On which ways the vehicle returns from places (n, 3): them, over them, over each goal, (goals, n, 3, 3) [m]."""
+    return np.array([ways for _, ways in _Flight(as_flown(mission), frame, None).return_ways(places)])
 
 
 def join(legs: Sequence[Leg]) -> tuple[Points, float]:
@@ -187,24 +181,28 @@ class _Flight:
 
     def returns(self, seq: int) -> Iterator[Leg]:
         """Home, and to each rally point."""
-        start = self.at
-        for goal in (self.home, *self._rally_points()):
-            self.at = start
-            distance = float(np.hypot(*(goal - start)[:2]))
-            above = self.frame.geodetic(start).altitude - self.mission.home.altitude
-            heights = _RETURN_HEIGHTS[self.mission.autopilot](self.parameters, above, distance)
-            for n, height in enumerate(heights):
-                way = np.array([start, self._over(start, height), self._over(goal, height)])
-                self.at = way[-1]
-                down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
-                at_times = goal is not self.home or n > 0
-                yield from (replace(leg, alternative=at_times) for leg in (Leg(seq, Phase.RETURN, way), down))
+        for goal, (way,) in self.return_ways(self.at[None]):
+            self.at = way[-1]
+            down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
+            at_times = goal is not self.home
+            yield from (replace(leg, alternative=at_times) for leg in (Leg(seq, Phase.RETURN, way), down))
 
-    def _over(self, place: Vector, height: float) -> Vector:
-        """So high above home over a place: level is not straight, 10 km away it is 8 m lower."""
-        at = self.frame.geodetic(place)
-        up = self.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, self.mission.home.altitude + height))[2]
-        return np.array([place[0], place[1], up])
+    def return_ways(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
+        """Each goal, and the ways to over it from places (n, 3), over them, (n, 3, 3).
+
+        They are so high above home all the way: level is not straight, 10 km away it is 8 m lower.
+        """
+        amsl, height = self.mission.home.altitude, _RETURN_HEIGHT[self.mission.autopilot]
+        latitude, longitude, altitude = self.frame.to_geodetic(places)
+        for goal in (self.home, *self._rally_points()):
+            there = self.frame.geodetic(goal)
+            distances = np.hypot(*(goal - places)[:, :2].T)
+            heights = np.array([height(self.parameters, *one) for one in zip(altitude - amsl, distances, strict=True)])
+            ways = np.stack([places, places, np.tile(goal, (len(places), 1))], axis=1)
+            ways[:, 1, 2] = self.frame.to_local(latitude, longitude, amsl + heights)[:, 2]
+            beyond = np.full(len(places), there.latitude_deg), np.full(len(places), there.longitude_deg)
+            ways[:, 2, 2] = self.frame.to_local(*beyond, amsl + heights)[:, 2]
+            yield goal, ways
 
     def _rally_points(self) -> list[Vector]:
         amsl, local = self.mission.home.altitude, self.frame.local
@@ -235,21 +233,21 @@ def _follows(item: Item) -> bool:
     return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
 
 
-def _ardupilot_return_heights(parameters: Parameters, height: float, distance: float) -> tuple[float, ...]:
+def _ardupilot_return_height(parameters: Parameters, height: float, distance: float) -> float:
     """ArduCopter's RTL: RTL_ALT [cm] at least, RTL_CLIMB_MIN [cm] more, less near home by RTL_CONE_SLOPE."""
     least = max(0.0, height + max(0.0, parameters.get("RTL_CLIMB_MIN", 0.0) / 100))
     top = max(parameters["RTL_ALT"] / 100, least)
     slope = parameters.get("RTL_CONE_SLOPE", 3.0)
-    return (min(top, max(distance * slope, least)) if slope >= 0.5 else top,)
+    return min(top, max(distance * slope, least)) if slope >= 0.5 else top
 
 
-def _px4_return_heights(parameters: Parameters, height: float, distance: float) -> tuple[float, ...]:
+def _px4_return_height(parameters: Parameters, height: float, distance: float) -> float:
     """PX4's RTL, as its manual has it."""
-    return (Px4Return.of(parameters).height(height, distance),)
+    return Px4Return.of(parameters).height(height, distance)
 
 
-#: How high above home the autopilot returns; of several heights the first is the usual one.
-_RETURN_HEIGHTS: dict[Autopilot, Callable[[Parameters, float, float], tuple[float, ...]]] = {
-    Autopilot.ARDUPILOT: _ardupilot_return_heights,
-    Autopilot.PX4: _px4_return_heights,
+#: How high above home the autopilot returns.
+_RETURN_HEIGHT: dict[Autopilot, Callable[[Parameters, float, float], float]] = {
+    Autopilot.ARDUPILOT: _ardupilot_return_height,
+    Autopilot.PX4: _px4_return_height,
 }

@@ -62,20 +62,20 @@ def as_flown(mission: Mission) -> Mission:
     >>> as_flown(Mission(home, items, Autopilot.ARDUPILOT)).items[1].altitude
     15.0
     """
-    here = Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT)
-    here = replace(here, latitude_deg=mission.home.latitude_deg, longitude_deg=mission.home.longitude_deg)
+    latitude, longitude = mission.home.latitude_deg, mission.home.longitude_deg
+    altitude, frame = 0.0, int(Frame.GLOBAL_RELATIVE_ALT)
     items: list[Item] = []
     for item in mission.items:
         if is_as_high_as_now(item, mission.autopilot):
-            item = replace(item, altitude=here.altitude, frame=here.frame)
+            item = replace(item, altitude=altitude, frame=frame)
         if is_here(item, mission.autopilot) and item.command not in TO_THE_GROUND:
-            item = replace(item, latitude_deg=here.latitude_deg, longitude_deg=here.longitude_deg)
+            item = replace(item, latitude_deg=latitude, longitude_deg=longitude)
         items.append(item)
         if item.has_position and item.command != Command.NAV_TAKEOFF:  # that climbs where the vehicle stands
-            here = replace(here, latitude_deg=item.latitude_deg, longitude_deg=item.longitude_deg)
+            latitude, longitude = item.latitude_deg, item.longitude_deg
         keeps_height = item.command == Command.NAV_LAND or item.frame == Frame.MISSION
         if item.command in FLOWN_TO and math.isfinite(item.altitude) and not keeps_height:
-            here = replace(here, altitude=item.altitude, frame=plain_frame(item.frame))
+            altitude, frame = item.altitude, plain_frame(item.frame)
     return replace(mission, items=tuple(items))
 
 
@@ -126,14 +126,23 @@ class Program:
         up = np.where(np.array(kept, dtype=bool) | ~np.isfinite(up), math.nan, up)
         return np.column_stack([np.where(placed[:, None], flat[:, :2], math.nan), up])
 
+    @cached_property
+    def _numbers(self) -> list[list[float]]:
+        """The same, quicker to look up one by one."""
+        return self.places.tolist()  # type: ignore[no-any-return]
+
     def leaves_open(self, index: int) -> bool:
         """Whether item `index` names no place, or no height."""
-        return bool(np.isnan(self.places[index]).any())
+        return any(map(math.isnan, self._numbers[index]))
 
     def place(self, index: int, here: Place) -> Place:
         """Where item `index` is; what it leaves open is that of `here`."""
-        east, north, up = (now if math.isnan(x) else float(x) for x, now in zip(self.places[index], here, strict=True))
-        return east, north, up
+        east, north, up = self._numbers[index]
+        return (
+            here[0] if math.isnan(east) else east,
+            here[1] if math.isnan(north) else north,
+            here[2] if math.isnan(up) else up,
+        )
 
     def after(self, index: int, taking: bool = True) -> int | None:
         """The item that follows `index` once jumps are followed; `taking` a jump counts it, looking ahead does not."""

@@ -69,7 +69,8 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
         improved = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
         for trail in improved[: strategy.max_settled]:
             proved.append(_settle(trail, searcher))
-            if sum(proof.holds for _, proof, _ in proved) == strategy.settled:
+            enough = 1 if proved[0][1].holds else strategy.settled
+            if sum(proof.holds for _, proof, _ in proved) == enough:
                 break
         if safe := [trail for trail, proof, _ in proved if proof.holds]:
             finer = _finer(min(safe, key=problem.cost), strategy)

@@ -41,7 +41,7 @@ class SearchStrategy:
     piece_width: float = 0.12
     enough_control_points: int = 150
     hidden_loop: float = 1.001  # a curve that costs so many times what even steps see of it is set out anew
-    settled: int = 2  # curves that hold when they are settled, and
+    settled: int = 2  # curves that hold when they are settled, where the best of all does not, and
     max_settled: int = 6  # how many are tried for that
 
 

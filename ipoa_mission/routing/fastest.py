@@ -26,8 +26,8 @@ class RouteSearch:
     """How long the quickest choice of waypoints is looked for, and what counts as quicker."""
 
     starts: int = 2  # routes of different numbers of waypoints are improved
-    trials: int = 100  # of leaving a waypoint out or moving it
-    patience: int = 40  # after so many that gain nothing a step is given up
+    trials: int = 60  # of leaving a waypoint out or moving it
+    patience: int = 25  # after so many that gain nothing a step is given up
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
     least_gain_s: float = 0.1  # a change must save so much
     equal_share: float = 0.005  # of the time, that is not worth less room
@@ -44,9 +44,8 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
     equally quick it is the one that misses the fewest waypoints, and of those the one that keeps away farthest.
     `fallback` is asked where none is both.
     """
-    improved = [
-        ready for route, flown in _quickest(curve, scenario) for ready in (route, _improve(route, flown, scenario))
-    ]
+    quickest = _quickest(curve, scenario)
+    improved = list(dict.fromkeys(ready for way in quickest for ready in (way[0], _improve(*way, scenario))))
     if not improved:
         return fallback()
     ends = [fly(route, curve, scenario) for route in improved]
@@ -97,19 +96,17 @@ def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
 def _improve(route: Route, flown: Flown, scenario: Scenario) -> Route:
     """Leave waypoints out and move them, as long as that saves time."""
     curve, seconds, trials = flown.curve, flown.seconds, SEARCH.trials
-    for step in SEARCH.step_shares:
-        gained = True
-        while gained and trials > 0:
-            gained, patience = False, SEARCH.patience
-            for changed in _changes(route.points, step * scenario.route.tolerance, scenario.via_points):
-                trials, patience = trials - 1, patience - 1
-                candidate = replace(route, points=changed)
-                flown = sketch(candidate, curve, scenario)
-                if flown.seconds < seconds - SEARCH.least_gain_s and _is_fit(candidate, flown, scenario):
-                    route, seconds, gained = candidate, flown.seconds, True
-                    break
-                if trials <= 0 or patience <= 0:
-                    break
+    for share in SEARCH.step_shares:
+        step, at, in_vain = share * scenario.route.tolerance, 0, 0
+        changes = list(_changes(route.points, step, scenario.via_points))
+        while trials > 0 and in_vain < min(SEARCH.patience, len(changes)):
+            candidate, trials = replace(route, points=changes[at % len(changes)]), trials - 1
+            flown = sketch(candidate, curve, scenario)
+            if flown.seconds < seconds - SEARCH.least_gain_s and _is_fit(candidate, flown, scenario):
+                route, seconds, in_vain = candidate, flown.seconds, 0
+                changes = list(_changes(route.points, step, scenario.via_points))
+            else:
+                at, in_vain = at + 1, in_vain + 1
     return route
 
 

@@ -8,14 +8,12 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.spline import Spline
 
 SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
 COMPARING_STEP = 0.5  # at which a path is held against a curve [m]
-FIRST_LOOK = 16  # a leg may be looked for over so many samples at first
 ON_THE_CURVE = (0.0,)
 NOWHERE = np.zeros((0, 3))
 
@@ -37,27 +35,18 @@ def corridor(
     shortest path over all pairs that a straight leg may join (Imai and Iri 1986); among routes of equal number the one
     with the least sum of squared deviations is taken.
     """
+    from ipoa_mission.routing._corridor import fewest_legs
+
     count = np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, SAMPLES // len(asides))
     samples, stops = through(curve.sample(int(count)), via)
     spots = samples[:, None, :] + np.asarray(asides)[:, None] * lefts(samples)[:, None, :]  # (n, sides, 3)
     spots[[0, *stops, -1]] = samples[[0, *stops, -1], None, :]
-    n, sides = spots.shape[:2]
-    legs, strain = np.full((n, sides), n + 1), np.full((n, sides), np.inf)
-    before = np.zeros((n, sides, 2), int)
-    legs[0], strain[0] = 0, 0.0
-    for i in range(n - 1):
-        starts = spots[i] if i else spots[0, :1]
-        reachable = _reachable(starts, samples[i:], spots[i:], tolerance)
-        last = min(i + reachable.shape[1], next((stop for stop in stops if stop > i), n))
-        ends = slice(i + 1, last + 1)
-        for side, deviation in enumerate(reachable[:, : last - i]):
-            more, worn = legs[i, side] + 1, strain[i, side] + deviation**2
-            fewer = (more < legs[ends]) | ((more == legs[ends]) & (worn < strain[ends]))
-            better = (deviation <= tolerance) & fewer
-            legs[ends][better], strain[ends][better], before[ends][better] = more, worn[better], (i, side)
+    n = len(samples)
+    last = np.array([next((stop for stop in stops if stop > i), n - 1) for i in range(n)])
+    before = fewest_legs(samples, spots, last, tolerance)
     chosen = [(n - 1, 0)]
     while chosen[-1][0] > 0:
-        chosen.append(tuple(before[chosen[-1]]))
+        chosen.append(tuple(before[chosen[-1]].tolist()))
     return np.array([spots[spot] for spot in reversed(chosen)])
 
 
@@ -105,35 +94,3 @@ def lefts(samples: Points) -> Points:
     length = np.linalg.norm(ahead, axis=1, keepdims=True)
     level = np.divide(ahead, length, out=np.zeros_like(ahead), where=length > 1e-9)
     return np.column_stack([-level[:, 1], level[:, 0], np.zeros(len(level))])
-
-
-def _reachable(starts: Points, samples: Points, spots: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
-    """How far the samples in between leave the straight legs from `starts` to each later spot, (starts, m, sides) [m].
-
-    The search widens, half as far again each time, until no leg of the last two widenings fits: a curve that comes
-    back later is not looked for.
-    """
-    reachable: list[NDArray[np.float64]] = []
-    first, end = 1, 1 + FIRST_LOOK
-    while True:
-        reachable.append(_deviations(starts, samples[1:end], spots[first:end]))
-        if end >= len(samples) or (len(reachable) > 1 and all((away > tolerance).all() for away in reachable[-2:])):
-            return np.concatenate(reachable, axis=1)
-        first, end = end, end + end // 2
-
-
-def _deviations(starts: Points, samples: Points, spots: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The greatest distance of samples (n, 3) from the legs to spots (m, sides, 3), (starts, m, sides) [m].
-
-    The spots belong to the last m samples; for each only the samples up to its own count.
-    """
-    m, sides = spots.shape[:2]
-    spokes, offsets = spots[None] - starts[:, None, None], samples - starts[:, None]
-    spokes = spokes.reshape(len(starts), m * sides, 3)
-    squares = np.maximum((spokes**2).sum(axis=2), 1e-12)[:, None]
-    ahead = offsets @ spokes.transpose(0, 2, 1)  # (starts, samples, spots): what the squared distance is made of
-    along = np.minimum(np.maximum(ahead / squares, 0.0), 1.0)
-    apart = (offsets**2).sum(axis=2)[..., None] + along * (along * squares - 2 * ahead)
-    own = np.tri(m, len(samples), len(samples) - m, dtype=bool).T[:, :, None]
-    apart = np.where(own, apart.reshape(len(starts), len(samples), m, sides), 0.0).max(axis=1)
-    return np.asarray(np.sqrt(np.maximum(apart, 0.0)))

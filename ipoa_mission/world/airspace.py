@@ -4,7 +4,7 @@ Distance to obstacles is Euclidean, to the ground it is vertical. An index over 
 of buildings nearly as quick as ten.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -34,6 +34,7 @@ class Clearance:
 
 
 ROUNDING = 1e-6  # [m]
+PARTS = (2, 16)  # of a leg, whose ends are looked at before it is solved
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
@@ -146,22 +147,29 @@ class Airspace:
         """The least distance to an obstacle of the legs between consecutive points (n, 3)."""
         if not self.obstacles:
             return NOTHING_NEAR
-        starts, ends, half = points[:-1], points[1:], leg_lengths(points) / 2
-        middles, least = (starts + ends) / 2, NOTHING_NEAR
+        starts, ends, lengths = points[:-1], points[1:], leg_lengths(points)
         reach = float(self.obstacle_distance(points).min()) + ROUNDING  # the least distance is at most this
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
         upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
         tracks[upright] = shapely.points(starts[upright, :2])
+        near = list[tuple[float, int, int]]()  # what the distance cannot be less than, of which body to which leg
         for body, legs in _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0))):
-            obstacle = self.obstacles[body]
-            floor = _floor(obstacle, starts[legs], middles[legs], ends[legs], half[legs])
-            for i in np.argsort(floor, kind="stable"):
-                if floor[i] > min(least.distance, reach):
+            for parts in PARTS:
+                away = _looked_at(self.obstacles[body], starts[legs], ends[legs], parts)
+                reach = min(reach, float(away.min()) + ROUNDING)
+                floor = _floor(away, lengths[legs] / parts, self.obstacles[body].convex)
+                close = floor <= reach
+                legs, floor = legs[close], floor[close]
+                if not len(legs):
                     break
-                a, b = starts[legs[i]], ends[legs[i]]
-                distance, where = obstacle.leg_clearance(a, b)
-                if distance < least.distance:
-                    least = _clearance(points, obstacle.name, distance, int(legs[i]), where)
+            near += zip(floor.tolist(), [body] * len(legs), legs.tolist(), strict=True)
+        least = NOTHING_NEAR
+        for bound, body, leg in sorted(near):
+            if bound > min(least.distance, reach):
+                break
+            distance, where = self.obstacles[body].leg_clearance(starts[leg], ends[leg])
+            if distance < least.distance:
+                least = _clearance(points, self.obstacles[body].name, distance, leg, where)
         return least
 
     def bounds_margin(self, points: Points) -> Clearance:
@@ -182,14 +190,34 @@ class Airspace:
         return shapely.STRtree(shapely.box(*boxes.T))
 
 
-def _floor(obstacle: Obstacle, starts: Points, middles: Points, ends: Points, half: Vector) -> Vector:
-    """What the distance along legs cannot be less than: it changes by a metre a metre at most, or is convex."""
-    middle = obstacle.distance(middles)
-    floor = middle - half
-    if obstacle.convex:
-        beyond = 2 * middle - np.maximum(obstacle.distance(starts), obstacle.distance(ends))
-        floor = np.maximum(floor, np.minimum(middle, beyond))
-    return np.asarray(floor)
+def nearest_of(obstacles: Iterable[Obstacle], a: Vector, b: Vector) -> Clearance:
+    """How near the straight leg from a to b comes to the nearest of some obstacles."""
+    distance, where, name = min((*obstacle.leg_clearance(a, b), obstacle.name) for obstacle in obstacles)
+    return Clearance(distance, _place(a + where * (b - a)), name)
+
+
+def _looked_at(obstacle: Obstacle, starts: Points, ends: Points, parts: int) -> NDArray[np.float64]:
+    """The distances to an obstacle of the ends of equal parts of legs (n, 3), (n, parts + 1) [m]."""
+    shares = np.linspace(0.0, 1.0, parts + 1)[:, None]
+    spots = starts[:, None] + shares * (ends - starts)[:, None]
+    return obstacle.distance(spots.reshape(-1, 3)).reshape(-1, parts + 1)
+
+
+def _floor(away: NDArray[np.float64], part: Vector, convex: bool) -> Vector:
+    """What the distance along legs cannot be less than, from that of the ends of their parts (n, parts + 1).
+
+    It changes by a metre a metre at most, `part` (n,) being the length of one; or else it is convex, and so not less
+    than on the line through two ends beside.
+    """
+    before, after = away[:, :-1], away[:, 1:]
+    floor = (before + after - part[:, None]) / 2
+    if convex:
+        slope = np.diff(away, axis=1)
+        beyond = np.full_like(floor, -np.inf)
+        beyond[:, 1:] = np.minimum(before[:, 1:], before[:, 1:] + slope[:, :-1])
+        beyond[:, :-1] = np.maximum(beyond[:, :-1], np.minimum(after[:, :-1], after[:, :-1] - slope[:, 1:]))
+        floor = np.maximum(floor, beyond)
+    return np.asarray(floor.min(axis=1))
 
 
 def _clearance(points: Points, what: str, distance: float, leg: int, fraction: float) -> Clearance:

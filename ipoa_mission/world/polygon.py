@@ -90,18 +90,26 @@ class Polygon:
 
     def contains(self, points: Plane) -> NDArray[np.bool_]:
         """Whether each point (n, 2) is inside, by the even-odd rule, (n,)."""
-        (e0, n0), (e1, n1) = self.starts.T, self.ends.T
+        (e0, n0), (run, rise), _ = self._lines
         east, north = points[:, :1], points[:, 1:2]
-        spans = (n0 > north) != (n1 > north)
-        rise = np.where(n1 == n0, 1.0, n1 - n0)
-        return np.asarray((spans & (east < e0 + (north - n0) / rise * (e1 - e0))).sum(axis=1) % 2 == 1)
+        spans = (n0 > north) != (self.ends[:, 1] > north)
+        slope = run / np.where(rise == 0, 1.0, rise)
+        return np.asarray(np.count_nonzero(spans & (east < e0 + (north - n0) * slope), axis=1) % 2 == 1)
 
     def edge_distances(self, points: Plane) -> NDArray[np.float64]:
         """Distance of each point (n, 2) to each edge, (n, m)."""
-        along = self.ends - self.starts
-        away = points[:, None, :] - self.starts
-        share = np.clip(np.einsum("nmk,mk->nm", away, along) / np.einsum("mk,mk->m", along, along), 0.0, 1.0)
-        return np.asarray(np.linalg.norm(away - share[..., None] * along, axis=2))
+        (east, north), (along_e, along_n), squares = self._lines
+        away_e, away_n = points[:, :1] - east, points[:, 1:2] - north
+        share = np.minimum(np.maximum((away_e * along_e + away_n * along_n) / squares, 0.0), 1.0)
+        away_e -= share * along_e
+        away_n -= share * along_n
+        return np.asarray(np.sqrt(away_e * away_e + away_n * away_n))
+
+    @cached_property
+    def _lines(self) -> tuple[Plane, Plane, Vector]:
+        """Where each edge begins (2, m), its way from there (2, m), and the square of its length (m,)."""
+        along = (self.ends - self.starts).T.copy()
+        return self.starts.T.copy(), along, (along**2).sum(axis=0)
 
     def break_parameters(self, a: Vector, b: Vector) -> Vector:
         """Where the line a + t (b - a) in the plane passes abreast of a corner or crosses an edge's line; any order."""

@@ -15,6 +15,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.frame import Geodetic, radii_of_curvature
 
 Spot: TypeAlias = tuple[float, int, float]  # a height [m], the leg on which it is, and the fraction of that leg
+PARTS = 4  # a span of a leg is cut in so many at once
 REFINED = 1e-4  # bounds on an analytic surface are closed to this [m]
 
 
@@ -276,7 +277,7 @@ class Analytic:
         return np.stack([self.landform(points), self.mountains(points)])
 
     def _extreme(self, points: Points, greatest: bool) -> Spot:
-        """Bound and refine: a span of a leg is halved until its bound cannot matter.
+        """Bound and refine: a span of a leg is cut in `PARTS` until its bound cannot matter.
 
         Over a span the height above a surface differs from the line between its ends by no more than the surface
         arches above (for the least height) or sags below (for the greatest) its own chord.
@@ -284,11 +285,11 @@ class Analytic:
         sign = -1.0 if greatest else 1.0
         leg, low, width = np.arange(len(points) - 1), np.zeros(len(points) - 1), 1.0
 
-        def above(fraction: Vector) -> NDArray[np.float64]:
+        def above(leg: NDArray[np.intp], fraction: Vector) -> NDArray[np.float64]:
             spots = points[leg] + fraction[:, None] * (points[leg + 1] - points[leg])
             return np.asarray(spots[:, 2] - self._surfaces(spots))  # (2, k)
 
-        at_low, at_high = above(low), above(low + width)
+        at_low, at_high = above(leg, low), above(leg, low + width)
         best, where, proven = np.inf, (0, 0.0), np.inf
         while len(leg):
             for ends, fraction in ((at_low, low), (at_high, low + width)):
@@ -303,10 +304,11 @@ class Analytic:
                 bound = (np.minimum(at_low, at_high) - stray).min(axis=0)
             settled = bound >= best - REFINED
             proven = min(proven, float(bound[settled].min(initial=np.inf)))
-            leg, low, width = leg[~settled], low[~settled], width / 2
-            at_low, at_high, at_middle = at_low[:, ~settled], at_high[:, ~settled], above(low + width)
-            leg, low = np.concatenate([leg, leg]), np.concatenate([low, low + width])
-            at_low, at_high = np.hstack([at_low, at_middle]), np.hstack([at_middle, at_high])
+            width, left = width / PARTS, int(np.count_nonzero(~settled))
+            leg = np.tile(leg[~settled], PARTS)
+            low = np.concatenate([low[~settled] + k * width for k in range(PARTS)])
+            cuts = above(leg[left:], low[left:])
+            at_low, at_high = np.hstack([at_low[:, ~settled], cuts]), np.hstack([cuts, at_high[:, ~settled]])
         return sign * min(best, proven), *where
 
     def _strays(

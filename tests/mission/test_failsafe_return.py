@@ -96,13 +96,13 @@ def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_n
     scenario = scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0"))
     mission, flight = flight_in(scenario)
     stops = stops_of(mission, flight)
-    ways_from = return_ways(mission, scenario.frame, scenario.airspace.ground)
     sources = stops.stands if autopilot is Autopilot.ARDUPILOT else np.concatenate([stops.places, stops.stands])
     seqs = np.resize(stops.seqs, len(sources))
+    (ways,) = return_ways(mission, scenario.frame, sources)
     single = {
         int(seq)
-        for seq, source in zip(seqs, sources, strict=True)
-        if any(c.slack < -0.02 for c in prove(ways_from(source)[0][1:], scenario).checks if c.limit == "obstacles")
+        for seq, way in zip(seqs, ways, strict=True)
+        if any(c.slack < -0.02 for c in prove(way[1:], scenario).checks if c.limit == "obstacles")
     }
     assert {one.seq for one in broken_returns(mission, scenario, stops) if one.part == RETURNS} == single
 

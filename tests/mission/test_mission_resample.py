@@ -1,11 +1,14 @@
 """Waypoints stay where they were promised and are as few as may be: held against shapely and plain geometry."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 import shapely
 from scipy.optimize import lsq_linear
 
 from ipoa_mission.planning.spline import Spline
+from ipoa_mission.routing._corridor import fewest_legs
 from ipoa_mission.routing._hausdorff import farthest
 from ipoa_mission.routing.relax import _least_squares, relaxed, stations
 from ipoa_mission.routing.resample import NOWHERE, corridor, deviation, every
@@ -29,6 +32,31 @@ def test_a_corridor_needs_no_more_waypoints_than_douglas_and_peucker(curve: Spli
     flat = Spline(curve.control * (1, 1, 0))
     simplified = shapely.simplify(shapely.LineString(flat.sample(400)[:, :2]), tolerance)
     assert len(corridor(flat, tolerance)) <= len(simplified.coords)
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda c: f"{len(c.control)} control points")
+def test_of_the_fewest_legs_those_are_taken_that_stay_nearest(curve: Spline) -> None:
+    samples = curve.sample(40)
+    spots, tolerance = samples[:, None], 2.0
+    before = fewest_legs(samples, spots, np.full(40, 39), tolerance)[:, 0, 0]
+    best = [(0, 0.0), *[(40, np.inf)] * 39]
+    for i, j in combinations(range(40), 2):
+        away = [_away(samples[k], samples[i], samples[j]) for k in range(i + 1, j + 1)]
+        if max(away) <= tolerance:
+            best[j] = min(best[j], (best[i][0] + 1, best[i][1] + max(away) ** 2))
+    legs, strain, end = 0, 0.0, 39
+    while end > 0:
+        start = int(before[end])
+        away = [_away(samples[k], samples[start], samples[end]) for k in range(start + 1, end + 1)]
+        legs, strain, end = legs + 1, strain + max(away) ** 2, start
+    assert (legs, strain) == (best[-1][0], pytest.approx(best[-1][1], abs=1e-9))
+
+
+def _away(place: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
+    """Distance of a place to a leg in space."""
+    way = end - start
+    share = np.clip((place - start) @ way / (way @ way), 0.0, 1.0)
+    return float(np.linalg.norm(place - start - share * way))
 
 
 def test_a_straight_curve_is_two_waypoints() -> None:

@@ -1,6 +1,7 @@
 """Distances to obstacles: held against dense sampling over random scenes, and against shapely."""
 
 from collections.abc import Callable
+from importlib.util import find_spec, module_from_spec
 
 import numpy as np
 import pytest
@@ -84,6 +85,23 @@ def test_the_least_distance_of_a_leg_is_what_dense_sampling_closes_in_on(kind: s
         assert body.distance((a + where * (b - a))[None])[0] == pytest.approx(least, abs=1e-9)
         inside += least < 0
     assert 25 < inside < 975  # both kinds of scene were met
+
+
+def test_a_prism_is_as_far_by_machine_code_as_by_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ipoa_mission.compiled.njit", lambda **_: lambda function: function)
+    specification = find_spec("ipoa_mission.world.obstacles._prism")
+    assert specification is not None
+    assert specification.loader is not None
+    plain = module_from_spec(specification)
+    specification.loader.exec_module(plain)
+    rng = np.random.default_rng(6)
+    for _ in range(60):
+        body, (a, b) = a_building_with_a_courtyard(rng), a_leg(rng)
+        assert isinstance(body, Prism)
+        plan = body.footprint
+        expected = plain.nearest(plan.starts, plan.ends, body.base, body.top, a, b)
+        if expected[0] > 0:
+            assert body.leg_clearance(a, b) == pytest.approx(expected, abs=1e-9)
 
 
 def _second_valley(body: Obstacle, a: np.ndarray, b: np.ndarray, least: float) -> bool:

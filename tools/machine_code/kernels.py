@@ -24,6 +24,8 @@ MODULES = {
     "spread": "planning._dijkstra",
     "solve_banded": "planning.banded",
     "farthest": "routing._hausdorff",
+    "fewest_legs": "routing._corridor",
+    "nearest": "world.obstacles._prism",
 }
 
 
@@ -57,6 +59,8 @@ def kernels() -> Iterator[Kernel]:
         "path_model": (_numbers(2), spans, 1, chart, rules, soft, 1.0, _numbers(2)),
         "solve_banded": (_numbers(2), _numbers(1)),
         "farthest": (_numbers(2), _numbers(2)),
+        "fewest_legs": (_numbers(2), _numbers(3), _numbers(1, np.int64), 1.0),
+        "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),
         "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, chart, rules),
     }
     for name, arguments in examples.items():

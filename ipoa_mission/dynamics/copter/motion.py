@@ -220,17 +220,11 @@ def packed(one: State | Tuning) -> Any:
 
 def flat(leg: Leg) -> Numbers:
     """All numbers of a leg, for `packed_legs`."""
-    numbers: list[float] = []
-    for part in leg:
-        if isinstance(part, float):
-            numbers.append(part)
-        elif isinstance(part, Profile):
-            numbers += chain(*part.segments)
-            numbers += _NO_SEGMENT * (MOST_SEGMENTS - len(part.segments))
-            numbers += part[1:]
-        else:
-            numbers += chain(*part) if isinstance(part[0], Vector) else part
-    return np.array(numbers)
+    segments, *rest = leg.profile
+    missing = MOST_SEGMENTS - len(segments)
+    numbers = [leg.kind, *leg.origin, *leg.target, *leg.direction, leg.length, *leg.speeds]
+    numbers += [*chain(*segments, _NO_SEGMENT * missing), *rest, *chain(*leg.cubic, *leg.tangents)]
+    return np.array([*numbers, *leg.accel, leg.leave, leg.lasts])
 
 
 def packed_legs(legs: Sequence[Numbers]) -> Any:

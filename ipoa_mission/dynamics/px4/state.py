@@ -5,6 +5,7 @@ change in a flight, `Order` and `Law`, goes to compiled code as numpy records of
 """
 
 import math
+from functools import cache
 from typing import NamedTuple, get_type_hints
 
 import numpy as np
@@ -184,6 +185,7 @@ def of(place: Enu) -> Enu:
     return Enu(place.east, place.north, place.up)
 
 
+@cache
 def record_type(kind: type) -> np.dtype[np.void]:
     """The numpy type of records with the names and kinds of a tuple's fields."""
     plain = {float: np.float64, int: np.int64, bool: np.bool_}

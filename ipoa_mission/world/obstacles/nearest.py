@@ -37,15 +37,6 @@ def foot(a: Vector, b: Vector, points: NDArray[np.float64]) -> Vector:
     return np.atleast_1d((points - a) @ (b - a) / square) if square > 0 else np.zeros(0)
 
 
-def closest_approach(a: Vector, b: Vector, starts: Points, along: Points) -> Vector:
-    """Parameters at which the line from a to b is nearest to lines in space; parallel ones are left out."""
-    step, away = b - a, starts - a
-    square, mixed, edge = step @ step, along @ step, np.einsum("mk,mk->m", along, along)
-    determinant = square * edge - mixed**2
-    skew = determinant > 0
-    return np.asarray(((away @ step) * edge - np.einsum("mk,mk->m", away, along) * mixed)[skew] / determinant[skew])
-
-
 def levels(a: Vector, b: Vector, base: float, top: float) -> Vector:
     """Parameters at which the leg passes the base, the top and half-way between."""
     climb = b[2] - a[2]

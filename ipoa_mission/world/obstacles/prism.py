@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.obstacles.nearest import closest_approach, foot, least, levels, straightened
+from ipoa_mission.world.obstacles.nearest import least, straightened
 from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Column, expect_positive
 from ipoa_mission.world.obstacles.upright import Upright, upright_distance
 from ipoa_mission.world.polygon import Plane, Polygon, Ring, rings_of
@@ -71,13 +71,10 @@ class Prism(Upright):
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
         """Least signed distance of the leg, and where."""
-        b = straightened(a, b)
-        corners, edges = self.footprint.starts, self.footprint.ends - self.footprint.starts
-        candidates = [self.footprint.break_parameters(a[:2], b[:2]), levels(a, b, self.base, self.top)]
-        for level in (self.base, self.top):
-            rim = np.column_stack([corners, np.full(len(corners), level)])
-            candidates += [foot(a, b, rim), closest_approach(a, b, rim, np.pad(edges, ((0, 0), (0, 1))))]
-        distance, where = least(self, a, b, np.concatenate(candidates))
+        from ipoa_mission.world.obstacles._prism import nearest
+
+        a, b = np.asarray(a, dtype=np.float64), np.asarray(straightened(a, b), dtype=np.float64)
+        distance, where = nearest(self.footprint.starts, self.footprint.ends, self.base, self.top, a, b)
         if distance > TOUCHING:
             return distance, where
         height, climb = a[2] - np.array([self.base, self.top]), b[2] - a[2]

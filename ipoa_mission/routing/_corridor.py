@@ -1,0 +1,62 @@
+"""The fewest straight legs beside a curve, compiled: a shortest path over all pairs of spots that a leg may join."""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+
+import numpy as np
+
+from ipoa_mission.compiled import njit
+
+FIRST_LOOK = 16  # a leg may be looked for over so many samples at first
+
+
+@njit(inline="always")
+def _strays(samples, i, j, start, end, most):
+    """How far samples i to j, the first left out, leave the leg from `start` to `end` [m]; or infinite: over `most`."""
+    x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
+    square, farthest = max(x * x + y * y + z * z, 1e-12), 0.0
+    for k in range(i + 1, j + 1):
+        away_x, away_y, away_z = samples[k, 0] - start[0], samples[k, 1] - start[1], samples[k, 2] - start[2]
+        share = min(max((away_x * x + away_y * y + away_z * z) / square, 0.0), 1.0)
+        apart = (away_x - share * x) ** 2 + (away_y - share * y) ** 2 + (away_z - share * z) ** 2
+        if apart > farthest:
+            farthest = apart
+            if apart > most * most:
+                return math.inf
+    return math.sqrt(farthest)
+
+
+@njit(cache=True, error_model="numpy")
+def fewest_legs(samples, spots, last, tolerance):
+    """From which spot (n, sides, 2) each of `spots` (n, sides, 3), beside samples (n, 3), is best come to.
+
+    By the fewest legs that leave the samples by `tolerance` at most; of as many, by those with the least sum of squared
+    deviations. A leg from sample i ends at `last[i]` (n,) at the latest. The search for its end widens, half as far
+    again each time, until no leg of the last two widenings fits: a curve that comes back later is not looked for.
+    """
+    n, sides = spots.shape[:2]
+    legs, strain = np.full((n, sides), n + 1), np.full((n, sides), np.inf)
+    before = np.zeros((n, sides, 2), np.int64)
+    legs[0], strain[0] = 0, 0.0
+    for i in range(n - 1):
+        first, end, in_vain = i + 1, min(i + 1 + FIRST_LOOK, n), 0
+        while in_vain < 2:
+            fits = False
+            for j in range(first, end):
+                for side in range(sides if i else 1):
+                    for other in range(sides):
+                        away = _strays(samples, i, j, spots[i, side], spots[j, other], tolerance)
+                        if not away <= tolerance:
+                            continue
+                        fits = True
+                        more, worn = legs[i, side] + 1, strain[i, side] + away * away
+                        fewer = more < legs[j, other] or (more == legs[j, other] and worn < strain[j, other])
+                        if j <= last[i] and fewer:
+                            legs[j, other], strain[j, other] = more, worn
+                            before[j, other, 0], before[j, other, 1] = i, side
+            in_vain = 0 if fits else in_vain + 1
+            if end >= n:
+                break
+            first, end = end, min(end + (end - i) // 2, n)
+    return before

@@ -1,0 +1,99 @@
+"""How near a straight leg comes to an extruded polygon, compiled: every parameter at which it may be nearest is tried.
+
+Along the leg the squared distance to a corner, an edge's wall or a rim is a polynomial, so these can be written down.
+"""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+
+import numpy as np
+
+from ipoa_mission.compiled import njit
+
+TRIED_PER_EDGE = 8  # places that each edge of the plan gives
+
+
+@njit(inline="always")
+def _distance(starts, ends, base, top, x, y, z):
+    """Signed distance of a place to the prism; the plan's edges go from `starts` to `ends` (m, 2)."""
+    nearest, inside = math.inf, False
+    for k in range(len(starts)):
+        e0, n0, e1, n1 = starts[k, 0], starts[k, 1], ends[k, 0], ends[k, 1]
+        along_e, along_n, away_e, away_n = e1 - e0, n1 - n0, x - e0, y - n0
+        share = (away_e * along_e + away_n * along_n) / (along_e * along_e + along_n * along_n)
+        share = min(max(share, 0.0), 1.0)
+        away_e, away_n = away_e - share * along_e, away_n - share * along_n
+        nearest = min(nearest, away_e * away_e + away_n * away_n)
+        if (n0 > y) != (n1 > y) and x < e0 + (y - n0) / (n1 - n0) * (e1 - e0):
+            inside = not inside
+    aside, above = math.sqrt(nearest), max(base - z, z - top)
+    aside = -aside if inside else aside
+    return math.hypot(max(aside, 0.0), max(above, 0.0)) + min(max(aside, above), 0.0)
+
+
+@njit(inline="always")
+def _feet(starts, ends, a, step, tried):
+    """Adds where the leg in the plane is nearest to a corner, crosses an edge's line, is abreast of its ends."""
+    square, count = step[0] ** 2 + step[1] ** 2, 0
+    for k in range(len(starts)):
+        away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
+        along_e, along_n = ends[k, 0] - starts[k, 0], ends[k, 1] - starts[k, 1]
+        across, slope = step[0] * along_n - step[1] * along_e, along_e * step[0] + along_n * step[1]
+        if square > 0.0:
+            tried[count] = (away_e * step[0] + away_n * step[1]) / square
+            count += 1
+        if across != 0.0:
+            tried[count] = (away_e * along_n - away_n * along_e) / across
+            count += 1
+        if slope != 0.0:
+            tried[count] = (away_e * along_e + away_n * along_n) / slope
+            tried[count + 1] = tried[count] + (along_e * along_e + along_n * along_n) / slope
+            count += 2
+    return count
+
+
+@njit(inline="always")
+def _rims(starts, ends, height, a, step, tried, count):
+    """Adds where the leg is nearest to the corners and to the edges of the plan at a height."""
+    square, up = step[0] ** 2 + step[1] ** 2 + step[2] ** 2, height - a[2]
+    for k in range(len(starts)):
+        away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
+        along_e, along_n = ends[k, 0] - starts[k, 0], ends[k, 1] - starts[k, 1]
+        ahead = away_e * step[0] + away_n * step[1] + up * step[2]
+        mixed, edge = along_e * step[0] + along_n * step[1], along_e * along_e + along_n * along_n
+        determinant = square * edge - mixed * mixed
+        if square > 0.0:
+            tried[count] = ahead / square
+            count += 1
+        if determinant > 0.0:
+            tried[count] = (ahead * edge - (away_e * along_e + away_n * along_n) * mixed) / determinant
+            count += 1
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def nearest(starts, ends, base, top, a, b):
+    """The least distance [m] of the leg from a to b (3,) to a prism over a plan with edges (m, 2), and the fraction.
+
+    Where the leg goes through it, the distance is what it is at these places, and may be less between them.
+    """
+    step = b - a
+    tried = np.zeros(TRIED_PER_EDGE * len(starts) + 5)
+    tried[1] = 1.0
+    count = 2 + _feet(starts, ends, a, step, tried[2:])
+    if step[2] != 0.0:
+        for height in (base, top, 0.5 * (base + top)):
+            tried[count] = (height - a[2]) / step[2]
+            count += 1
+    for height in (base, top):
+        count = _rims(starts, ends, height, a, step, tried, count)
+    least, where = math.inf, 0.0
+    for k in range(count):
+        t = tried[k]
+        if k < 2 or 0.0 < t < 1.0:
+            x, y, z = a[0] + t * step[0], a[1] + t * step[1], a[2] + t * step[2]
+            distance = _distance(starts, ends, base, top, x, y, z)
+            if distance < least:
+                least, where = distance, t
+    return least, where
