@@ -1,6 +1,7 @@
 """The model from which one path is polished, compiled: its smoothed cost, the gradient, and the curvature.
 
-It has a plain NumPy twin that the tests hold it against.
+Each term depends on one node, on one step from a node to the next, or on two steps. What they make is added up by nodes
+and steps first, and handed on to the control points once. It has a plain NumPy twin that the tests hold it against.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -15,45 +16,54 @@ from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import FAST, _cell, _distance, _ground, _least_height
 from ipoa_mission.planning.chart import FENCE, LEAST, LEVER
 
+EE, NE, NN, UE, UN, UU = range(6)  # of a symmetric matrix: by east twice, by north and east, ...
 
-class Terms(NamedTuple):
-    """What the terms of the cost are added up in, and how they depend on the control points."""
 
-    gradient: NDArray[np.float64]  # (3 count,)
-    band: NDArray[np.float64]  # the lower band of the Hessian, (15, 3 count)
-    first: NDArray[np.int64]  # the first control point that a node depends on, (n,)
-    window: NDArray[np.float64]  # and its coefficients for the nodes before, at and after it, (n, 3, 5)
-    pull: NDArray[np.float64]  # how a term changes with those three nodes, (3, 3)
-    flat: NDArray[np.float64]  # and with the control points, (15,)
+class Change(NamedTuple):
+    """How the cost changes with each of n nodes, or of n steps; the last node has no step."""
+
+    slope: NDArray[np.float64]  # (3, n): by east, north, up
+    curvature: NDArray[np.float64]  # (6, n): `EE` and so on
+
+
+class Bends(NamedTuple):
+    """How the cost changes with the turn, and with the change of climb, at each node; zero at both ends."""
+
+    slope: NDArray[np.float64]  # (2, n)
+    curvature: NDArray[np.float64]  # (2, n)
 
 
 class Steps(NamedTuple):
-    """The legs between nodes: step (n, 3), its level length (n,), its length (n,) [m]."""
+    """From each node to the next, all (n,), 0 for the last.
 
-    step: NDArray[np.float64]
-    level: NDArray[np.float64]
-    leg: NDArray[np.float64]
+    A step has three directions at right angles: ahead (flat east, flat north, rise), left (-north, east, 0) and over
+    (-rise east, -rise north, flat).
+    """
+
+    level: NDArray[np.float64]  # level length [m]
+    leg: NDArray[np.float64]  # length [m]
+    east: NDArray[np.float64]  # per meter of level length
+    north: NDArray[np.float64]
+    rise: NDArray[np.float64]  # height per meter of length
+    flat: NDArray[np.float64]  # level length per meter of length
 
 
 @njit(inline="always")
-def _add(terms, i, slope, curvature):
-    """Adds a term that changes by `pull` (3, 3) with the nodes before, at and after i.
+def _add(change, i, east, north, up, slope, curvature):
+    """Adds a term of node or step i that depends on how far that goes along (east, north, up).
 
-    Its first derivative is `slope`, its second `curvature`; both are handed on to the five control points, on which
-    it depends by `flat` (15,).
+    Its first derivative is `slope`, its second `curvature`.
     """
-    gradient, band, window, pull, flat = terms.gradient, terms.band, terms.window, terms.pull, terms.flat
-    base = 3 * terms.first[i]
-    for a in range(15):
-        k, axis = a // 3, a % 3
-        flat[a] = window[i, 0, k] * pull[0, axis] + window[i, 1, k] * pull[1, axis] + window[i, 2, k] * pull[2, axis]
-        gradient[base + a] += slope * flat[a]
-    if curvature > 0.0:
-        for a in range(15):
-            here = curvature * flat[a]
-            if here != 0.0:
-                for b in range(a + 1):
-                    band[a - b, base + b] += here * flat[b]
+    first, second = change.slope, change.curvature
+    first[0, i] += slope * east
+    first[1, i] += slope * north
+    first[2, i] += slope * up
+    second[EE, i] += curvature * east * east
+    second[NE, i] += curvature * north * east
+    second[NN, i] += curvature * north * north
+    second[UE, i] += curvature * up * east
+    second[UN, i] += curvature * up * north
+    second[UU, i] += curvature * up * up
 
 
 @njit(inline="always")
@@ -74,19 +84,32 @@ def _wall(slack, soft, even):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _solid(nodes, steps, danger, chart, rules, soft, even, terms):
+def _steps(nodes):
+    """The steps between nodes (n, 3)."""
+    n = len(nodes)
+    steps = Steps(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n))
+    for i in range(n - 1):
+        east, north, up = nodes[i + 1, 0] - nodes[i, 0], nodes[i + 1, 1] - nodes[i, 1], nodes[i + 1, 2] - nodes[i, 2]
+        level = math.sqrt(east**2 + north**2) + 1e-9
+        leg = math.sqrt(level**2 + up**2)
+        steps.level[i], steps.leg[i] = level, leg
+        steps.east[i], steps.north[i] = east / level, north / level
+        steps.rise[i], steps.flat[i] = up / leg, level / leg
+    return steps
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _solid(nodes, leg, danger, chart, rules, soft, even, places):
     """Adds obstacles, ground and bounds at each node; notes in `danger` (n,) what the threats cost a metre."""
-    n, leg, pull, value = len(nodes), steps.leg, terms.pull, 0.0
+    n, value = len(nodes), 0.0
     raster, listed_from, listed, around = chart.cells, chart.first, chart.listed, chart.around
     kind, shape, edges, heights, low_zones = chart.kind, chart.shape, chart.edges, chart.heights, chart.low_zones
     for i in range(n):
         x, y, z = nodes[i, 0], nodes[i, 1], nodes[i, 2]
-        pull[0], pull[2] = 0.0, 0.0
         share = 0.5 * ((leg[i - 1] if i > 0 else 0.0) + leg[i])
         cell = _cell(raster, x, y)
         if z < chart.top[cell] + soft.above + soft.reach:
-            ground, pull[1, 0], pull[1, 1] = _ground(chart.ground, heights, x, y)
-            pull[1, 2] = -1.0
+            ground, east, north = _ground(chart.ground, heights, x, y)
             for sign in (1.0, -1.0):
                 if sign > 0.0:
                     slack = rules.ceiling - soft.above - (z - ground)
@@ -95,22 +118,22 @@ def _solid(nodes, steps, danger, chart, rules, soft, even, terms):
                 wall, slope, curvature = _wall(slack, soft, even)
                 if curvature > 0.0:
                     value += wall
-                    _add(terms, i, sign * slope, curvature)
+                    _add(places, i, east, north, -1.0, sign * slope, curvature)
         for axis in range(3):
             slack = min(nodes[i, axis] - chart.lower[axis], chart.upper[axis] - nodes[i, axis]) - soft.aside
             wall, slope, curvature = _wall(slack, soft, even)
             if curvature > 0.0:
-                pull[1] = 0.0
-                pull[1, axis] = -1.0 if 2.0 * nodes[i, axis] > chart.lower[axis] + chart.upper[axis] else 1.0
+                inwards = -1.0 if 2.0 * nodes[i, axis] > chart.lower[axis] + chart.upper[axis] else 1.0
                 value += wall
-                _add(terms, i, slope, curvature)
+                places.slope[axis, i] += inwards * slope
+                places.curvature[(EE, NN, UU)[axis], i] += curvature
         for k in range(listed_from[cell], listed_from[cell + 1]):
             body = listed[k]
             if not around[body, 3] < z < around[body, 4]:
                 continue
             if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:
                 continue
-            distance, pull[1, 0], pull[1, 1], pull[1, 2] = _distance(kind, shape, edges, body, x, y, z)
+            distance, east, north, up = _distance(kind, shape, edges, body, x, y, z)
             hull = distance - rules.radius
             threatened = kind[body] != FENCE and hull < rules.d_safe
             slack = distance if kind[body] == FENCE else distance - rules.clearance
@@ -127,103 +150,150 @@ def _solid(nodes, steps, danger, chart, rules, soft, even, terms):
                     slope -= weight * threat / near
                     curvature += weight * 2.0 * threat / near**2
             if slope != 0.0 or curvature > 0.0:
-                _add(terms, i, slope, curvature)
+                _add(places, i, east, north, up, slope, curvature)
     return value
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _length(steps, danger, rules, soft, even, terms):
-    """Adds the length of each leg, which threats make dearer, its even spacing and its climb."""
-    step, level, leg, pull, value = steps.step, steps.level, steps.leg, terms.pull, 0.0
-    n = len(leg)
-    for i in range(n - 1):
-        price = rules.length + 0.5 * (danger[i] + danger[i + 1])
-        value += rules.length * leg[i] + 0.5 * soft.evenness / even * (leg[i] - even) ** 2
-        pull[0] = 0.0
-        for axis in range(3):
-            pull[2, axis] = step[i, axis] / leg[i]
-            pull[1, axis] = -pull[2, axis]
-        _add(terms, i, price + soft.evenness / even * (leg[i] - even), soft.evenness / even)
-        for across in range(2):  # the two directions in which a longer leg is a bent one
-            if across == 0:
-                pull[2, 0], pull[2, 1], pull[2, 2] = -step[i, 1] / level[i], step[i, 0] / level[i], 0.0
-            else:
-                for axis in range(2):
-                    pull[2, axis] = -step[i, 2] / leg[i] * step[i, axis] / level[i]
-                pull[2, 2] = level[i] / leg[i]
-            for axis in range(3):
-                pull[1, axis] = -pull[2, axis]
-            _add(terms, i, 0.0, price / leg[i])
-        for sign, limit in ((1.0, rules.climb - soft.flatter), (-1.0, rules.descent - soft.flatter)):
-            slack = limit * level[i] - sign * step[i, 2]
-            wall, slope, curvature = _wall(LEVER / even * slack, soft, even)
-            if curvature > 0.0:
-                for axis in range(2):
-                    pull[2, axis] = LEVER / even * limit * step[i, axis] / level[i]
-                pull[2, 2] = -LEVER / even * sign
-                for axis in range(3):
-                    pull[1, axis] = -pull[2, axis]
-                value += wall
-                _add(terms, i, slope, curvature)
-    return value
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _bends(steps, rules, soft, signs, angles, terms):
-    """Adds the turn and the change of climb at each inner node; notes them in `angles` (n, 2) [rad]."""
-    step, level, leg, pull, value = steps.step, steps.level, steps.leg, terms.pull, 0.0
-    n = len(leg)
+def _bends(steps, rules, soft, signs, angles):
+    """What the turn and the change of climb cost at each inner node, and how; notes them in `angles` (n, 2) [rad]."""
+    east, north, n, value = steps.east, steps.north, len(angles), 0.0
+    bends, climb = Bends(np.zeros((2, n)), np.zeros((2, n))), math.atan(steps.rise[0] / steps.flat[0])
     for i in range(1, n - 1):
-        for upwards in range(2):
-            if upwards:
-                rate = rules.climbing
-                angle = math.atan2(step[i, 2], level[i]) - math.atan2(step[i - 1, 2], level[i - 1])
-                for side, row in ((i - 1, 0), (i, 2)):
-                    for axis in range(2):
-                        pull[row, axis] = -step[side, 2] / leg[side] ** 2 * step[side, axis] / level[side]
-                    pull[row, 2] = level[side] / leg[side] ** 2
-            else:
-                rate = rules.turning
-                angle = math.atan2(
-                    step[i - 1, 0] * step[i, 1] - step[i - 1, 1] * step[i, 0],
-                    step[i - 1, 0] * step[i, 0] + step[i - 1, 1] * step[i, 1],
-                )
-                for side, row in ((i - 1, 0), (i, 2)):
-                    pull[row, 0], pull[row, 1] = -step[side, 1] / level[side] ** 2, step[side, 0] / level[side] ** 2
-                    pull[row, 2] = 0.0
-            for axis in range(3):  # the leg before ends here, the leg after begins here: both directions count
-                pull[1, axis] = -pull[0, axis] - pull[2, axis]
-            angles[i, upwards] = angle
+        before, climb = climb, math.atan(steps.rise[i] / steps.flat[i])
+        angles[i, 0] = math.atan2(
+            east[i - 1] * north[i] - north[i - 1] * east[i], east[i - 1] * east[i] + north[i - 1] * north[i]
+        )
+        angles[i, 1] = climb - before
+        for k in range(2):
+            angle, rate = angles[i, k], rules.climbing if k else rules.turning
             smooth = math.sqrt(angle * angle + soft.bend**2)
             value += rate * (smooth - soft.bend)
-            curvature = rate * (1.0 - signs[i, upwards] * angle / smooth) / smooth
-            _add(terms, i, rate * angle / smooth, curvature)
+            bends.slope[k, i] = rate * angle / smooth
+            bends.curvature[k, i] = rate * (1.0 - signs[i, k] * angle / smooth) / smooth
+    return value, bends
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _length(steps, bends, danger, rules, soft, even, along):
+    """Adds the length of each leg, which threats make dearer, its even spacing, its climb, and its part in `bends`.
+
+    Those are the bend where it begins and, with the other sign, the one where it ends. They change as it goes to the
+    left or over, where a longer leg is a bent one.
+    """
+    level, leg, value = steps.level, steps.leg, 0.0
+    turn, climb, turns, climbs = bends.slope[0], bends.slope[1], bends.curvature[0], bends.curvature[1]
+    stretch, lever = soft.evenness / even, LEVER / even
+    for i in range(len(leg) - 1):
+        east, north, rise, flat = steps.east[i], steps.north[i], steps.rise[i], steps.flat[i]
+        price = rules.length + 0.5 * (danger[i] + danger[i + 1])
+        value += rules.length * leg[i] + 0.5 * stretch * (leg[i] - even) ** 2
+        _add(along, i, flat * east, flat * north, rise, price + stretch * (leg[i] - even), stretch)
+        slope, curvature = (turn[i] - turn[i + 1]) / level[i], (turns[i] + turns[i + 1]) / level[i] ** 2
+        _add(along, i, -north, east, 0.0, slope, price / leg[i] + curvature)
+        slope, curvature = (climb[i] - climb[i + 1]) / leg[i], (climbs[i] + climbs[i + 1]) / leg[i] ** 2
+        _add(along, i, -rise * east, -rise * north, flat, slope, price / leg[i] + curvature)
+        for sign, limit in ((1.0, rules.climb - soft.flatter), (-1.0, rules.descent - soft.flatter)):
+            slack = limit * level[i] - sign * rise * leg[i]
+            wall, slope, curvature = _wall(lever * slack, soft, even)
+            if curvature > 0.0:
+                value += wall
+                _add(along, i, lever * limit * east, lever * limit * north, -lever * sign, slope, curvature)
     return value
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _mixed(steps, bends):
+    """The second derivatives of the bends by the step before and the step after, (9, n): EE, EN, EU, NE and so on."""
+    level, leg = steps.level, steps.leg
+    n = len(leg)
+    mixed = np.zeros((9, n))
+    for i in range(1, n - 1):
+        turn = -bends.curvature[0, i] / (level[i - 1] * level[i])
+        climb = -bends.curvature[1, i] / (leg[i - 1] * leg[i])
+        left = (-steps.north[i - 1], steps.east[i - 1]), (-steps.north[i], steps.east[i])
+        for a in range(2):
+            for b in range(2):
+                mixed[3 * a + b, i] = turn * left[0][a] * left[1][b]
+        over = (
+            (-steps.rise[i - 1] * steps.east[i - 1], -steps.rise[i - 1] * steps.north[i - 1], steps.flat[i - 1]),
+            (-steps.rise[i] * steps.east[i], -steps.rise[i] * steps.north[i], steps.flat[i]),
+        )
+        for a in range(3):
+            for b in range(3):
+                mixed[3 * a + b, i] += climb * over[0][a] * over[1][b]
+    return mixed
+
+
+@njit(inline="always")
+def _block(places, along, mixed, window, k, m, some):
+    """The second derivatives by two control points of a window, k and m, from some nodes: EE, EN, EU, NE and so on."""
+    here, before, after = window[0], window[1], window[2]
+    twice, stepwise = places.curvature, along.curvature
+    ee, en, eu, ne, nn, nu, ue, un, uu = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in some:
+        place, step = here[k, i] * here[m, i], after[k, i] * after[m, i]
+        back, forth = before[k, i] * after[m, i], after[k, i] * before[m, i]
+        ee += place * twice[EE, i] + step * stepwise[EE, i] + (back + forth) * mixed[0, i]
+        nn += place * twice[NN, i] + step * stepwise[NN, i] + (back + forth) * mixed[4, i]
+        uu += place * twice[UU, i] + step * stepwise[UU, i] + (back + forth) * mixed[8, i]
+        even = place * twice[NE, i] + step * stepwise[NE, i]
+        en += even + back * mixed[1, i] + forth * mixed[3, i]
+        ne += even + back * mixed[3, i] + forth * mixed[1, i]
+        even = place * twice[UE, i] + step * stepwise[UE, i]
+        eu += even + back * mixed[2, i] + forth * mixed[6, i]
+        ue += even + back * mixed[6, i] + forth * mixed[2, i]
+        even = place * twice[UN, i] + step * stepwise[UN, i]
+        nu += even + back * mixed[5, i] + forth * mixed[7, i]
+        un += even + back * mixed[7, i] + forth * mixed[5, i]
+    return (ee, en, eu), (ne, nn, nu), (ue, un, uu)
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _handed_on(places, along, mixed, first, window, count):
+    """Gradient and lower band of the Hessian by the control points, from those by nodes and steps."""
+    n, start = len(first), 0
+    gradient, band = np.zeros(3 * count), np.zeros((15, 3 * count))
+    here, after = window[0], window[2]
+    while start < n:
+        end = start + 1
+        while end < n and first[end] == first[start]:
+            end += 1
+        some = range(np.uint64(start), np.uint64(end))  # no number counts from an array's end: sums are vectorised
+        for k in range(5):
+            row = 3 * (first[start] + k)
+            for axis in range(3):
+                total = 0.0
+                for i in some:
+                    total += here[k, i] * places.slope[axis, i] + after[k, i] * along.slope[axis, i]
+                gradient[row + axis] += total
+            for m in range(k + 1):
+                block, column = _block(places, along, mixed, window, k, m, some), 3 * (first[start] + m)
+                for a in range(3):
+                    for b in range(3 if k > m else a + 1):
+                        band[row + a - column - b, column + b] += block[a][b]
+        start = end
+    return gradient, band
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def path_model(nodes, spans, count, chart, rules, soft, even, signs):
     """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
 
-    `nodes` (n, 3) depend on `count` control points: node i - 1, i and i + 1 on those from `first[i]` with the
-    coefficients `window[i]` (3, 5); `spans` is (first, window). `even` is the length of a leg [m] when all are
-    alike. `signs` (n, 2), between -1 and 1, is what is thought of the sign of the turn and of the change of climb
-    at each node; the surer, the less an angle resists to being changed (the dual variables of Chan, Golub and Mulet
-    1999).
+    `nodes` (n, 3) depend on `count` control points: node i, the step to it, and the step from it on those from
+    `first[i]` with the coefficients `window[:, :, i]` (3, 5); `spans` is (first, window). `even` is the length of a leg
+    [m] when all are alike. `signs` (n, 2), between -1 and 1, is what is thought of the sign of the turn and of the
+    change of climb at each node; the surer, the less an angle resists to being changed (the dual variables of Chan,
+    Golub and Mulet 1999).
 
     Returns the value, its gradient (3 count,), the lower band of the Hessian (15, 3 count), `band[i - j, j]` being its
     element i, j, and the angles (n, 2) [rad]. The model is Gauss-Newton's: what bends downwards is left out.
     """
     n, (first, window) = len(nodes), spans
-    gradient, band, angles = np.zeros(3 * count), np.zeros((15, 3 * count)), np.zeros((n, 2))
-    steps, danger = Steps(np.zeros((n, 3)), np.zeros(n), np.zeros(n)), np.zeros(n)
-    terms = Terms(gradient, band, first, window, np.zeros((3, 3)), np.zeros(15))
-    for i in range(n - 1):
-        for axis in range(3):
-            steps.step[i, axis] = nodes[i + 1, axis] - nodes[i, axis]
-        steps.level[i] = math.sqrt(steps.step[i, 0] ** 2 + steps.step[i, 1] ** 2) + 1e-9
-        steps.leg[i] = math.sqrt(steps.level[i] ** 2 + steps.step[i, 2] ** 2)
-    value = _solid(nodes, steps, danger, chart, rules, soft, even, terms)
-    value += _length(steps, danger, rules, soft, even, terms)
-    value += _bends(steps, rules, soft, signs, angles, terms)
+    places, along = Change(np.zeros((3, n)), np.zeros((6, n))), Change(np.zeros((3, n)), np.zeros((6, n)))
+    steps, danger, angles = _steps(nodes), np.zeros(n), np.zeros((n, 2))
+    value = _solid(nodes, steps.leg, danger, chart, rules, soft, even, places)
+    bent, bends = _bends(steps, rules, soft, signs, angles)
+    value += bent + _length(steps, bends, danger, rules, soft, even, along)
+    gradient, band = _handed_on(places, along, _mixed(steps, bends), first, window, count)
     return value, gradient, band, angles

@@ -161,6 +161,7 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
     low, high = max(int(varied[0]) - FELT_AWAY, 0), min(int(varied[-1]) + FELT_AWAY + 1, n)
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
+    window = np.ascontiguousarray(window[:, :, seen])
     free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
     if len(trail.via_at):
         from scipy.sparse import csr_array, diags_array, eye_array, kron
@@ -172,7 +173,7 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
         reach = int(np.max(pairs.row - pairs.col, initial=0))
     look = even_basis(n, nodes)[seen]
     even = float(leg_lengths(look @ trail.curve.control).mean())
-    return _Bench(slice(low, high), look, first[seen] - low, window[seen], even, free, spread, reach)
+    return _Bench(slice(low, high), look, first[seen] - low, window, even, free, spread, reach)
 
 
 def _descend(
@@ -216,9 +217,12 @@ def _descend(
 
 @lru_cache(maxsize=64)
 def _windows(n: int, nodes: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """For each node the first of five control points that it and its neighbors depend on, and how, (nodes, 3, 5)."""
+    """For each node the first of five control points that it and its neighbors depend on, (nodes,).
+
+    And how the node, the step to it and the step from it do, (3, 5, nodes).
+    """
     look = even_basis(n, nodes)
-    around = np.stack([look[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)], axis=1)
-    first = np.minimum(np.argmax(np.abs(around).max(axis=1) > 1e-14, axis=1), n - 5)
-    window = around[np.arange(nodes)[:, None, None], np.arange(3)[:, None], first[:, None, None] + np.arange(5)]
-    return first, np.ascontiguousarray(window)
+    around = np.stack([look[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)])
+    first = np.minimum(np.argmax(np.abs(around).max(axis=0) > 1e-14, axis=1), n - 5)
+    before, here, after = (part[np.arange(nodes), first + np.arange(5)[:, None]] for part in around)
+    return first, np.stack([here, here - before, after - here])

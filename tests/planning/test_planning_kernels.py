@@ -109,20 +109,46 @@ def test_the_model_has_the_value_of_the_twin_and_its_derivative(town: Town, fenc
             assert np.linalg.eigvalsh(hessian).min() > -1e-8 * np.abs(hessian).max()
 
 
-def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town) -> None:
-    """Length alone: the Hessian is the derivative of the gradient."""
-    problem = pose(town(1))
-    rules = problem.rules._replace(turning=0.0, climbing=0.0, height=-100.0, **LIMITLESS)
+def in_the_open(problem: PreparedProblem, **rules: Any) -> PreparedProblem:
+    """The same without obstacles, ground and limits; only the bounds stay."""
     airspace = Airspace(problem.task.airspace.bounds, problem.task.airspace.terrain, ())
     limits = replace(problem.limits, height_above_ground=-100.0, low_zones=())
-    problem = replace(problem, rules=rules, chart=chart_of(airspace, limits, 1.0))
-    only_length = SOFT._replace(evenness=0.0)
+    free = problem.rules._replace(height=-100.0, **LIMITLESS, **rules)
+    return replace(problem, rules=free, chart=chart_of(airspace, limits, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("length", "soft"), [(1.0, SOFT._replace(evenness=0.0)), (0.0, SOFT._replace(evenness=0.0, reach=80.0))]
+)
+def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town, length: float, soft: Soft) -> None:
+    """Length alone, or the walls of the bounds alone: the Hessian is the derivative of the gradient."""
+    problem = in_the_open(pose(town(1)), length=length, turning=0.0, climbing=0.0)
     rng = np.random.default_rng(2)
     control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + rng.normal(size=(9, 3))
-    hessian = model(problem, control, only_length)[2]
+    hessian = model(problem, control, soft, even=1.5)[2]
     steps = 1e-5 * np.eye(27).reshape(27, 9, 3)
-    change = [model(problem, control + h, only_length)[1] - model(problem, control - h, only_length)[1] for h in steps]
+    change = [model(problem, control + h, soft, 1.5)[1] - model(problem, control - h, soft, 1.5)[1] for h in steps]
+    assert np.abs(hessian).max() > 1e-4
     np.testing.assert_allclose(hessian, np.array(change) / 2e-5, atol=1e-7)
+
+
+def test_the_models_curvature_of_bends_is_that_of_weighted_squares(town: Town) -> None:
+    """Each angle's derivatives by the control points, here found by differences, times themselves (Gauss-Newton)."""
+    problem, soft = in_the_open(pose(town(1)), length=0.0), SOFT._replace(evenness=0.0)
+    control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + np.random.default_rng(2).normal(size=(9, 3))
+    signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))[1:-1]  # as in `model`
+
+    def angles(control: np.ndarray) -> np.ndarray:
+        nodes = even_basis(9, 60) @ control
+        return np.column_stack([twins.signed_turns(nodes), np.diff(climb_angles(nodes))])
+
+    steps = 1e-5 * np.eye(27).reshape(27, 9, 3)
+    slopes = np.array([(angles(control + h) - angles(control - h)) / 2e-5 for h in steps])
+    smooth = np.sqrt(angles(control) ** 2 + soft.bend**2)
+    rates = np.array([problem.rules.turning, problem.rules.climbing])
+    weights = rates * (1 - signs * angles(control) / smooth) / smooth
+    hessian, expected = model(problem, control, soft)[2], np.einsum("aik,ik,bik->ab", slopes, weights, slopes)
+    np.testing.assert_allclose(hessian, expected, atol=1e-7 * np.abs(expected).max())
 
 
 def test_the_survey_is_that_of_the_twin(town: Town) -> None:

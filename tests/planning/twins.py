@@ -49,7 +49,7 @@ def _search_cost(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits
 def path_model(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits, soft: Soft, even: float) -> float:
     """The value of the smoothed cost; the kernel's gradient is its derivative. `even` is the mean leg, held fixed."""
     legs, share = leg_lengths(nodes), node_weights(nodes, per_node=False)
-    angles = np.array([_signed_turns(nodes), np.diff(climb_angles(nodes))])
+    angles = np.array([signed_turns(nodes), np.diff(climb_angles(nodes))])
     smooth = np.sqrt(angles**2 + soft.bend**2) - soft.bend
     value = rules.length * legs.sum() + rules.turning * smooth[0].sum() + rules.climbing * smooth[1].sum()
     value += 0.5 * soft.evenness / even * ((legs - even) ** 2).sum()
@@ -123,7 +123,8 @@ def _slopes(nodes: Points, climb: float, descent: float) -> Points:
     return np.array([climb * level - step[:, 2], descent * level + step[:, 2]])
 
 
-def _signed_turns(nodes: Points) -> Vector:
+def signed_turns(nodes: Points) -> Vector:
+    """Of each node but the ends, to the left, (n-2,) [rad]."""
     step = np.diff(nodes[:, :2], axis=0)
     before, after = step[:-1], step[1:]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
