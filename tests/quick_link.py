@@ -4,11 +4,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from types import ModuleType
 
-from ipoa_mission.link import connect, departure, orders, upload
+from ipoa_mission.link import connect, conversations, departure, orders, upload
 
 TIMES: tuple[tuple[ModuleType, str, object], ...] = (
     (connect, "OTHERS_S", 0.1),
-    (orders, "PARAMETER_ROUND_S", 0.1),
+    (conversations, "WORDS_S", 0.05),
+    (orders, "PARAMETER_ROUND_S", 0.05),
     (upload, "SECOND_THOUGHTS_S", 0.05),
     (departure, "LIMITS", replace(departure.LIMITS, again_s=0.05)),
 )

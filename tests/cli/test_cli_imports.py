@@ -34,8 +34,11 @@ finally:
 """
 
 
-def imported(*arguments: str) -> set[str]:
-    run = subprocess.run([sys.executable, "-c", WATCHED, *arguments], capture_output=True, text=True, timeout=120)
+def imported(*arguments: str, before: str = "") -> set[str]:
+    run = subprocess.run(
+        [sys.executable, "-c", before + WATCHED, *arguments],
+        capture_output=True, text=True, timeout=120, cwd=MISSIONS.parent,
+    )  # fmt: skip
     assert run.returncode == 0, run.stderr
     return set(run.stderr.rpartition("IMPORTED ")[2].split())
 
@@ -44,7 +47,7 @@ def imported(*arguments: str) -> set[str]:
 def link() -> Iterator[str]:
     """Where the built-in autopilot answers."""
     channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
-    server = Server(channel, Station(Mock(Autopilot.PX4, Geodetic(47.397742, 8.545594, 488.0))), 1.0, Faults(), 0)
+    server = Server(channel, Station(Mock(Autopilot.PX4, Geodetic(47.397742, 8.545594, 488.0))), 60.0, Faults(), 0)
     stop = threading.Event()
     thread = threading.Thread(target=server.run, args=(stop.is_set,))
     thread.start()
@@ -65,7 +68,8 @@ def test_a_mission_file_is_looked_at_without_what_only_scenarios_need(verb: str)
 
 def test_an_upload_needs_the_messages_besides(link: str, tmp_path: Path) -> None:
     log = str(tmp_path / "upload.tlog")
-    needed = imported("upload", FOR_PX4, "--link", link, "--log", log)
+    hurried = "from tests.quick_link import hurry; hurry()"
+    needed = imported("upload", FOR_PX4, "--link", link, "--log", log, before=hurried)
     assert needed - {"pymavlink"} == {"numpy", "pyproj"}  # that only in a checkout
 
 

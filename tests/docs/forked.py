@@ -1,6 +1,6 @@
 """`ipoa-mission` as a command of a shell, in processes that are forked from one that has imported all it needs.
 
-    with forked(folder) as program: subprocess.run([str(program), "show", "campus.plan"])
+    with forked(folder) as programs: subprocess.run([str(programs.usual / "ipoa-mission"), "show", "campus.plan"])
 
 A command that runs so reads its own arguments, folder, environment, input and output, and takes signals, as any other.
 """
@@ -17,15 +17,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
+from typing import NamedTuple
+
+import pytest
 
 import ipoa_mission
+from tests.quick_link import hurry
+from tests.quick_search import search_quickly
 
 #: What the shell runs: it hands on what it was given, waits, and passes signals on to the process that does the work.
 CLIENT = """#!{python} -IS
 import json, os, signal, socket, sys
 there = socket.socket(socket.AF_UNIX)
 there.connect({address!r})
-told = json.dumps([sys.argv[1:], os.getcwd(), dict(os.environ)]).encode()
+told = json.dumps([{quick}, sys.argv[1:], os.getcwd(), dict(os.environ)]).encode()
 socket.send_fds(there, [len(told).to_bytes(4, "big") + told], [0, 1, 2])
 answers = there.makefile()
 process = int(answers.readline())
@@ -35,17 +40,27 @@ sys.exit(int(answers.readline() or 1))
 """
 
 
+class Programs(NamedTuple):
+    """Two folders with an `ipoa-mission` that begins at once; `quick` plans as `tests.quick_search` does."""
+
+    usual: Path
+    quick: Path
+
+
 @contextmanager
-def forked(folder: Path) -> Iterator[Path]:
-    """The program, in `folder`, while the block lasts."""
-    address, program = folder / "forked.socket", folder / "ipoa-mission"
+def forked(folder: Path) -> Iterator[Programs]:
+    """The programs, in `folder`, while the block lasts."""
+    address, programs = folder / "forked.socket", Programs(folder / "usual", folder / "quick")
     with subprocess.Popen([sys.executable, "-m", "tests.docs.forked", str(address)], stdout=subprocess.PIPE) as server:
         assert server.stdout is not None
         assert server.stdout.readline() == b"ready\n"
-        program.write_text(CLIENT.format(python=sys.executable, address=str(address)), encoding="utf-8")
-        program.chmod(0o755)
+        for there in programs:
+            there.mkdir()
+            client = CLIENT.format(python=sys.executable, address=str(address), quick=there == programs.quick)
+            (there / "ipoa-mission").write_text(client, encoding="utf-8")
+            (there / "ipoa-mission").chmod(0o755)
         try:
-            yield program
+            yield programs
         finally:
             server.terminate()
 
@@ -60,7 +75,6 @@ def serve(address: str) -> None:
         if not module.name.removeprefix("ipoa_mission.").startswith(LEFT_OUT):
             import_module(module.name)
     from ipoa_mission.cli.app import main
-    from tests.quick_link import hurry
 
     hurry()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for them but their clients
@@ -84,7 +98,9 @@ def _run(client: socket.socket, main: object) -> None:
         data, streams, *_ = socket.recv_fds(client, 1 << 20, 3)
         while len(data) < 4 + int.from_bytes(data[:4], "big"):
             data += client.recv(1 << 20)
-        arguments, here, environment = json.loads(data[4:])
+        quick, arguments, here, environment = json.loads(data[4:])
+        if quick:
+            search_quickly(pytest.MonkeyPatch().setattr)
         for number, stream in enumerate(streams):
             os.dup2(stream, number)
             os.close(stream)

@@ -7,11 +7,13 @@ from typing import Any
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.mavsdk_backend import MavsdkVehicle, connect
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.world.frame import Geodetic
+from tests.quick_link import hurry
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 
@@ -43,6 +45,8 @@ def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
 
 def main(url: str) -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
+    hurry()
+    mavsdk_backend.VERDICT_S = 0.3
     legs = [waypoint(Geodetic(47.4 + 0.0002 * n, 8.5), 30.0) for n in (1, 2, 3)]
     fence, rally = (FenceCircle((47.4, 8.5), 500.0),), (Geodetic(47.4005, 8.5, 25.0),)
     with connect(url) as vehicle:

@@ -16,6 +16,7 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Firmware, Heartbeat, Text
+from tests.quick_link import hurry
 
 pytest.importorskip("serial")
 AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, Firmware.PX4), EVERYONE, 0.0)
@@ -82,8 +83,9 @@ def _is_readable(file: int) -> bool:
 
 
 def test_a_verb_on_a_serial_line_that_does_not_drain_ends_when_the_user_s_patience_does(
-    cable: Cable, serial: SerialChannel
+    cable: Cable, serial: SerialChannel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    hurry(monkeypatch.setattr)
     full = Codec(245, 190).encode(Text(6, "x" * 50), EVERYONE, 0.0)
     for _ in range(2000):
         serial.send(full, None)

@@ -12,6 +12,7 @@ pytest.importorskip("mavsdk")
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.link import upload
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import UdpChannel
 from ipoa_mission.link.codec import Codec
@@ -20,16 +21,19 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.world.frame import Geodetic
+from tests.quick_link import hurry
 
 HERE = Path(__file__).parent
+REPOSITORY = HERE.parents[1]
 HOME = Geodetic(47.4, 8.5, 400.0)
 
 
 @pytest.mark.parametrize("family", Autopilot)
 def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, run_mock: Callable[..., object]) -> None:
-    with run_mock(family, speedup=40.0) as running:  # type: ignore[attr-defined]
+    with run_mock(family, speedup=60.0) as running:  # type: ignore[attr-defined]
         done = subprocess.run(
-            [sys.executable, str(HERE / "mavsdk_client.py"), f"udpout:127.0.0.1:{running.port}"],
+            [sys.executable, "-m", "tests.link.mavsdk_client", f"udpout:127.0.0.1:{running.port}"],
+            cwd=REPOSITORY,
             capture_output=True,
             text=True,
             timeout=60,
@@ -52,7 +56,9 @@ def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, ru
     }
 
 
-def test_our_upload_puts_a_mission_on_mavsdks_own_server() -> None:
+def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.MonkeyPatch) -> None:
+    hurry(monkeypatch.setattr)
+    monkeypatch.setattr(upload, "VERDICT_S", 0.3)
     channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
     legs = [waypoint(Geodetic(47.4 + 0.00012345 * n, 8.5 - 0.00054321 * n), 30.0 + n) for n in range(1, 20)]
     items = (takeoff(HOME, 20.0), *legs, return_to_launch())
