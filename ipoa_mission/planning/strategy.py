@@ -28,9 +28,9 @@ class SearchStrategy:
     """
 
     lattice: LatticeStrategy = LatticeStrategy()
-    straight_starts: int = 3  # searches that begin at the straight line
+    straight_starts: int = 1  # searches that begin at the straight line
     straight_width: float = 0.25
-    lattice_starts: int = 8  # searches that begin at lattice ways
+    lattice_starts: int = 5  # searches that begin at lattice ways
     cheapest_starts: int = 4  # of these at the lattice's cheapest, the others at those best polished
     lattice_width: float = 0.08
     coarse_control_points: int = 100  # with fewer a curve may not be able to follow a way
