@@ -13,7 +13,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission, waypoint
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
-from ipoa_mission.planning.proof import prove
+from ipoa_mission.planning.proof import prove, prove_heights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.room import with_room
 from ipoa_mission.world.frame import Geodetic
@@ -97,6 +97,9 @@ def _ways_home(mission: Mission, scenario: Scenario) -> list[Leg]:
 
 
 def _is_clear(legs: Iterable[Leg], roomy: Scenario) -> bool:
-    checks = (check for leg in legs for check in prove(leg.points, roomy).checks)
-    spare = 0.0 if roomy.safety.chance is None else SAG
-    return all(check.slack >= spare for check in checks if check.limit in ("obstacles", "ground"))
+    spare, required = 0.0 if roomy.safety.chance is None else SAG, roomy.limits.obstacle_distance
+    return all(
+        roomy.airspace.obstacle_clearance(leg.points).distance >= required + spare
+        and all(check.slack >= spare for check in prove_heights(leg.points, roomy) if check.limit == "ground")
+        for leg in legs
+    )

@@ -46,8 +46,8 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
     """
     quickest = _quickest(curve, scenario)
     improved = list(dict.fromkeys(ready for way in quickest for ready in (way[0], _improve(*way, scenario))))
-    if not improved:
-        return fallback()
+    if len(improved) < 2:
+        return improved[0] if improved else fallback()
     ends = [fly(route, curve, scenario) for route in improved]
     equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
     ranks = [

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from ipoa_mission.timing.route import kinematics
 from ipoa_mission.tube.course import course_of
 from ipoa_mission.tube.promise import tube_holds
 from ipoa_mission.tube.thin import STRAY, thinned
+
+_LAST_FLIGHT: WeakKeyDictionary[Route, "tuple[Spline, Scenario, Flown]"] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +64,12 @@ class Flown:
 
 
 def fly(route: Route, curve: Spline, scenario: Scenario) -> Flown:
-    """A route as `estimate` has its whole mission."""
-    return _flown(draft_mission(route, scenario), route, curve, scenario, sure=False)
+    """A route as `estimate` has its whole mission; the last flight of a route is kept as long as the route is."""
+    if (kept := _LAST_FLIGHT.get(route)) is not None and kept[0] is curve and kept[1] is scenario:
+        return kept[2]
+    flown = _flown(draft_mission(route, scenario), route, curve, scenario, sure=False)
+    _LAST_FLIGHT[route] = curve, scenario, flown
+    return flown
 
 
 def sketch(route: Route, curve: Spline, scenario: Scenario) -> Flown:
