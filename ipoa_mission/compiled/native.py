@@ -10,8 +10,7 @@ of records "|V16 1".
 
 import ctypes
 import struct
-from collections.abc import Iterator, Sequence
-from functools import cache
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 from typing import Any
 
@@ -19,7 +18,7 @@ import numpy as np
 
 Type = str | Sequence["Type"]
 RETURNED, RETURNED_NONE = 0, -2  # numba's status codes
-PACKED = 16  # named tuples whose numbers are kept, for the next call
+PACKED = 4  # named tuples whose words an argument keeps, for the next call
 
 _NUMBERS = {"float": "d", "int": "q", "bool": "q"}  # as `struct` has them
 
@@ -28,18 +27,16 @@ class Native:
     """A kernel of a library, called as the Python function of which it is made."""
 
     def __init__(self, library: ctypes.CDLL, name: str, arguments: Sequence[Type], result: Type | None) -> None:
-        self._call, self._release = library[name], library["release"]
-        self._name, self._arguments, self._result = name, arguments, result
-        self._given, self._returned = (
-            struct.Struct("=" + _layout(arguments)),
-            struct.Struct("=" + _layout(result or [])),
-        )
-        self._room = ctypes.c_char * (self._returned.size + 8)  # the last word for what numba says of an error
+        self._call, self._name = library[name], name
         self._call.argtypes = [ctypes.c_void_p, ctypes.c_char_p]
         self._call.restype = ctypes.c_int32
-        self._release.argtypes = [ctypes.c_void_p]
-        self._release.restype = None
-        self._kept: dict[tuple[int, int], tuple[Any, list[Any]]] = {}
+        self._arguments = [_packer(kind) if isinstance(kind, str) else _Kept(kind) for kind in arguments]
+        release = library["release"]
+        release.argtypes = [ctypes.c_void_p]
+        release.restype = None
+        self._returned = struct.Struct("=" + _layout(result or []))
+        self._result = None if result is None else _unpacker(result, release)
+        self._room = ctypes.c_char * (self._returned.size + 8)  # the last word for what numba says of an error
 
     def __call__(self, *values: Any) -> Any:
         """What the Python function would return; arrays are new ones.
@@ -48,65 +45,84 @@ class Native:
             TypeError: an array is not of the type for which this was compiled.
             RuntimeError: the kernel gave up, as on an index out of range.
         """
-        room, packed = self._room(), list[Any]()
-        for k, (kind, value) in enumerate(zip(self._arguments, values, strict=True)):
-            packed += self._packed(k, kind, value)
-        status = self._call(room, self._given.pack(*packed))
+        room = self._room()
+        given = b"".join([packed(value) for packed, value in zip(self._arguments, values, strict=True)])
+        status = self._call(room, given)
         if status not in {RETURNED, RETURNED_NONE}:
             raise RuntimeError(f"{self._name} ended with status {status}")
-        return None if self._result is None else self._unpacked(self._result, iter(self._returned.unpack_from(room)))
+        return None if self._result is None else self._result(iter(self._returned.unpack_from(room)))
 
-    def _packed(self, k: int, kind: Type, value: Any) -> list[Any]:
-        """A value as numbers; those of named tuples, which do not change, are kept."""
-        if not hasattr(value, "_fields"):
-            return _pack(kind, value)
-        key = (k, id(value))
-        kept = self._kept.get(key)
-        if kept is None:
+
+class _Kept:
+    """Tuples as words; those of named ones, which do not change, are kept."""
+
+    def __init__(self, kind: Sequence[Type]) -> None:
+        self._packed = _packer(kind)
+        self._kept: dict[int, tuple[Any, bytes]] = {}
+
+    def __call__(self, value: Any) -> bytes:
+        kept = self._kept.get(id(value))
+        if kept is not None:
+            return kept[1]
+        words = self._packed(value)
+        if hasattr(value, "_fields"):
             if len(self._kept) >= PACKED:
                 self._kept.clear()
-            kept = self._kept[key] = value, _pack(kind, value)
-        return kept[1]
+            self._kept[id(value)] = value, words
+        return words
 
-    def _unpacked(self, kind: Type, words: Iterator[Any]) -> Any:
-        """A returned value, from its words on."""
-        if not isinstance(kind, str):
-            return tuple([self._unpacked(one, words) for one in kind])
-        if kind in _NUMBERS:
-            return next(words)
-        dtype, dimensions = _array(kind)
-        memory, _, size, _, first, *shape = islice(words, 5 + dimensions)
-        for _ in range(dimensions):  # strides
-            next(words)
-        value = np.empty(shape, dtype)
-        ctypes.memmove(_address(value), first, size * dtype.itemsize)
-        self._release(memory)
+
+def _packer(kind: Type) -> Callable[[Any], bytes]:
+    """What turns a value into words."""
+    if not isinstance(kind, str):
+        parts = [_packer(one) for one in kind]
+        return lambda value: b"".join([packed(part) for packed, part in zip(parts, value, strict=True)])
+    if kind in _NUMBERS:
+        number = struct.Struct("=" + _NUMBERS[kind]).pack
+        return number if kind == "float" else lambda value: number(int(value))
+    dtype, dimensions = _array(kind)
+    row, item = struct.Struct("=" + _layout(kind)).pack, dtype.itemsize
+
+    def packed(value: Any) -> bytes:
+        there, shape = value.dtype, value.shape
+        if there is not dtype and (there.itemsize != item or (there.names is None and there != dtype)):
+            raise TypeError(f"expected an array of {kind}, not {there.str} {value.ndim}")
+        if len(shape) != dimensions or not value.flags.c_contiguous:
+            raise TypeError(f"expected a contiguous array of {kind}, not {there.str} {value.ndim}")
+        return row(0, 0, value.size, item, _address(value), *shape, *value.strides)
+
+    return packed
+
+
+def _unpacker(kind: Type, release: Callable[[int], None]) -> Callable[[Iterator[Any]], Any]:
+    """What makes a returned value of its words."""
+    if not isinstance(kind, str):
+        parts = [_unpacker(one, release) for one in kind]
+        return lambda words: tuple([unpacked(words) for unpacked in parts])
+    if kind in _NUMBERS:
+        return next
+    dtype, dimensions = _array(kind)
+
+    def unpacked(words: Iterator[Any]) -> Any:
+        memory, _, _, _, first, *sides = islice(words, 5 + 2 * dimensions)  # shape and strides
+        value = np.empty(sides[:dimensions], dtype)
+        ctypes.memmove(_address(value), first, value.nbytes)
+        release(memory)
         return value
 
-
-def _pack(kind: Type, value: Any) -> list[Any]:
-    if not isinstance(kind, str):
-        return [word for one, part in zip(kind, value, strict=True) for word in _pack(one, part)]
-    if kind in _NUMBERS:
-        return [value if kind == "float" else int(value)]
-    dtype, dimensions = _array(kind)
-    there = value.dtype
-    if there is not dtype and (there.itemsize != dtype.itemsize or (there.names is None and there != dtype)):
-        raise TypeError(f"expected an array of {kind}, not {there.str} {value.ndim}")
-    if value.ndim != dimensions or not value.flags.c_contiguous:
-        raise TypeError(f"expected a contiguous array of {kind}, not {there.str} {value.ndim}")
-    return [0, 0, value.size, there.itemsize, _address(value), *value.shape, *value.strides]
+    return unpacked
 
 
 def _address(array: Any) -> int:
     """Of the first element."""
-    try:
-        return ctypes.addressof(ctypes.c_char.from_buffer(array))
-    except (TypeError, ValueError):  # what may only be read, or is empty; this way takes five times as long
-        return int(array.ctypes.data)
+    if array.dtype.names is None:  # of records each field's format would be written down
+        try:
+            return ctypes.addressof(ctypes.c_char.from_buffer(array))
+        except (TypeError, ValueError):  # what may only be read, or is empty
+            pass
+    return int(array.ctypes.data)  # this way takes twice as long
 
 
-@cache
 def _array(kind: str) -> tuple[np.dtype[Any], int]:
     dtype, dimensions = kind.rsplit(" ", 1)
     return np.dtype(dtype), int(dimensions)

@@ -250,8 +250,9 @@ def _block(places, along, mixed, window, k, m, some):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _handed_on(places, along, mixed, first, window, count):
+def _handed_on(places, along, mixed, spans, count):
     """Gradient and lower band of the Hessian by the control points, from those by nodes and steps."""
+    first, window = spans.first, spans.window
     n, start = len(first), 0
     gradient, band = np.zeros(3 * count), np.zeros((15, 3 * count))
     here, after = window[0], window[2]
@@ -280,20 +281,18 @@ def _handed_on(places, along, mixed, first, window, count):
 def path_model(nodes, spans, count, chart, rules, soft, even, signs):
     """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
 
-    `nodes` (n, 3) depend on `count` control points: node i, the step to it, and the step from it on those from
-    `first[i]` with the coefficients `window[:, :, i]` (3, 5); `spans` is (first, window). `even` is the length of a leg
-    [m] when all are alike. `signs` (n, 2), between -1 and 1, is what is thought of the sign of the turn and of the
-    change of climb at each node; the surer, the less an angle resists to being changed (the dual variables of Chan,
-    Golub and Mulet 1999).
+    `nodes` (n, 3) depend on `count` control points as `Spans` says. `even` is the length of a leg [m] when all are
+    alike. `signs` (n, 2), between -1 and 1, is what is thought of the sign of the turn and of the change of climb at
+    each node; the surer, the less an angle resists to being changed (the dual variables of Chan, Golub and Mulet 1999).
 
     Returns the value, its gradient (3 count,), the lower band of the Hessian (15, 3 count), `band[i - j, j]` being its
     element i, j, and the angles (n, 2) [rad]. The model is Gauss-Newton's: what bends downwards is left out.
     """
-    n, (first, window) = len(nodes), spans
+    n = len(nodes)
     places, along = Change(np.zeros((3, n)), np.zeros((6, n))), Change(np.zeros((3, n)), np.zeros((6, n)))
     steps, danger, angles = _steps(nodes), np.zeros(n), np.zeros((n, 2))
     value = _solid(nodes, steps.leg, danger, chart, rules, soft, even, places)
     bent, bends = _bends(steps, rules, soft, signs, angles)
     value += bent + _length(steps, bends, danger, rules, soft, even, along)
-    gradient, band = _handed_on(places, along, _mixed(steps, bends), first, window, count)
+    gradient, band = _handed_on(places, along, _mixed(steps, bends), spans, count)
     return value, gradient, band, angles

@@ -83,6 +83,13 @@ class Nodes(NamedTuple):
     places: Points  # (nx ny nz, 3)
 
 
+class Spans(NamedTuple):
+    """How n nodes of a path depend on its control points."""
+
+    first: NDArray[np.int64]  # (n,): the first of five that a node and its neighbors depend on
+    window: NDArray[np.float64]  # (3, 5, n): coefficients of the node, of the step to it, and of the step from it
+
+
 class Soft(NamedTuple):
     """How a polish rounds off what is not smooth; it begins soft and ends hard."""
 

@@ -11,10 +11,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.planning.chart import Soft
+from ipoa_mission.planning.chart import Soft, Spans
 from ipoa_mission.planning.problem import ALL, Matrix, PreparedProblem, Trail, freedom
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
@@ -57,7 +56,7 @@ def polish(
     """
     nodes = finer * max(problem.nodes, NODES_PER_SPAN * trail.curve.spans)
     control, bench = trail.curve.control, _prepare(trail, problem, part, nodes)
-    signs = np.zeros((len(bench.first), 2))
+    signs = np.zeros((len(bench.spans.first), 2))
     for k, soft in enumerate(stages, 1):
         good = enough if k == len(stages) else max(enough, EARLY_GAIN)
         control, signs = _descend(control, signs, problem, bench, soft.scaled(problem.scale), steps, good)
@@ -121,8 +120,7 @@ class _Bench:
 
     some: slice
     look: Matrix  # (nodes, n)
-    first: NDArray[np.int64]
-    window: NDArray[np.float64]
+    spans: Spans
     even: float
     free: slice
     spread: "csr_array | None"
@@ -161,7 +159,7 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
     low, high = max(int(varied[0]) - FELT_AWAY, 0), min(int(varied[-1]) + FELT_AWAY + 1, n)
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
-    window = np.ascontiguousarray(window[:, :, seen])
+    spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
     free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
     if len(trail.via_at):
         from scipy.sparse import csr_array, diags_array, eye_array, kron
@@ -173,7 +171,7 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
         reach = int(np.max(pairs.row - pairs.col, initial=0))
     look = even_basis(n, nodes)[seen]
     even = float(leg_lengths(look @ trail.curve.control).mean())
-    return _Bench(slice(low, high), look, first[seen] - low, window, even, free, spread, reach)
+    return _Bench(slice(low, high), look, spans, even, free, spread, reach)
 
 
 def _descend(
@@ -186,8 +184,8 @@ def _descend(
     count, airspace = bench.some.stop - bench.some.start, (problem.chart, problem.rules)
 
     def model(control: Points) -> tuple[float, Vector, Matrix, Matrix]:
-        nodes, spans, even = bench.look @ control, (bench.first, bench.window), bench.even
-        value, gradient, band, angles = path_model(nodes, spans, count, *airspace, soft, even, signs)
+        nodes = bench.look @ control
+        value, gradient, band, angles = path_model(nodes, bench.spans, count, *airspace, soft, bench.even, signs)
         return value, *bench.reduced(gradient, band), angles
 
     value, gradient, band, angles = model(control)
@@ -216,13 +214,10 @@ def _descend(
 
 
 @lru_cache(maxsize=64)
-def _windows(n: int, nodes: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """For each node the first of five control points that it and its neighbors depend on, (nodes,).
-
-    And how the node, the step to it and the step from it do, (3, 5, nodes).
-    """
+def _windows(n: int, nodes: int) -> Spans:
+    """How evenly spaced nodes depend on n control points."""
     look = even_basis(n, nodes)
     around = np.stack([look[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)])
     first = np.minimum(np.argmax(np.abs(around).max(axis=0) > 1e-14, axis=1), n - 5)
     before, here, after = (part[np.arange(nodes), first + np.arange(5)[:, None]] for part in around)
-    return first, np.stack([here, here - before, after - here])
+    return Spans(first, np.stack([here, here - before, after - here]))

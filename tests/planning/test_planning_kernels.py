@@ -69,12 +69,11 @@ def model(
     from ipoa_mission.planning._path_model import path_model
 
     n = len(control)
-    first, window = _windows(n, 60)
     nodes = even_basis(n, 60) @ control
     even = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).mean()) if even is None else even
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))
     found, gradient, band, angles = path_model(
-        nodes, (first, window), n, problem.chart, problem.rules, soft, even, signs
+        nodes, _windows(n, 60), n, problem.chart, problem.rules, soft, even, signs
     )
     turns = np.column_stack([turning_angles(nodes), np.abs(np.diff(climb_angles(nodes)))])
     np.testing.assert_allclose(np.abs(angles[1:-1]), turns, atol=1e-7)

@@ -14,7 +14,7 @@ from ipoa_mission.dynamics.copter.motion import NO_LEG, State, flat, packed, pac
 from ipoa_mission.dynamics.px4.compiled import compiled as compiled_flight
 from ipoa_mission.dynamics.px4.compiled import records
 from ipoa_mission.dynamics.px4.state import Law, Order
-from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft
+from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
 from ipoa_mission.wind import CALM
 
 MODULES = {
@@ -52,7 +52,7 @@ def kernels() -> Iterator[Kernel]:
     )  # fmt: skip
     rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
     nodes = Nodes(_numbers(3), _numbers(3), _numbers(2))
-    soft, spans = Soft._make([1.0] * len(Soft._fields)), (_numbers(1, np.int64), _numbers(3))
+    soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
     examples = {
         "path_costs": (_numbers(3), chart, rules),
         "survey": (_numbers(2), chart, rules),
