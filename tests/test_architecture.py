@@ -215,22 +215,14 @@ def test_functions_take_what_one_can_keep_in_mind() -> None:
     assert many == set()
 
 
-#: Tools that look behind a room's door; the list may only shrink.
-BEHIND_DOORS = {
-    "benchmarks/planning_benchmark/ompl_peers.py: ipoa_mission.planning._kernels",
-}
-
-
 def test_tools_use_what_is_public() -> None:
-    found = set()
-    for path in TOOLS:
-        for name in imports(path):
-            parts = name.split(".")
-            if parts[0] == "ipoa_mission" and any(part.startswith("_") for part in parts):
-                found.add(f"{path.relative_to(REPOSITORY / 'tools').as_posix()}: {name}")
-    assert {
-        one for one in found if not any(other != one and one.startswith(f"{other}.") for other in found)
-    } == BEHIND_DOORS
+    private = {
+        f"{path.relative_to(REPOSITORY)}: {name}"
+        for path in TOOLS
+        for name in imports(path)
+        if name.startswith("ipoa_mission.") and any(part.startswith("_") for part in name.split("."))
+    }
+    assert not private
 
 
 def test_no_room_imports_tools_or_tests() -> None:

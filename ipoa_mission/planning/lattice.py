@@ -146,10 +146,10 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
     spacing = size / (count - 1)
     grid = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
     nodes = np.minimum(lower + spacing * grid, upper)
-    slack, threat = _survey(nodes, problem)
+    slack, threat = problem.survey(nodes)
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
     nodes[between] = _centered(nodes[between], spacing, problem)
-    slack[between], threat[between] = _survey(nodes[between], problem)
+    slack[between], threat[between] = problem.survey(nodes[between])
     radius = min(LOOP_RADIUS, float(size[:2].min()) / 4)
     winding = problem.rules.turning / max(problem.rules.length, LEAST_PRICE) / radius
     _occupy_gaps(nodes, slack, threat, lower, spacing, problem)
@@ -174,12 +174,6 @@ def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = 
     return [np.vstack([variant[0], *(way[1:] for way in variant[1:])]) for variant in variants[:most]]
 
 
-def _survey(points: Points, problem: PreparedProblem) -> tuple[Vector, Vector]:
-    from ipoa_mission.planning._kernels import survey
-
-    return survey(np.ascontiguousarray(points), problem.chart, problem.rules)  # type: ignore[no-any-return]
-
-
 def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
     """Which nodes are a little too near to something, and so more on both sides, or are beside such a node."""
     between = np.zeros(slack.shape, bool)
@@ -199,7 +193,7 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
         for closer in range(1, CENTERING_ROUNDS + 1):
             offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / 3**closer
             trials = np.clip(some[:, None] + offsets, lower, upper)
-            slack = _survey(trials.reshape(-1, 3), problem)[0].reshape(trials.shape[:2])
+            slack = problem.survey(trials.reshape(-1, 3))[0].reshape(trials.shape[:2])
             some = trials[np.arange(len(some)), np.argmax(slack, axis=1)]
         centered.append(some)
     return np.concatenate(centered)
@@ -231,7 +225,7 @@ def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.boo
     """Points (k, 3) along a way, `PER_LEG` on each leg, and which of them, its corners left out, break a limit."""
     shares = np.linspace(0.0, 1.0, LOOKS_PER_LEG, endpoint=False)[:, None]
     points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
-    return points, (_survey(points, problem)[0] < 0) & (np.arange(len(points)) % LOOKS_PER_LEG > 0)
+    return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % LOOKS_PER_LEG > 0)
 
 
 def _whole(points: Points) -> NDArray[np.void]:
@@ -251,7 +245,7 @@ def _occupy_gaps(
         number = np.round((places - lower) / spacing).astype(int)
         inside = ((number >= 0) & (number < count)).all(axis=1)
         places, node = places[inside], np.ravel_multi_index(tuple(number[inside].T), tuple(count))
-        room, danger = _survey(places, problem)
+        room, danger = problem.survey(places)
         better = np.nonzero(((room >= 0) | (room > slack_before[node])) & (room >= most[node]))[0]
         better = better[np.argsort(room[better], kind="stable")]  # of several in a cell that with the most room stays
         node = node[better]
@@ -267,7 +261,7 @@ def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | Non
     few = free[few[np.argsort(away[few])]]
     shares = np.linspace(0.0, 1.0, LOOKS_TO_END)[:, None, None]
     legs = place + shares * (lattice.places[few] - place)
-    slack = _survey(legs.reshape(-1, 3), problem)[0].reshape(LOOKS_TO_END, -1).min(axis=0)
+    slack = problem.survey(legs.reshape(-1, 3))[0].reshape(LOOKS_TO_END, -1).min(axis=0)
     return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
 
 

@@ -90,6 +90,12 @@ class PreparedProblem:
 
         return cost
 
+    def survey(self, points: Points) -> tuple[Vector, Vector]:
+        """What points (n, 3) have more than is required of everything solid [m], and the threat there a meter, (n,)."""
+        from ipoa_mission.planning._kernels import survey
+
+        return survey(np.ascontiguousarray(points), self.chart, self.rules)  # type: ignore[no-any-return]
+
     def cost(self, trail: Trail) -> float:
         """The cost of one curve, looked at closely, forgiven a limit broken a little: to compare rough curves by."""
         from ipoa_mission.planning._kernels import path_costs

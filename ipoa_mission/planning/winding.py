@@ -115,10 +115,8 @@ def _too_steep(way: Points, problem: PreparedProblem) -> NDArray[np.bool_]:
 
 def _free(way: Points, problem: PreparedProblem) -> bool:
     """Whether a way, but for its ends, is about free."""
-    from ipoa_mission.planning._kernels import survey
-
     spots = np.vstack([way[1:-1], (way[1:] + way[:-1]) / 2])
-    return bool((survey(spots, problem.chart, problem.rules)[0] >= -0.5 * problem.rules.clearance).all())
+    return bool((problem.survey(spots)[0] >= -0.5 * problem.rules.clearance).all())
 
 
 def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Points | None:
@@ -146,13 +144,11 @@ def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Poi
 
 def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedProblem) -> Vector:
     """The least slack of shapes (s, k, 2) round places from a to b, (s,) [m]."""
-    from ipoa_mission.planning._kernels import survey
-
     spots = a + np.linspace(0.0, 1.0, LOOP_LEVELS)[:, None] * (b - a)
     around = np.empty((len(shapes), LOOP_LEVELS, shapes.shape[1], 3))
     around[..., :2] = spots[:, None, :2] + shapes[:, None]
     around[..., 2] = spots[:, None, 2]
-    slack = survey(around.reshape(-1, 3), problem.chart, problem.rules)[0]
+    slack = problem.survey(around.reshape(-1, 3))[0]
     return np.asarray(slack.reshape(len(shapes), -1).min(axis=1))
 
 

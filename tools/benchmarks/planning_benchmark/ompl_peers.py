@@ -8,13 +8,13 @@ nothing was found so, by the distance that is required. Climb limits are none of
 
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from ompl import base, geometric, util
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.planning._kernels import survey
 from ipoa_mission.planning.cost import FINE, path_cost
 from ipoa_mission.planning.problem import PreparedProblem, pose
 from ipoa_mission.planning.proof import prove
@@ -107,7 +107,7 @@ def _smoothed(problem: Any, space: Any) -> Iterator[Points]:
 
 
 def _space(problem: PreparedProblem, inflation: float) -> Any:
-    rules = problem.rules._replace(clearance=inflation)
+    inflated = replace(problem, rules=problem.rules._replace(clearance=inflation))
     euclidean = base.RealVectorStateSpace(3)
     box = base.RealVectorBounds(3)
     for k in range(3):
@@ -117,7 +117,7 @@ def _space(problem: PreparedProblem, inflation: float) -> Any:
     space = base.SpaceInformation(euclidean)
 
     def is_free(points: Points) -> bool:
-        return bool((survey(points, problem.chart, rules)[0] >= 0).all())
+        return bool((inflated.survey(points)[0] >= 0).all())
 
     class Legs(base.MotionValidator):
         def checkMotion(self, a: Any, b: Any) -> bool:  # noqa: N802
