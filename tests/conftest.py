@@ -10,6 +10,20 @@ REPOSITORY = Path(__file__).parent.parent
 
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every command that a test starts compiles the package anew
 
+#: A file's tests are run by one worker, which begins these files first: no other is left with one of them at the end.
+LONGEST = (
+    "studio/test_studio_page.py",
+    "cli/test_cli_both_doors.py",
+    "docs/test_commands.py",
+    "docs/test_api.py",
+    "compiled/test_compiled.py",
+    "planning/test_planning_planner.py",
+    "report/test_report_browser.py",
+    "mission/test_mission_fastest.py",
+    "cli/test_cli_main_job.py",
+    "cli/test_cli_first_minute.py",
+)
+
 settings.register_profile("steady", deadline=None, derandomize=True)  # CI's machines are noisy; a failure comes again
 settings.load_profile("steady")
 
@@ -18,6 +32,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Simulations to fly on: see tests/sitl."""
     for name in ("ardupilot", "px4"):
         parser.addoption(f"--{name}", metavar='LINK|"COMMAND @ LINK"', help=f"a simulated {name} for the sitl tests")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The longest first."""
+    places = {REPOSITORY / "tests" / name: place for place, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: places.get(item.path, len(LONGEST)))
 
 
 @pytest.fixture

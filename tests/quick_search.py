@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from importlib import import_module
 
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
@@ -12,7 +13,13 @@ QUICK = SearchStrategy(LatticeStrategy(nodes=20_000), straight_starts=1, lattice
 FEW = RouteGrid(straight_shares=(1.0, 0.3), turn_radii=(0.0, 7.0), spline_shares=(0.4,), spline_spacings=(25.0,))
 
 
-def search_quickly(patch: Callable[..., None]) -> None:
+def put(name: str, value: object) -> None:
+    """What `setattr` of a monkeypatch does by a name, for as long as the process lives."""
+    module, _, attribute = name.rpartition(".")
+    setattr(import_module(module), attribute, value)
+
+
+def search_quickly(patch: Callable[[str, object], None] = put) -> None:
     """Have `plan_flight` and the command line look so; `patch`: `setattr` of a monkeypatch."""
     patch("ipoa_mission.routing.seek.plan_path", partial(plan_path, strategy=QUICK))
     patch("ipoa_mission.routing.candidates.GRID", FEW)

@@ -2,19 +2,21 @@
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 
 import ipoa_mission as api
+from ipoa_mission.checks.failsafe_return import check_failsafe_return
 from ipoa_mission.items import LEVEL
 from ipoa_mission.routing.seek import plan_with_room
 from tests.cli.conftest import Run
 from tests.quick_search import search_quickly
 
+T = TypeVar("T")
 MISSIONS = Path(__file__).parents[2] / "missions"
 SCENARIOS = sorted(path.stem for path in MISSIONS.glob("*.toml"))
 #: A slower vehicle than the autopilot's defaults make, so that whoever forgets it is found out.
@@ -42,20 +44,32 @@ def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> Path:
     return path
 
 
+def once(answer: Callable[..., T], asked: Callable[..., object]) -> Callable[..., T]:
+    """The same, which answers what it was asked before as it did then; `asked`: what of its arguments counts."""
+    answers = list[tuple[object, T]]()
+
+    def remembering(*arguments: Any) -> T:
+        question = asked(*arguments)
+        for earlier, answered in answers:
+            if earlier == question:
+                return answered
+        answers.append((question, answer(*arguments)))
+        return answers[-1][1]
+
+    return remembering
+
+
 @pytest.fixture(autouse=True, scope="module")
-def searched_once() -> Iterator[None]:
-    """Doors that ask the planner for the same are answered by one search; that each is the same, others test."""
-    answers = list[tuple[Any, Any]]()
+def looked_for_once() -> Iterator[None]:
+    """Doors that ask for the same path, or what stands in the same ways home, are answered by one search.
 
-    def once(scenario: api.Scenario, seed: int, progress: Any) -> Any:
-        answer = next((answer for asked, answer in answers if asked == (scenario, seed)), None)
-        if answer is None:
-            answer = plan_with_room(scenario, seed, progress)
-            answers.append(((scenario, seed), answer))
-        return answer
-
+    That each search finds the same, others test.
+    """
+    paths = once(plan_with_room, lambda scenario, seed, progress: (scenario, seed))
+    ways_home = once(lambda *asked: tuple(check_failsafe_return(*asked)), lambda m, flight: (m, flight.scenario))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("ipoa_mission.flight.flight.plan_with_room", once)
+        patch.setattr("ipoa_mission.flight.flight.plan_with_room", paths)
+        patch.setattr("ipoa_mission.checks.failsafe_return.check_failsafe_return", ways_home)
         search_quickly(patch.setattr)
         yield
 

@@ -18,6 +18,8 @@ import json, sys
 from pathlib import Path
 from ipoa_mission import plan_flight, read_scenario
 from ipoa_mission.compiled.library import shipped
+from tests.quick_search import search_quickly
+search_quickly()
 told = {}
 for autopilot in ("px4", "ardupilot"):
     scenario = Path("missions/sitl.toml").read_text().replace('autopilot = "px4"', f'autopilot = "{autopilot}"')

@@ -19,8 +19,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
-import pytest
-
 import ipoa_mission
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly
@@ -100,7 +98,7 @@ def _run(client: socket.socket, main: object) -> None:
             data += client.recv(1 << 20)
         quick, arguments, here, environment = json.loads(data[4:])
         if quick:
-            search_quickly(pytest.MonkeyPatch().setattr)
+            search_quickly()
         for number, stream in enumerate(streams):
             os.dup2(stream, number)
             os.close(stream)

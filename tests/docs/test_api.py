@@ -5,6 +5,7 @@ import re
 import socket
 import threading
 from collections.abc import Iterator
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -14,12 +15,13 @@ import pytest
 import ipoa_mission
 from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.link.channel import open_channel
+from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.simulator.autopilot import Autopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
-from tests.quick_search import search_quickly
+from tests.quick_search import QUICK, search_quickly
 
 REPOSITORY = Path(__file__).parents[2]
 TEXT = (REPOSITORY / "docs" / "api.md").read_text(encoding="utf-8")
@@ -47,6 +49,7 @@ def test_the_examples_run_one_after_the_other(
     vehicle_at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     search_quickly(monkeypatch.setattr)
+    monkeypatch.setattr("ipoa_mission.plan_path", partial(plan_path, strategy=QUICK))
     hurry(monkeypatch.setattr)
     monkeypatch.chdir(tmp_path)
     Path("missions").symlink_to(REPOSITORY / "missions")

@@ -13,7 +13,6 @@ from ipoa_mission.experiments.reproduce import ITEMS
 from ipoa_mission.experiments.rows import Row, read_rows
 
 DOCS = Path(__file__).parents[2] / "docs"
-pytestmark = pytest.mark.xdist_group("findings")  # the rows are read once
 SENTENCES = re.findall(r"(?m)^\* \[(\w+)\] ", template())
 
 

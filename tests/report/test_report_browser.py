@@ -7,6 +7,8 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,40 +21,69 @@ from tests.report.conftest import Bowed, Planned
 sync_api = pytest.importorskip("playwright.sync_api")
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((found for name in BROWSERS if name and (found := shutil.which(name))), None)
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium"),
-    pytest.mark.xdist_group("browser"),  # one browser
-]
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+
+
+@dataclass(frozen=True)
+class Tab:
+    """A tab of a browser, and what was complained about or asked for in it."""
+
+    page: Any
+    complaints: list[str]
+
+    def visit(self, file: Path, width: int = 1280, scheme: str = "light") -> Any:
+        """Open a report in it, anew."""
+        self.page.set_viewport_size({"width": width, "height": 900})
+        self.page.emulate_media(color_scheme=scheme)
+        self.page.mouse.move(0, 0)
+        self.page.goto(file.as_uri())
+        self.page.wait_for_function("document.querySelector('.space canvas').dataset.heading !== undefined")
+        return self.page
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
+def only_tab() -> Iterator[Tab]:
+    """One for all: another one is another process, which takes longer to begin than a report to be drawn."""
     with sync_api.sync_playwright() as play:
         chromium = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield chromium
+        tab = Tab(chromium.new_page(), [])
+        hear = tab.complaints.append
+        tab.page.on("console", lambda message: hear(message.text))
+        tab.page.on("pageerror", lambda error: hear(str(error)))
+        tab.page.on("request", lambda request: None if request.url.startswith("file:") else hear(request.url))
+        yield tab
         chromium.close()
 
 
 @pytest.fixture
-def open_page(browser: Any, planned: Planned, tmp_path: Path) -> Iterator[Callable[..., Any]]:
-    """Open the report on a scenario; at the end nothing may have been complained about or asked for."""
-    complaints: list[str] = []
+def tab(only_tab: Tab) -> Iterator[Tab]:
+    """It; at the end nothing may have been complained about or asked for."""
+    only_tab.complaints.clear()
+    yield only_tab
+    assert only_tab.complaints == []
+
+
+@pytest.fixture(scope="module")
+def report(planned: Planned, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The report on a scenario, written once."""
+    folder = tmp_path_factory.mktemp("reports")
+
+    @cache
+    def written(name: str) -> Path:
+        write_report(folder / f"{name}.html", *planned(name))
+        return folder / f"{name}.html"
+
+    return written
+
+
+@pytest.fixture
+def open_page(tab: Tab, report: Callable[[str], Path]) -> Callable[..., Any]:
+    """Open the report on a scenario."""
 
     def visit(name: str = "campus.toml", width: int = 1280, scheme: str = "light") -> Any:
-        file = tmp_path / "report.html"
-        write_report(file, *planned(name))
-        page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
-        page.on("console", lambda message: complaints.append(message.text))
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("request", lambda request: complaints.extend([request.url] * (not request.url.startswith("file:"))))
-        page.goto(file.as_uri())
-        page.wait_for_function("document.querySelector('.space canvas').dataset.heading !== undefined")
-        return page
+        return tab.visit(report(name), width, scheme)
 
-    yield visit
-    for page in [page for context in browser.contexts for page in context.pages]:
-        page.close()
-    assert complaints == []
+    return visit
 
 
 def painted(page: Any) -> str:
@@ -279,20 +310,13 @@ def test_it_prints_on_a_few_pages(open_page: Callable[..., Any]) -> None:
     assert 1 <= paper.count(b"/Type /Page\n") <= 4
 
 
-def test_after_a_flight_both_paths_and_times_are_shown(browser: Any, bowed: Bowed, tmp_path: Path) -> None:
+def test_after_a_flight_both_paths_and_times_are_shown(tab: Tab, bowed: Bowed, tmp_path: Path) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     file = tmp_path / "flown.html"
     write_report(file, scenario, None, mission, timed, fly(mission))
-    page = browser.new_page(viewport={"width": 390, "height": 900})
-    complaints: list[str] = []
-    page.on("console", lambda message: complaints.append(message.text))
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(file.as_uri())
-    page.wait_for_function("document.querySelector('.space canvas').dataset.heading !== undefined")
+    page = tab.visit(file, width=390)
     assert page.locator("path.flown").count() == 3  # on the map, in the height profile, in the speed
     for text in ("flown", "Estimate against flight", "off by"):
         assert page.get_by_text(text).first.is_visible()
     assert page.locator("#drift .dot").count() == len(timed.items)
     assert page.evaluate("document.documentElement.scrollWidth") == 390
-    page.close()
-    assert complaints == []

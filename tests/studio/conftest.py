@@ -14,6 +14,7 @@ testclient = pytest.importorskip("starlette.testclient")
 
 from ipoa_mission.studio.server import application  # noqa: E402
 from ipoa_mission.studio.session import Session  # noqa: E402
+from tests.studio.quick_studio import hasten  # noqa: E402
 
 TOKEN, HOST = "secret-token", "127.0.0.1:8123"
 MEADOW = Path(__file__).parent / "meadow.toml"
@@ -60,17 +61,19 @@ class Studio:
             yield Talk(socket)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    """One server for a module, whose tests are one group: its workers need seconds to begin."""
+    """One server for all tests that ask for it, which are one group: its workers need seconds to begin."""
     folder = tmp_path_factory.mktemp("studio")
     bundle = folder / "bundle"
     bundle.mkdir()
     (bundle / "index.html").write_text("<!doctype html><title>studio</title>")
     scenario = Path(shutil.copy(MEADOW, folder / "meadow.toml"))
-    app = application(Session(scenario), bundle, TOKEN, HOST)
-    with testclient.TestClient(app, base_url=f"http://{HOST}") as client:
-        yield Studio(client, scenario)
+    with pytest.MonkeyPatch.context() as patch:
+        hasten(patch.setattr)
+        app = application(Session(scenario), bundle, TOKEN, HOST)
+        with testclient.TestClient(app, base_url=f"http://{HOST}") as client:
+            yield Studio(client, scenario)
 
 
 @pytest.fixture

@@ -1,14 +1,13 @@
-"""What the page asks is done, told to every window, and nothing of it is lost."""
+"""What the page asks is done, told to every window, and nothing of it is lost.
 
-from pathlib import Path
-
-import pytest
+A flight is uploaded, named, started, watched on the built-in autopilot; and refused where it must be.
+"""
 
 from ipoa_mission import read_scenario
+from ipoa_mission.files import write_atomically
 from tests.studio.conftest import MEADOW, Studio
 
-pytestmark = pytest.mark.xdist_group("studio server")
-
+GOAL_HEIGHT = {"op": "put", "path": ["goal", "up"]}
 PUT_SPEED = {"op": "put", "path": ["vehicle", "cruise_speed"], "value": 9.0}
 
 
@@ -80,9 +79,47 @@ def test_a_change_of_lists_that_were_numbered_anew_is_refused(studio: Studio) ->
 def test_what_another_program_writes_is_taken_and_can_be_undone(studio: Studio) -> None:
     with studio.window() as talk:
         talk.wait("sketch")
-        Path(studio.scenario).write_text(studio.scenario.read_text().replace("east = 60.0", "east = 59.0"))
+        write_atomically(studio.scenario, studio.scenario.read_text().replace("east = 60.0", "east = 59.0"))
         assert talk.wait("document")["scenario"]["goal"]["east"] == 59.0
         talk.say(kind="do", what="undo")
         document = talk.wait("document")
     assert document["scenario"]["goal"]["east"] == 60.0
     assert document["unsaved"]
+
+
+def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
+    with studio.window() as talk:
+        seen_at = talk.wait("document")["revision"]
+        talk.say(kind="edit", seen=seen_at, label="higher", changes=[GOAL_HEIGHT | {"value": 12.0}])
+        talk.say(kind="upload", link=None, system=None, speedup=1000.0)
+        assert "no proved plan" in talk.wait_for_trouble("flight")["message"]
+        plan = talk.wait("plan", lambda plan: plan["revision"] > seen_at)
+        talk.say(kind="start", vehicle="anything", mission=plan["name"], proof=plan["proof"])
+        assert "no mission is loaded" in talk.wait_for_trouble("flight")["message"]
+        talk.say(kind="upload", link=None, system=None, speedup=1000.0)
+        loaded = talk.wait("loaded")
+        named = {what: loaded[what] for what in ("vehicle", "mission", "proof")}
+        assert named["proof"] == plan["proof"]
+        talk.say(kind="start", **named | {"proof": "0123456789"})
+        assert "not started: proof is" in talk.wait_for_trouble("flight")["message"]
+        talk.say(kind="start", **named)
+        landed = talk.wait("landed")
+    seen = [answer for answer in talk.heard if answer["kind"] == "seen"]
+    assert landed["completed"], landed["why_not"]
+    assert abs(landed["flown_s"] - plan["total_s"]) < 0.05 * plan["total_s"]
+    assert len(seen) > 100
+    assert seen[-1]["done"] >= plan["stops"][-2]["seq"]
+    assert studio.scenario.with_suffix(".tlog").stat().st_size > 10_000
+
+
+def test_a_flight_of_another_scenario_is_not_started(studio: Studio) -> None:
+    with studio.window() as talk:
+        talk.wait("plan")
+        talk.say(kind="upload", link=None, system=None, speedup=1000.0)
+        loaded = talk.wait("loaded")
+        talk.say(kind="edit", seen=loaded["revision"], label="higher", changes=[GOAL_HEIGHT | {"value": 11.0}])
+        talk.wait("document")
+        talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+        assert "changed after the upload" in talk.wait_for_trouble("flight")["message"]
+        talk.say(kind="do", what="abandon")
+        talk.wait("state", lambda state: state["phase"] == "idle")

@@ -1,0 +1,17 @@
+"""`ipoa-mission` as a user runs it; a studio has a planner that looks less hard, and waits less long for more."""
+
+from collections.abc import Callable
+
+from ipoa_mission.__main__ import main
+from tests.quick_search import put
+
+
+def hasten(patch: Callable[[str, object], None] = put) -> None:
+    """Have the sessions of this process do so; `patch`: `setattr` of a monkeypatch."""
+    for name, value in (("PLANNER", "tests.studio.quick_planner"), ("SETTLED_S", 0.2), ("LOOK_S", 0.2)):
+        patch(f"ipoa_mission.studio.session.{name}", value)
+
+
+if __name__ == "__main__":
+    hasten()
+    main()
