@@ -2,6 +2,9 @@
 
 Each term depends on one node, on one step from a node to the next, or on two steps. What they make is added up by nodes
 and steps first, and handed on to the control points once. It has a plain NumPy twin that the tests hold it against.
+
+It is compiled without leave to reorder sums: a plan hangs on their last bits, and is to be the same by machine code and
+by numba.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -13,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.planning._places import FAST, _cell, _distance, _ground, _least_height
+from ipoa_mission.planning._places import _cell, _distance, _ground, _least_height
 from ipoa_mission.planning.chart import FENCE, LEAST, LEVER
 
 EE, NE, NN, UE, UN, UU = range(6)  # of a symmetric matrix: by east twice, by north and east, ...
@@ -83,7 +86,7 @@ def _wall(slack, soft, even):
     return weight * value, weight * (slope + curvature * beyond) / soft.reach, weight * curvature / soft.reach**2
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _steps(nodes):
     """The steps between nodes (n, 3)."""
     n = len(nodes)
@@ -98,7 +101,7 @@ def _steps(nodes):
     return steps
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _solid(nodes, leg, danger, chart, rules, soft, even, places):
     """Adds obstacles, ground and bounds at each node; notes in `danger` (n,) what the threats cost a metre."""
     n, value = len(nodes), 0.0
@@ -154,7 +157,7 @@ def _solid(nodes, leg, danger, chart, rules, soft, even, places):
     return value
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _bends(steps, rules, soft, signs, angles):
     """What the turn and the change of climb cost at each inner node, and how; notes them in `angles` (n, 2) [rad]."""
     east, north, n, value = steps.east, steps.north, len(angles), 0.0
@@ -174,7 +177,7 @@ def _bends(steps, rules, soft, signs, angles):
     return value, bends
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _length(steps, bends, danger, rules, soft, even, along):
     """Adds the length of each leg, which threats make dearer, its even spacing, its climb, and its part in `bends`.
 
@@ -202,7 +205,7 @@ def _length(steps, bends, danger, rules, soft, even, along):
     return value
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _mixed(steps, bends):
     """The second derivatives of the bends by the step before and the step after, (9, n): EE, EN, EU, NE and so on."""
     level, leg = steps.level, steps.leg
@@ -249,7 +252,7 @@ def _block(places, along, mixed, window, k, m, some):
     return (ee, en, eu), (ne, nn, nu), (ue, un, uu)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _handed_on(places, along, mixed, spans, count):
     """Gradient and lower band of the Hessian by the control points, from those by nodes and steps."""
     first, window = spans.first, spans.window
@@ -260,7 +263,7 @@ def _handed_on(places, along, mixed, spans, count):
         end = start + 1
         while end < n and first[end] == first[start]:
             end += 1
-        some = range(np.uint64(start), np.uint64(end))  # no number counts from an array's end: sums are vectorised
+        some = range(np.uint64(start), np.uint64(end))  # no number counts from an array's end
         for k in range(5):
             row = 3 * (first[start] + k)
             for axis in range(3):
@@ -277,7 +280,7 @@ def _handed_on(places, along, mixed, spans, count):
     return gradient, band
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def path_model(nodes, spans, count, chart, rules, soft, even, signs):
     """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
 

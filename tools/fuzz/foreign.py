@@ -21,7 +21,7 @@ from tools.fuzz.foreign_world import read_elevation, read_map
 from tools.fuzz.limited import Ended, run_limited
 
 REFUSED_IN = 5.0  # of the processor, for what is refused [s]
-LARGEST = 500.0  # what a run may take [MB]
+LARGEST = 400.0  # what a run may take beside the program itself [MB]
 MISSIONS, LOGS = {".plan", ".waypoints", ".mission"}, {".tlog", ".bin", ".ulg"}
 MAPS = {".geojson", ".json", ".kml", ".kmz", ".shp", ".fgb", ".gpkg"}
 ELEVATIONS = {".tif", ".tiff", ".hgt", ".asc"}

@@ -18,7 +18,7 @@ WAITS = 10  # times the processor time that a run may take by the clock
 
 @dataclass(frozen=True)
 class Ended:
-    """How a run ended: its exit code, what it said, and what it took [s of the processor, MB].
+    """How a run ended: its exit code, what it said, and what it took [s of the processor, MB beside what was there].
 
     `killed` says by which limit, if by any.
     """
@@ -37,11 +37,12 @@ def run_limited(act: Callable[[], None], seconds: float) -> Ended:
     The copy has all that is imported by now, so that a run costs no more than itself.
     """
     with tempfile.TemporaryDirectory() as folder:
-        out, err = Path(folder) / "out", Path(folder) / "err"
+        out, err, before = (Path(folder) / name for name in ("out", "err", "before"))
         sys.stdout.flush()
         sys.stderr.flush()
         child = os.fork()
         if child == 0:
+            before.write_text(str(_most_memory()), encoding="utf-8")
             os._exit(_inside(act, seconds, out, err))
         watch = threading.Timer(seconds * WAITS, _kill, [child])
         watch.start()
@@ -51,7 +52,12 @@ def run_limited(act: Callable[[], None], seconds: float) -> Ended:
         took = used.ru_utime + used.ru_stime
         killed = "" if code >= 0 else f"took more than {seconds:g} s" if took > seconds * 0.9 else _signal(-code)
         said, mistakes = (path.read_text(encoding="utf-8", errors="replace") for path in (out, err))
-        return Ended(code, said, mistakes, took, used.ru_maxrss / 1024, killed)
+        return Ended(code, said, mistakes, took, (used.ru_maxrss - int(before.read_text("utf-8"))) / 1024, killed)
+
+
+def _most_memory() -> int:
+    """The most that this process has had by now [kB]; a copy begins with what it is a copy of."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _inside(act: Callable[[], None], seconds: float, out: Path, err: Path) -> int:
