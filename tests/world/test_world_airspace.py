@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.airspace import Airspace, Bounds, nearest_of
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Flat
@@ -47,6 +47,9 @@ def test_the_nearest_obstacle_is_found_as_if_all_were_asked(count: int) -> None:
         assert body.distance(np.array([found.place]))[0] == pytest.approx(found.distance, abs=1e-9)
         a, b = points[found.leg], points[found.leg + 1]
         assert body.leg_clearance(a, b)[0] == pytest.approx(found.distance, abs=1e-9)
+        alone = nearest_of(town, a, b)
+        assert (alone.what, alone.distance) == (found.what, pytest.approx(found.distance, abs=1e-9))
+        assert alone.place == pytest.approx(found.place, abs=1e-6)
 
 
 def test_the_ground_counts_as_an_obstacle_measured_vertically() -> None:
