@@ -89,13 +89,14 @@ class Proof:
         return self.worst.words()
 
 
-def prove(legs: Points, task: PathTask, stray: float = 0.0) -> Proof:
+def prove(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Proof:
     """What the straight legs between waypoints (n, 3) keep of the task's limits, exactly.
 
     With `stray` they stand for a path that is never farther from them [m], and what is found is what it has at least.
+    Where a clearance is `spare` [m] more than required no more is found than that: to ask whether limits hold is quick.
     """
     angles = climb_angles(legs)
-    return _prove(legs, task.airspace, task.limits, (angles, -angles), stray)
+    return _prove(legs, task.airspace, task.limits, (angles, -angles), stray, spare)
 
 
 def prove_curve(curve: Spline, task: PathTask) -> Proof:
@@ -103,19 +104,26 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
     airspace = task.airspace
     tolerance = CHORD / (1 + airspace.terrain.steepness)
     u = curve.chords(tolerance)
-    return _prove(curve.points(u), airspace, task.limits, _steepness(curve, u), tolerance)
+    return _prove(curve.points(u), airspace, task.limits, _steepness(curve, u), tolerance, np.inf)
 
 
-def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Vector, Vector], stray: float) -> Proof:
+def _prove(
+    legs: Points,
+    airspace: Airspace,
+    limits: Limits,
+    steepness: tuple[Vector, Vector],
+    stray: float,
+    spare: float,
+) -> Proof:
     """`steepness`: angles of climb and of descent on each leg, (n-1,) each [rad]; `stray`: how far the path may be
     from its legs [m].
     """
     checks = list[Check]()
     if airspace.obstacles:
-        clearance = _less(airspace.obstacle_clearance(legs), stray)
-        checks.append(Check("obstacles", clearance, limits.obstacle_distance))
+        clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
+        checks.append(Check("obstacles", _less(clearance, stray), limits.obstacle_distance))
     checks.append(Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0))
-    checks += _prove_heights(legs, airspace, limits, stray)
+    checks += _prove_heights(legs, airspace, limits, stray, spare)
     for limit, angles, most in zip(
         ("climb", "descent"), steepness, (limits.climb_angle, limits.descent_angle), strict=True
     ):
@@ -129,15 +137,17 @@ def _prove(legs: Points, airspace: Airspace, limits: Limits, steepness: tuple[Ve
 
 def prove_heights(legs: Points, task: PathTask) -> tuple[Check, ...]:
     """What straight legs (n, 3) keep of ground and ceiling, exactly."""
-    return tuple(_prove_heights(legs, task.airspace, task.limits, 0.0))
+    return tuple(_prove_heights(legs, task.airspace, task.limits, 0.0, np.inf))
 
 
-def _prove_heights(legs: Points, airspace: Airspace, limits: Limits, stray: float) -> Iterator[Check]:
+def _prove_heights(
+    legs: Points, airspace: Airspace, limits: Limits, stray: float, spare: float
+) -> Iterator[Check]:
     """Over sloping ground what strays from its legs is farther from them in height."""
     vertical = stray * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):
-        clearance = airspace.terrain_clearance(run)
+        clearance = airspace.terrain_clearance(run, within=required + vertical + spare)
         clearance = replace(_less(clearance, vertical), leg=first_leg + clearance.leg)
         heights[required] = min(heights.get(required, clearance), clearance, key=lambda least: least.distance)
     yield from (Check("ground", clearance, required) for required, clearance in heights.items())

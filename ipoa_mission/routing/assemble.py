@@ -122,7 +122,7 @@ def _narrowed(choose: Callable[[float], Route], width: float, curve: Spline, sce
     for _ in range(HALVINGS):
         chosen = choose(width)
         route = Route(push_clear(chosen.points, scenario), chosen.spline)
-        proof = prove_route(route, scenario)
+        proof = prove_route(route, scenario, spare=0.0)
         if proof.holds and flies_safely(route, curve, scenario):
             return route
         width /= 2

@@ -88,7 +88,7 @@ def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
     return (
         flown.overrun <= SEARCH.most_overrun
         and flown.deviation <= scenario.route.tolerance
-        and prove_route(route, scenario).holds
+        and prove_route(route, scenario, spare=0.0).holds
         and flown.keeps_limits(scenario)
     )
 

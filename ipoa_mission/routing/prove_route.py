@@ -1,5 +1,7 @@
 """What a route keeps of the scenario's limits as it will be flown: in straight legs, or along its spline's curves."""
 
+import numpy as np
+
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs, join
 from ipoa_mission.planning.proof import Proof, prove
@@ -8,15 +10,15 @@ from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 
 
-def prove_route(route: Route, scenario: Scenario) -> Proof:
-    """The proof from the first waypoint to the last."""
+def prove_route(route: Route, scenario: Scenario, spare: float = np.inf) -> Proof:
+    """The proof from the first waypoint to the last; `spare` as for `prove`."""
     if not route.spline:
-        return prove(route.points, scenario)
+        return prove(route.points, scenario, spare=spare)
     mission = draft_mission(route, scenario)
     before = 0 if starts_over_home(route) else 1  # the leg from the take-off to the first waypoint
     legs = cruise(mission, scenario)[before : before + len(route.points) - 1]
     points, stray = join(legs)
-    return prove(points, scenario, stray)
+    return prove(points, scenario, stray, spare)
 
 
 def prove_mission(mission: Mission, scenario: Scenario) -> Proof:

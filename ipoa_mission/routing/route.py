@@ -66,7 +66,7 @@ def push_clear(waypoints: Points, scenario: Scenario) -> Points:
 
 def _broken(legs: Points, scenario: Scenario) -> list[Check]:
     """The limits that straight legs break and that moving them aside may mend."""
-    checks = prove(legs, scenario).checks
+    checks = prove(legs, scenario, spare=0.0).checks
     return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 
 

@@ -51,14 +51,17 @@ class Flown:
         """How far the path and the curve are apart [m]."""
         return deviation(self.path, self.curve)
 
-    def slack(self, scenario: Scenario) -> float:
-        """How much more than required the predicted path keeps, of clearance, ground and bounds the least [m]."""
-        checks = prove(self.path, scenario).checks
+    def slack(self, scenario: Scenario, spare: float = np.inf) -> float:
+        """How much more than required the predicted path keeps, of clearance, ground and bounds the least [m].
+
+        `spare` as for `prove`.
+        """
+        checks = prove(self.path, scenario, spare=spare).checks
         return min(c.slack for c in checks if c.limit in ("obstacles", "ground", "ceiling", "bounds"))
 
     def keeps_limits(self, scenario: Scenario) -> bool:
         """Whether the predicted path keeps clearance, ground and bounds, and the tube round it as often as it must."""
-        if self.slack(scenario) < -2 * STRAY:
+        if self.slack(scenario, spare=0.0) < -2 * STRAY:
             return False
         return tube_holds(course_of(self.track), self.path, self.autopilot, scenario)
 

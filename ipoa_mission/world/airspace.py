@@ -116,9 +116,9 @@ class Airspace:
         """The least clearance of the legs between consecutive points (n, 3), over ground and obstacles."""
         return min(self.terrain_clearance(points), self.obstacle_clearance(points), key=lambda c: c.distance)
 
-    def terrain_clearance(self, points: Points) -> Clearance:
-        """The least height above ground of the legs between consecutive points (n, 3)."""
-        return _clearance(points, "terrain", *self.terrain.least_height(points))
+    def terrain_clearance(self, points: Points, within: float = np.inf) -> Clearance:
+        """The least height above ground of the legs between consecutive points (n, 3); `within` as for obstacles."""
+        return _clearance(points, "terrain", *self.terrain.least_height(points, within))
 
     def height_reached(self, points: Points) -> Clearance:
         """The greatest height above ground of the legs between consecutive points (n, 3)."""
@@ -143,12 +143,17 @@ class Airspace:
         asked[spots] = shapely.get_point(lines[spots], 0)
         return np.asarray(self._index.query(asked, "dwithin", reach))
 
-    def obstacle_clearance(self, points: Points) -> Clearance:
-        """The least distance to an obstacle of the legs between consecutive points (n, 3)."""
+    def obstacle_clearance(self, points: Points, within: float = np.inf) -> Clearance:
+        """The least distance to an obstacle of the legs between consecutive points (n, 3).
+
+        What is farther away than `within` [m] is not looked at any closer: what is told of it is farther than that too.
+        """
         if not self.obstacles:
             return NOTHING_NEAR
         starts, ends, lengths = points[:-1], points[1:], leg_lengths(points)
-        reach = float(self.obstacle_distance(points).min()) + ROUNDING  # the least distance is at most this
+        reach = within + ROUNDING  # what is farther does not matter: it is not asked for, or not the least
+        if not np.isfinite(within):
+            reach = float(self.obstacle_distance(points).min()) + ROUNDING
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
         upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
         tracks[upright] = shapely.points(starts[upright, :2])

@@ -31,8 +31,11 @@ class Terrain(Protocol):
         """Height of the ground [m] under points (n, 2) or (n, 3) east, north(, up), (n,)."""
         ...
 
-    def least_height(self, points: Points) -> Spot:
-        """Least height above ground of the straight legs between consecutive points (n, 3)."""
+    def least_height(self, points: Points, enough: float = np.inf) -> Spot:
+        """Least height above ground of the straight legs between consecutive points (n, 3).
+
+        Where it is at least `enough` [m] any height from there on may be told, if that takes less time.
+        """
         ...
 
     def greatest_height(self, points: Points) -> Spot:
@@ -61,7 +64,7 @@ class Flat:
         """Height under points (n, 2 or 3), (n,)."""
         return np.full(len(points), self.level)
 
-    def least_height(self, points: Points) -> Spot:
+    def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         """Least height above ground of the legs between points (n, 3)."""
         return _end(heights := points[:, 2] - self.level, int(np.argmin(heights)))
 
@@ -104,7 +107,7 @@ class SeaLevel:
         """Height under points (n, 2 or 3), (n,)."""
         return np.asarray(self.level - points[:, :2] ** 2 @ self._bends)
 
-    def least_height(self, points: Points) -> Spot:
+    def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         """Least height above ground of the legs between points (n, 3): of each leg it is a parabola, open upwards."""
         step = np.diff(points, axis=0)
         curvature = step[:, :2] ** 2 @ self._bends
@@ -162,7 +165,7 @@ class Grid:
         north = (1 - x) * self.heights[row + 1, column] + x * self.heights[row + 1, column + 1]
         return np.asarray((1 - y) * south + y * north)
 
-    def least_height(self, points: Points) -> Spot:
+    def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         """Least height above ground of the legs between points (n, 3)."""
         return self._lowest(points, 1.0)
 
@@ -265,9 +268,9 @@ class Analytic:
             total += p.height * np.exp(-(((x - p.east) / p.a) ** 2) - ((y - p.north) / p.b) ** 2)
         return total
 
-    def least_height(self, points: Points) -> Spot:
+    def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         """A height that the legs between points (n, 3) nowhere go below, within 0.1 mm of the least."""
-        return self._extreme(points, greatest=False)
+        return self._extreme(points, greatest=False, enough=enough)
 
     def greatest_height(self, points: Points) -> Spot:
         """A height that the legs between points (n, 3) nowhere exceed, within 0.1 mm of the greatest."""
@@ -276,7 +279,7 @@ class Analytic:
     def _surfaces(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.stack([self.landform(points), self.mountains(points)])
 
-    def _extreme(self, points: Points, greatest: bool) -> Spot:
+    def _extreme(self, points: Points, greatest: bool, enough: float = np.inf) -> Spot:
         """Bound and refine: a span of a leg is cut in `PARTS` until its bound cannot matter.
 
         Over a span the height above a surface differs from the line between its ends by no more than the surface
@@ -302,7 +305,7 @@ class Analytic:
                 bound = -(np.maximum(at_low, at_high) + stray).min(axis=0)
             else:
                 bound = (np.minimum(at_low, at_high) - stray).min(axis=0)
-            settled = bound >= best - REFINED
+            settled = bound >= min(best - REFINED, enough)
             proven = min(proven, float(bound[settled].min(initial=np.inf)))
             width, left = width / PARTS, int(np.count_nonzero(~settled))
             leg = np.tile(leg[~settled], PARTS)
