@@ -79,18 +79,24 @@ def join(legs: Sequence[Leg]) -> tuple[Points, float]:
     return points, max(leg.stray for leg in legs)
 
 
-def item_place(item: Item, mission: Mission, frame: LocalFrame, ground: Ground) -> Vector | None:
-    """Where an item lies, (3,) [m]; None if it names no place or no height."""
-    if not (item.has_position and math.isfinite(item.altitude)):
-        return None
-    amsl = mission.home.altitude
-    if _follows(item):
-        place = frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
-        return np.array([*place[:2], ground(place[None, :])[0] + item.altitude])
-    amsl += mission.altitude_above_home(item)
-    if math.isnan(amsl):
-        return None
-    return frame.local(Geodetic(item.latitude_deg, item.longitude_deg, amsl))
+def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vector | None]:
+    """Where each item lies, (3,) [m]; None if it names no place or no height."""
+    rows = [
+        (item.latitude_deg, item.longitude_deg, 0.0 if _follows(item) else mission.altitude_above_home(item))
+        if item.has_position and math.isfinite(item.altitude)
+        else (math.nan,) * 3
+        for item in mission.items
+    ]
+    latitude, longitude, height = np.array(rows).reshape(-1, 3).T
+    named = np.flatnonzero(~np.isnan(height))
+    places: list[Vector | None] = [None] * len(rows)
+    if len(named):
+        local = frame.to_local(latitude[named], longitude[named], mission.home.altitude + height[named])
+        for n, place in zip(named.tolist(), local, strict=True):
+            if _follows(item := mission.items[n]):
+                place[2] = ground(place[None, :])[0] + item.altitude
+            places[n] = place
+    return places
 
 
 class _Flight:
@@ -100,6 +106,7 @@ class _Flight:
         self.mission, self.frame = mission, frame
         self.home = frame.local(mission.home)
         self.ground: Ground = ground or (lambda points: np.full(len(points), self.home[2]))
+        self.places = item_places(mission, frame, self.ground)
         self.parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
         self.at = self.home
         self.flown_in: Vector | None = None
@@ -120,11 +127,8 @@ class _Flight:
                     yield from self.returns(seq)
                 case Command.DO_JUMP:
                     yield from self._jump(item)
-                case command if command in FLOWN_TO and (target := self._target(item)) is not None:
+                case command if command in FLOWN_TO and (target := self.places[seq - 1]) is not None:
                     yield self._onward(seq, item, target)
-
-    def _target(self, item: Item) -> Vector | None:
-        return item_place(item, self.mission, self.frame, self.ground)
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
         """The leg to an item, straight or curved; the next one may begin with its direction."""
@@ -139,8 +143,8 @@ class _Flight:
 
     def _curve(self, seq: int, target: Vector, following: int | None) -> tuple[Leg, Vector]:
         after = None
-        if following is not None and (place := self._target(item := self.mission.items[following])) is not None:
-            after = (_triple(place), item.command == Command.NAV_SPLINE_WAYPOINT)
+        if following is not None and (place := self.places[following]) is not None:
+            after = (_triple(place), self.mission.items[following].command == Command.NAV_SPLINE_WAYPOINT)
         begin = None if self.flown_in is None else _triple(self.flown_in)
         tangents = spline_tangents(_triple(self.at), _triple(target), begin, after)
         points = spline_chords(_triple(self.at), _triple(target), tangents, CHORD)
@@ -167,7 +171,7 @@ class _Flight:
         if not math.isfinite(item.altitude):
             return
         yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + item.height(self.mission.home))
-        target = self._target(item)
+        target = self.places[seq - 1]
         if self.mission.autopilot is Autopilot.ARDUPILOT or target is None:
             return  # ArduCopter climbs where it stands, whatever position the take-off names
         if np.hypot(*(target - self.at)[:2]) > NEARBY:
@@ -213,7 +217,8 @@ class _Flight:
             return
         here, flown_in = self.at, self.flown_in
         for seq, other in enumerate(self.mission.items, start=1):
-            if seq >= item.params[0] and other.command in FLOWN_TO and (target := self._target(other)) is not None:
+            target = self.places[seq - 1]
+            if seq >= item.params[0] and other.command in FLOWN_TO and target is not None:
                 yield replace(self._onward(seq, other, target), alternative=True)
                 break
         self.at, self.flown_in = here, flown_in

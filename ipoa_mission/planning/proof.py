@@ -140,9 +140,7 @@ def prove_heights(legs: Points, task: PathTask) -> tuple[Check, ...]:
     return tuple(_prove_heights(legs, task.airspace, task.limits, 0.0, np.inf))
 
 
-def _prove_heights(
-    legs: Points, airspace: Airspace, limits: Limits, stray: float, spare: float
-) -> Iterator[Check]:
+def _prove_heights(legs: Points, airspace: Airspace, limits: Limits, stray: float, spare: float) -> Iterator[Check]:
     """Over sloping ground what strays from its legs is farther from them in height."""
     vertical = stray * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}

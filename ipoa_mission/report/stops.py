@@ -8,7 +8,7 @@ import numpy as np
 from ipoa_mission.commands import Command, short_name
 from ipoa_mission.geometry import Points, Vector, polyline_length
 from ipoa_mission.items import Item, Mission
-from ipoa_mission.itinerary.legs import item_place
+from ipoa_mission.itinerary.legs import item_places
 from ipoa_mission.itinerary.program import as_flown
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.routing.prove_route import cruise
@@ -42,12 +42,14 @@ class Stop:
 
 def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Stop, ...]:
     """Every item in the order flown, with the leg that leads to it."""
-    rows, airspace, items = [], scenario.airspace, as_flown(mission).items
+    rows, airspace, flown = [], scenario.airspace, as_flown(mission)
+    places = item_places(flown, scenario.frame, airspace.ground)
     curves = {leg.seq: leg for leg in cruise(mission, scenario) if leg.stray > 0}
     before, flying = np.zeros(3), False
     for time in estimate.items:
-        item = items[time.seq - 1]
-        place = _place(item, mission, scenario)
+        item, place = flown.items[time.seq - 1], places[time.seq - 1]
+        if place is not None and item.command == Command.NAV_LAND:  # it is on the ground
+            place[2] = airspace.ground(place[None, :])[0]
         leg = (place if place is not None else before) - before
         run = float(np.hypot(*leg[:2]))
         curve = curves.get(time.seq)
@@ -70,15 +72,6 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
         if place is not None:
             before, flying = place, True
     return tuple(rows)
-
-
-def _place(item: Item, mission: Mission, scenario: Scenario) -> Vector | None:
-    """Where an item lies in the local frame, (3,) [m]; None where it names no place. A landing is on the ground."""
-    ground = scenario.airspace.ground
-    place = item_place(item, mission, scenario.frame, ground)
-    if place is not None and item.command == Command.NAV_LAND:
-        place[2] = ground(place[None, :])[0]
-    return place
 
 
 def _words(item: Item) -> str:

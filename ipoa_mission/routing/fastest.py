@@ -26,8 +26,9 @@ class RouteSearch:
     """How long the quickest choice of waypoints is looked for, and what counts as quicker."""
 
     starts: int = 2  # routes of different numbers of waypoints are improved
+    most_behind: float = 1.06  # times the time of the first that the second may take, to be improved
     trials: int = 60  # of leaving a waypoint out or moving it
-    patience: int = 25  # after so many that gain nothing a step is given up
+    patience: int = 15  # after so many that gain nothing a step is given up
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
     least_gain_s: float = 0.1  # a change must save so much
     equal_share: float = 0.005  # of the time, that is not worth less room
@@ -66,7 +67,9 @@ def _quickest(curve: Spline, scenario: Scenario) -> list[tuple[Route, Flown]]:
     heapify(waiting)
     cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], tuple[Route, Flown]]()
     while waiting and len(fit) < SEARCH.starts:
-        _, n, is_clear, route, flown = heappop(waiting)
+        seconds, n, is_clear, route, flown = heappop(waiting)
+        if fit and seconds > SEARCH.most_behind * min(other.seconds for _, other in fit.values()):
+            break
         kind, place = (len(route.points), route.spline), route.points.tobytes()
         if kind in fit:
             continue
@@ -95,26 +98,31 @@ def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
 
 def _improve(route: Route, flown: Flown, scenario: Scenario) -> Route:
     """Leave waypoints out and move them, as long as that saves time."""
-    curve, seconds, trials = flown.curve, flown.seconds, SEARCH.trials
+    curve, seconds, tried = flown.curve, flown.seconds, set[bytes]()
     for share in SEARCH.step_shares:
         step, at, in_vain = share * scenario.route.tolerance, 0, 0
-        changes = list(_changes(route.points, step, scenario.via_points))
-        while trials > 0 and in_vain < min(SEARCH.patience, len(changes)):
-            candidate, trials = replace(route, points=changes[at % len(changes)]), trials - 1
+        changes = [*_changes(route.points, step, scenario.via_points, tried)]
+        while len(tried) < SEARCH.trials and in_vain < min(SEARCH.patience, len(changes)):
+            candidate = replace(route, points=changes[at % len(changes)])
+            tried.add(candidate.points.tobytes())
             flown = sketch(candidate, curve, scenario)
             if flown.seconds < seconds - SEARCH.least_gain_s and _is_fit(candidate, flown, scenario):
                 route, seconds, in_vain = candidate, flown.seconds, 0
-                changes = list(_changes(route.points, step, scenario.via_points))
+                changes = [*_changes(route.points, step, scenario.via_points, tried)]
             else:
                 at, in_vain = at + 1, in_vain + 1
     return route
 
 
-def _changes(points: Points, step: float, via: Points) -> Iterator[Points]:
-    """The waypoints with one left out, or one moved aside or along by `step` [m]; those at via points stay."""
+def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:
+    """The waypoints with one left out, or one moved aside or along by `step` [m]; those at via points stay.
+
+    Without those that were `tried`, as bytes.
+    """
     free = [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]
     for i in free:
-        yield np.delete(points, i, axis=0)
+        if (without := np.delete(points, i, axis=0)).tobytes() not in tried:
+            yield without
     for i in free:
         ahead = points[i + 1, :2] - points[i - 1, :2]
         ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
