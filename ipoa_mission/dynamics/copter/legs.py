@@ -1,6 +1,7 @@
 """ArduCopter's legs: straight ones with an S-curve, splines with tangents, and those over one place."""
 
 import math
+from functools import lru_cache
 
 from ipoa_mission.autopilots.ardupilot import CopterLimits
 from ipoa_mission.dynamics.copter.motion import HOLD, SPLINE, STRAIGHT, ZERO, Bounds, Leg, Vector
@@ -26,6 +27,7 @@ def limits_along(origin: Place, target: Place, speeds: Bounds, copter: CopterLim
     return Limits(speed, accel, copter.jerk, copter.snap)
 
 
+@lru_cache(maxsize=256)  # a route that is tried differs from the last in one waypoint
 def straight_leg(
     origin: Place, target: Place, speeds: Bounds, copter: CopterLimits, enter: float = 0.0, leave: float = 0.0
 ) -> Leg:
