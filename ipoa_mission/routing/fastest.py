@@ -28,7 +28,7 @@ class RouteSearch:
     starts: int = 2  # routes of different numbers of waypoints are improved
     most_behind: float = 1.06  # times the time of the first that the second may take, to be improved
     trials: int = 60  # of leaving a waypoint out or moving it
-    patience: int = 15  # after so many that gain nothing a step is given up
+    patience: int = 25  # after so many that gain nothing a step is given up
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
     least_gain_s: float = 0.1  # a change must save so much
     equal_share: float = 0.005  # of the time, that is not worth less room
