@@ -1,4 +1,4 @@
-"""The MAV_CMD and MAV_FRAME numbers of mission items, by MAVLink's names."""
+"""The MAV_CMD and MAV_FRAME numbers of mission items, and of orders, by MAVLink's names."""
 
 from collections.abc import Mapping
 from enum import IntEnum
@@ -88,6 +88,21 @@ class Command(IntEnum):
     DO_WINCH = 42600
     NAV_SCRIPT_TIME = 42702
     NAV_ATTITUDE_TIME = 42703
+
+
+class Order(IntEnum):
+    """MAV_CMD numbers that a vehicle is sent to be done now, and that no mission holds."""
+
+    DO_SET_MODE = 176
+    DO_SET_MISSION_CURRENT = 224
+    PREFLIGHT_REBOOT_SHUTDOWN = 246
+    MISSION_START = 300
+    RUN_PREARM_CHECKS = 401
+    GET_HOME_POSITION = 410
+    GET_MESSAGE_INTERVAL = 510
+    SET_MESSAGE_INTERVAL = 511
+    REQUEST_MESSAGE = 512
+    REQUEST_AUTOPILOT_CAPABILITIES = 520
 
 
 def command_name(number: int) -> str:

@@ -16,6 +16,11 @@ def leg_lengths(points: Points) -> Vector:
     return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
 
 
+def arc_lengths(points: Points) -> Vector:
+    """The way along the legs from the first point to each, (n,) [m]."""
+    return np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+
+
 def polyline_length(points: Points) -> float:
     """Sum of the leg lengths [m]: the paper's W1, eq. (4)."""
     return float(leg_lengths(points).sum())

@@ -19,7 +19,7 @@ from ipoa_mission.autopilots.braking import REACTION, braking_distance
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.way_home import HEIGHT_STEP, PARAMETERS
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import return_ways
 from ipoa_mission.planning.proof import Check, prove_heights
@@ -138,7 +138,7 @@ class _Sheets:
 
     def near_the_ground(self, scenario: Scenario, parts: Collection[int]) -> Iterator[Broken]:
         """Its limits on the way home and while it brakes."""
-        gone = np.concatenate([[0.0], np.cumsum(leg_lengths(self.stops.stands))])
+        gone = arc_lengths(self.stops.stands)
         _, looked_at = np.unique(np.floor(gone / max(GROUND_EVERY, gone[-1] / MOST_LOOKS)), return_index=True)
         seqs = self.stops.seqs[looked_at]
         for seq in np.unique(seqs):

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 
 from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command, Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
 from ipoa_mission.link.hold import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandResult, Current
-from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, MISSION_START, CommandRefused, command, set_current, stream
+from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
 from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.progress import Progress, silent
 
-NAV_TAKEOFF, RUN_PREARM_CHECKS = 22, 401
 #: What a flight is watched by, and how often it is wanted [s]; ArduPilot sends none of it unasked.
 STREAMS_S = {
     "HEARTBEAT": 0.1,
@@ -121,7 +121,7 @@ def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[N
         if not hinders:
             if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.look_s)):
                 break
-            yield from command(RUN_PREARM_CHECKS)
+            yield from command(Order.RUN_PREARM_CHECKS)
             yield from until(lambda: bool(state.warnings), 0.5)
             hinders = "; ".join(dict.fromkeys(state.warnings)) or "its pre-arm checks do not pass, without a reason"
         waited_s += LIMITS.look_s
@@ -154,9 +154,9 @@ def _begin(departure: Departure) -> Dialogue[None]:
     state = departure.state
     if departure.autopilot is Autopilot.ARDUPILOT:
         if departure.climb > 0.0:
-            yield from _order("take off", NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
+            yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)
-        yield from _order("start the mission", MISSION_START)
+        yield from _order("start the mission", Order.MISSION_START)
     mode = MISSION_MODE[departure.autopilot]
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
         raise NotReady(f"the vehicle did not begin its mission: {state}")
@@ -190,7 +190,7 @@ def _order(what: str, number: int, *params: float) -> Dialogue[None]:
 
 def _arm() -> Dialogue[None]:
     for attempt in range(1, LIMITS.arming_attempts + 1):
-        result, words = yield from command(COMPONENT_ARM_DISARM, 1.0)
+        result, words = yield from command(Command.COMPONENT_ARM_DISARM, 1.0)
         if result == CommandResult.ACCEPTED:
             return
         if attempt == LIMITS.arming_attempts:
@@ -201,7 +201,7 @@ def _arm() -> Dialogue[None]:
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
     """A vehicle in the air refuses this by itself; its state is heard once more either way."""
     try:
-        yield from command(COMPONENT_ARM_DISARM, 0.0)
+        yield from command(Command.COMPONENT_ARM_DISARM, 0.0)
         state.armed = None
         yield from until(lambda: state.armed is not None, SHOWN_S)
     except (NoAnswer, Cancelled, TimeUp):

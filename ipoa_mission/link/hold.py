@@ -2,12 +2,12 @@
 
 from ipoa_mission.autopilots.modes import HOLD_MODE, MISSION_MODE, RETURN_MODE, mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command, Order
 from ipoa_mission.link.dialogue import Dialogue, until
 from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandResult
-from ipoa_mission.link.orders import DO_SET_MODE, CommandRefused, command
+from ipoa_mission.link.orders import CommandRefused, command
 from ipoa_mission.link.state import NotReady, VehicleState
 
-DO_PAUSE_CONTINUE = 193
 #: How long a vehicle may take to show its mode [s].
 SHOWN_S = 5.0
 
@@ -23,7 +23,7 @@ def pause(state: VehicleState) -> Dialogue[None]:
     """
     yield from _expect_flying(state)
     if state.autopilot is Autopilot.ARDUPILOT:
-        result, _ = yield from command(DO_PAUSE_CONTINUE, 0.0)
+        result, _ = yield from command(Command.DO_PAUSE_CONTINUE, 0.0)
         if result == CommandResult.ACCEPTED:
             yield from until(lambda: state.custom_mode is not None, SHOWN_S)
             return
@@ -40,7 +40,9 @@ def resume(state: VehicleState) -> Dialogue[None]:
     yield from _expect_flying(state)
     yield from _enter(state, MISSION_MODE[state.autopilot])
     if state.autopilot is Autopilot.ARDUPILOT:
-        yield from command(DO_PAUSE_CONTINUE, 1.0)  # one that is not paused has nothing to go on with, and says so
+        yield from command(
+            Command.DO_PAUSE_CONTINUE, 1.0
+        )  # one that is not paused has nothing to go on with, and says so
 
 
 def return_to_launch(state: VehicleState) -> Dialogue[None]:
@@ -59,7 +61,7 @@ def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
     if state.custom_mode == mode:
         return ""
     numbers = (mode,) if state.autopilot is Autopilot.ARDUPILOT else (mode >> 16 & 0xFF, mode >> 24)
-    result, words = yield from command(DO_SET_MODE, CUSTOM_MODE_FLAG, *numbers)
+    result, words = yield from command(Order.DO_SET_MODE, CUSTOM_MODE_FLAG, *numbers)
     if result != CommandResult.ACCEPTED:
         return words or str(CommandRefused(f"change to {mode_name(state.autopilot, mode)}", result))
     if (yield from until(lambda: state.custom_mode == mode, SHOWN_S)):

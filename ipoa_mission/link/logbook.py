@@ -11,7 +11,6 @@ from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
-from ipoa_mission.link.orders import COMPONENT_ARM_DISARM
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.world.frame import Geodetic, apart
@@ -135,7 +134,9 @@ class Logbook:
                     flight.path.append(self._sample(message, flight.zero))
             case SystemTime(boot_s=time_s):
                 self._tell_time(time_s)
-            case CommandAck(number, CommandResult.ACCEPTED) if number == COMPONENT_ARM_DISARM and not self.armed:
+            case CommandAck(number, CommandResult.ACCEPTED) if (
+                number == Command.COMPONENT_ARM_DISARM and not self.armed
+            ):
                 self._begin()
             case Text(_, text):
                 self._texts.append(text)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
@@ -25,12 +26,6 @@ from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
 from ipoa_mission.world.frame import Geodetic
 
 M = TypeVar("M", bound=Message)
-DO_SET_MODE = 176
-DO_SET_MISSION_CURRENT = 224
-MISSION_START = 300
-COMPONENT_ARM_DISARM = 400
-SET_MESSAGE_INTERVAL = 511
-REQUEST_MESSAGE = 512
 
 #: MAV_PROTOCOL_CAPABILITY_FTP.
 FILE_TRANSFER = 32
@@ -79,7 +74,7 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
         CommandRefused: there is no such item.
         NoAnswer: nothing shows that the vehicle took it.
     """
-    result, words = yield from command(DO_SET_MISSION_CURRENT, float(seq), float(restart))
+    result, words = yield from command(Order.DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == CommandResult.ACCEPTED:
         return
     if result != CommandResult.UNSUPPORTED:
@@ -97,7 +92,7 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
 
 def stream(name: str, interval_s: float) -> Dialogue[bool]:
     """Ask for a message every so often; whether the vehicle will do so."""
-    result, _ = yield from command(SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
+    result, _ = yield from command(Order.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
     return result == CommandResult.ACCEPTED
 
 
@@ -106,15 +101,15 @@ def _requested(name: str, kind: type[M], pause_s: float, again: bool) -> Dialogu
 
     `again`: where it accepts to send it, and in `pause_s` does not, it is asked once more.
     """
-    request = CommandLong(REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    request = CommandLong(Order.REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     step: Step = Ask(request)
     while True:
         heard = yield step
         step = None
         match heard:
-            case CommandAck(n, CommandResult.ACCEPTED) if n == REQUEST_MESSAGE:
+            case CommandAck(Order.REQUEST_MESSAGE, CommandResult.ACCEPTED):
                 step = Pause(pause_s)
-            case CommandAck(n) if n == REQUEST_MESSAGE:
+            case CommandAck(Order.REQUEST_MESSAGE):
                 return None
             case None if again:
                 step = Tell(request)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.codec import Codec, Heard
@@ -32,7 +33,7 @@ from ipoa_mission.link.messages import (
     Reached,
     Text,
 )
-from ipoa_mission.link.orders import COMPONENT_ARM_DISARM, parameter_value
+from ipoa_mission.link.orders import parameter_value
 from ipoa_mission.link.telemetry import (
     Attitude,
     AutopilotVersion,
@@ -112,7 +113,7 @@ def _is_autopilot(heard: Heard) -> bool:
 
 def _note_station(gathered: _Gathered, number: int, message: Message) -> None:
     match message:
-        case CommandLong(command, params) | CommandInt(command, _, params) if command == COMPONENT_ARM_DISARM:
+        case CommandLong(Command.COMPONENT_ARM_DISARM, params) | CommandInt(Command.COMPONENT_ARM_DISARM, _, params):
             gathered.ordered = params[0] >= 0.5
     _note_transfer(gathered, number, message, by_vehicle=False)
 
@@ -123,7 +124,7 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
     match message:
         case Heartbeat():
             _beat(gathered, number, message, autopilot)
-        case CommandAck(command, CommandResult.ACCEPTED) if command == COMPONENT_ARM_DISARM:
+        case CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.ACCEPTED):
             _tell_of(gathered, number, not _is_armed(gathered) if gathered.ordered is None else gathered.ordered)
         case Event(event) if event in (ARMED_BY, DISARMED_BY):
             _tell_of(gathered, number, event == ARMED_BY)

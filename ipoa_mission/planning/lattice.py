@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.chart import STEEP, Nodes
 from ipoa_mission.planning.gaps import gap_places
 from ipoa_mission.planning.problem import PreparedProblem, Trail, follow
@@ -329,7 +329,7 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
 
 def _even(points: Points, count: int = 24) -> Points:
     """Points equally far apart along a polyline, (count, 3)."""
-    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+    traveled = arc_lengths(points)
     return np.column_stack([np.interp(np.linspace(0, traveled[-1], count), traveled, points[:, k]) for k in range(3)])
 
 

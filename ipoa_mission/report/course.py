@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.prediction import Track
@@ -42,7 +42,7 @@ def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Course:
 
     A landing ends on the ground, of which the time models know nothing.
     """
-    gone = _ground_distance(track.points)
+    gone = arc_lengths(track.points[:, :2])
     share = track.times / max(float(track.times[-1]), 1e-9) + gone / max(float(gone[-1]), 1e-9)
     wanted = np.linspace(share[0], share[-1], samples)
     times = np.interp(wanted, share, track.times)
@@ -52,7 +52,7 @@ def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Course:
     points[landing, 2] = np.maximum(points[landing, 2], ground[landing])
     return Course(
         times=times,
-        along=_ground_distance(points),
+        along=arc_lengths(points[:, :2]),
         points=points,
         speeds=np.interp(times, track.times, track.speeds),
         ground=ground,
@@ -106,7 +106,3 @@ def dangers(course: Course, scenario: Scenario) -> list[Danger]:
 def _where(time: float, place: Sequence[float] | Vector) -> str:
     east, north, up = place
     return f"after {time:.0f} s, at east {east:.0f}, north {north:.0f}, up {up:.0f} m"
-
-
-def _ground_distance(points: Points) -> Vector:
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points[:, :2], axis=0).T))])

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.report import palette
 from ipoa_mission.report.ground_mesh import ground_mesh
 from ipoa_mission.report.view3d import GROUND, ROOFS, draw_space, look_of
@@ -182,7 +182,7 @@ def _mark_ends(axes: Axes, scenario: Scenario, plane: tuple[int, int]) -> None:
 
 def _marks(path: Points) -> list[int]:
     """Indices of the nodes that carry a marker: evenly along the path, however its nodes lie."""
-    along = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    along = arc_lengths(path)
     return sorted(set(np.searchsorted(along, np.linspace(0.06, 0.94, MARKS) * along[-1]).tolist()))
 
 

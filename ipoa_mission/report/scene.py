@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, leg_lengths
+from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.report.course import Course
 from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.ground_mesh import ground_mesh_over
@@ -60,7 +60,7 @@ def _hoops(points: Points, tube: Rim) -> list[Any]:
     """Closed lines round the path, a few meters apart: where flights are."""
     if tube.level <= 0.0:
         return []
-    along = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+    along = arc_lengths(points)
     apart = max(4.0 * tube.level, float(along[-1]) / DETAIL.most_hoops)
     hoops = []
     for at in np.arange(apart, along[-1], apart):

@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D, proj3d
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.report import palette
 from ipoa_mission.report.ground_mesh import ground_mesh
 from ipoa_mission.world.airspace import Airspace
@@ -187,7 +187,7 @@ def _ground_tiles(
 
 
 def _resampled(path: Points) -> Points:
-    along = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    along = arc_lengths(path)
     wanted = np.linspace(0.0, along[-1], LOOK.pieces + 1)
     return np.column_stack([np.interp(wanted, along, axis) for axis in path.T])
 

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.resample import lefts, through
 from ipoa_mission.timing import cubic
@@ -67,7 +67,7 @@ def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
 
     The nearest to each via point (m, 3) stand on it.
     """
-    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(line))])
+    traveled = arc_lengths(line)
     before = traveled[-1] - last
     count = max(1 + len(via), math.ceil(before / spacing))
     stops = np.append(np.linspace(0.0, before, count + 1), traveled[-1])

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ipoa_mission.geometry import Points, leg_lengths
+from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.planning.spline import Spline
 
 SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
@@ -77,7 +77,7 @@ def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
 
 def _steps(path: Points) -> Points:
     """The corners of a path and points between them, half a metre apart at most."""
-    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    traveled = arc_lengths(path)
     stops = np.union1d(traveled, np.linspace(0.0, traveled[-1], math.ceil(traveled[-1] / COMPARING_STEP) + 1))
     return np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
 

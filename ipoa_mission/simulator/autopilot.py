@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.autopilots.vehicle import Parameters
-from ipoa_mission.commands import Command
+from ipoa_mission.commands import Command, Order
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
@@ -25,10 +25,6 @@ from ipoa_mission.world.frame import Geodetic
 
 ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
 FLYING_STEP_S = 0.02
-SET_MODE, PAUSE_CONTINUE, FENCE_ENABLE = 176, 193, 207
-SET_MISSION_CURRENT, REBOOT, MISSION_START, ARM_DISARM, PREARM_CHECKS = 224, 246, 300, 400, 401
-GET_HOME_POSITION, GET_MESSAGE_INTERVAL, SET_MESSAGE_INTERVAL = 410, 510, 511
-REQUEST_MESSAGE, REQUEST_CAPABILITIES = 512, 520
 AUTOPILOT_VERSION, HOME_POSITION = 148, 242
 
 
@@ -143,22 +139,23 @@ class Autopilot(Commander):
         act = self._commands.get(number)
         result = act(params) if act else UNSUPPORTED
         words, self._outbox = self._outbox, held
-        number_asked = {REQUEST_MESSAGE: whole(params[0]), GET_HOME_POSITION: HOME_POSITION}.get(number)
-        if number == REQUEST_CAPABILITIES:
+        numbers: dict[int, int] = {Order.REQUEST_MESSAGE: whole(params[0]), Order.GET_HOME_POSITION: HOME_POSITION}
+        number_asked = numbers.get(number)
+        if number == Order.REQUEST_AUTOPILOT_CAPABILITIES:
             number_asked = AUTOPILOT_VERSION
         answers: list[Message] = []
         if result == ACCEPTED and number_asked is not None and (answer := self._asked_for(number_asked)) is not None:
             answers = [answer]
         acks: list[Message] = [m.CommandAck(number, result)]
-        if number == SET_MESSAGE_INTERVAL:
+        if number == Order.SET_MESSAGE_INTERVAL:
             accepted = self._schedule.set_interval(whole(params[0]), params[1], self._now, source)
             acks = [m.CommandAck(number, ACCEPTED if accepted else self.habits.no_such_stream)]
-        elif number == GET_MESSAGE_INTERVAL:
+        elif number == Order.GET_MESSAGE_INTERVAL:
             interval = self._schedule.interval_us(whole(params[0]), source)
             told_us, heard = self.habits.no_such_interval if interval is None else (interval, int(ACCEPTED))
             self._say(m.MessageInterval(whole(params[0]) & 0xFFFF, told_us), source)
             acks = [m.CommandAck(number, heard)]
-        elif number == SET_MODE and self.habits.mode_acks > 1:
+        elif number == Order.DO_SET_MODE and self.habits.mode_acks > 1:
             acks = [m.CommandAck(number, ACCEPTED), *acks]
         for message in (*acks, *answers) if self.habits.acks_first else (*answers, *acks):
             self._say(message, source)
@@ -182,17 +179,17 @@ def _commands(autopilot: Autopilot) -> Mapping[int, Callable[[Sequence[float]], 
         Command.NAV_RETURN_TO_LAUNCH: lambda p: autopilot.obey(FlightMode.RETURN),
         Command.NAV_LAND: lambda p: autopilot.obey(FlightMode.LAND),
         Command.NAV_TAKEOFF: lambda p: autopilot.climb(p[6]),
-        SET_MODE: autopilot.set_mode,
-        PAUSE_CONTINUE: lambda p: autopilot.pause(p[0]),
-        FENCE_ENABLE: lambda p: ACCEPTED if autopilot.habits.home_is_item_0 else UNSUPPORTED,
-        SET_MISSION_CURRENT: autopilot.jump_to,
-        REBOOT: lambda p: autopilot.reboot(p[0]),
-        MISSION_START: autopilot.start_mission,
-        ARM_DISARM: lambda p: autopilot.arm(p[0]),
-        PREARM_CHECKS: lambda p: autopilot.check(),
-        GET_HOME_POSITION: lambda p: ACCEPTED,
-        GET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
-        SET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
-        REQUEST_MESSAGE: lambda p: autopilot.can_tell(p[0]),
-        REQUEST_CAPABILITIES: lambda p: ACCEPTED,
+        Order.DO_SET_MODE: autopilot.set_mode,
+        Command.DO_PAUSE_CONTINUE: lambda p: autopilot.pause(p[0]),
+        Command.DO_FENCE_ENABLE: lambda p: ACCEPTED if autopilot.habits.home_is_item_0 else UNSUPPORTED,
+        Order.DO_SET_MISSION_CURRENT: autopilot.jump_to,
+        Order.PREFLIGHT_REBOOT_SHUTDOWN: lambda p: autopilot.reboot(p[0]),
+        Order.MISSION_START: autopilot.start_mission,
+        Command.COMPONENT_ARM_DISARM: lambda p: autopilot.arm(p[0]),
+        Order.RUN_PREARM_CHECKS: lambda p: autopilot.check(),
+        Order.GET_HOME_POSITION: lambda p: ACCEPTED,
+        Order.GET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
+        Order.SET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
+        Order.REQUEST_MESSAGE: lambda p: autopilot.can_tell(p[0]),
+        Order.REQUEST_AUTOPILOT_CAPABILITIES: lambda p: ACCEPTED,
     }

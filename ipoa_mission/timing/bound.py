@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.timing.cubic import derivatives
 
 SPACING = 0.25  # of the places at which the speed is found [m]
@@ -84,7 +84,7 @@ def least_time(points: Points, kinematics: Kinematics) -> Bound:
 
 def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
     """Lengths (m,), unit tangents (m, 3) and curvatures (m,) [1/m] of the spline through the points."""
-    chords = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+    chords = arc_lengths(points)
     count = min(max(int(np.ceil(chords[-1] / SPACING)), 40), MOST_PLACES) + 1
     even = np.linspace(0.0, 1.0, count)
     near = even[1] * np.linspace(0.0, 1.0, 12)[1:-1] ** 3  # where speed builds up from nothing, or falls to it

@@ -13,7 +13,7 @@ from ipoa_mission.autopilots.ardupilot import copter_limits
 from ipoa_mission.autopilots.px4 import px4_limits
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import WAYPOINTS, Command
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.itinerary.itinerary import Itinerary
 from ipoa_mission.timing.bound import Kinematics, least_time
 from ipoa_mission.timing.prediction import Track
@@ -89,7 +89,7 @@ def _smoothed(path: Points) -> Points:
     path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
     if len(path) < 2:
         return path
-    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path))])
+    traveled = arc_lengths(path)
     stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / PATH_STEP) + 1), MOST_STEPS))
     even = np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
     if len(even) <= SMOOTHED_STEPS:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.timing.prediction import Track
 
 LOOK_EVERY_S = 0.1  # between the looks at how a path bends [s]
@@ -43,7 +43,7 @@ def course_of(track: Track) -> Course:
 
 def _apart(points: Points) -> Vector:
     """Numbers of points that are so far from the one kept before that a piece between them is worth having."""
-    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
+    traveled = arc_lengths(points)
     _, first = np.unique(np.floor(traveled / SHORTEST_PIECE), return_index=True)
     return np.asarray(np.union1d(first, [len(points) - 1]))
 

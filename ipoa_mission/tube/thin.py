@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 
-from ipoa_mission.geometry import Points, leg_lengths
+from ipoa_mission.geometry import Points, arc_lengths
 
 STRAY = 0.02  # how far a thinned path may be from the predicted one [m]
 
@@ -12,7 +12,7 @@ def thinned(path: Points, stray: float) -> Points:
     """The path (n, 3) with points left out where the legs that remain pass them within about `stray` [m]."""
     if len(path) < 3:
         return path
-    traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(path[:, :2]))])
+    traveled = arc_lengths(path[:, :2])
     kept = {0}
     for view in (path[:, :2], np.column_stack([traveled, path[:, 2]])):  # from above, and from the side
         numbered = shapely.linestrings(np.column_stack([view, np.arange(len(path))]))

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Order
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -31,7 +32,6 @@ from ipoa_mission.link.messages import (
     Reached,
     Text,
 )
-from ipoa_mission.link.orders import SET_MESSAGE_INTERVAL
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.plan_file import read_plan
@@ -90,7 +90,7 @@ class Playback:
                 acknowledged.clear()
             elif one.by_client or one.message in acknowledged:
                 continue  # a repeated question is not waited for; that for a stream was asked up to three times then
-            elif isinstance(one.message, CommandAck) and one.message.command == SET_MESSAGE_INTERVAL:
+            elif isinstance(one.message, CommandAck) and one.message.command == Order.SET_MESSAGE_INTERVAL:
                 acknowledged.add(one.message)
             self._ahead.append(one)
         self._codec = Codec(250, 1)
