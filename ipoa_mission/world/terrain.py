@@ -15,8 +15,6 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.frame import Geodetic, radii_of_curvature
 
 Spot: TypeAlias = tuple[float, int, float]  # a height [m], the leg on which it is, and the fraction of that leg
-PARTS = 4  # a span of a leg is cut in so many at once
-REFINED = 1e-4  # bounds on an analytic surface are closed to this [m]
 
 
 class Terrain(Protocol):
@@ -245,7 +243,7 @@ class Analytic:
 
     def height(self, points: NDArray[np.float64]) -> Vector:
         """Height under points (n, 2 or 3), (n,): eq. (3)."""
-        return np.asarray(self._surfaces(points).max(axis=0))
+        return np.maximum(self.landform(points), self.mountains(points))
 
     def landform(self, points: NDArray[np.float64]) -> Vector:
         """Eq. (1)."""
@@ -262,15 +260,15 @@ class Analytic:
 
     def mountains(self, points: NDArray[np.float64]) -> Vector:
         """Eq. (2)."""
-        height, east, north, a, b = self._peaks
-        x, y = (points[:, axis] - center for axis, center in ((0, east), (1, north)))
+        height, east, north, a, b = self._peaks.T[:, :, None]
+        x, y = points[:, 0] - east, points[:, 1] - north
         rises = height * np.exp(-((x / a) ** 2) - (y / b) ** 2)
         return np.asarray(np.vstack([np.full((1, len(points)), self.base), rises]).sum(axis=0))
 
     @cached_property
     def _peaks(self) -> NDArray[np.float64]:
-        """Height, center and slopes of each peak, (5, peaks, 1)."""
-        return np.array([(p.height, p.east, p.north, p.a, p.b) for p in self.peaks]).reshape(-1, 5).T[:, :, None]
+        """Height, center and slopes of each peak, (peaks, 5)."""
+        return np.array([(p.height, p.east, p.north, p.a, p.b) for p in self.peaks], dtype=np.float64).reshape(-1, 5)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         """A height that the legs between points (n, 3) nowhere go below, within 0.1 mm of the least."""
@@ -280,65 +278,10 @@ class Analytic:
         """A height that the legs between points (n, 3) nowhere exceed, within 0.1 mm of the greatest."""
         return self._extreme(points, greatest=True)
 
-    def _surfaces(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.stack([self.landform(points), self.mountains(points)])
-
     def _extreme(self, points: Points, greatest: bool, enough: float = np.inf) -> Spot:
-        """Bound and refine: a span of a leg is cut in `PARTS` until its bound cannot matter.
+        from ipoa_mission.world._analytic import extreme
 
-        Over a span the height above a surface differs from the line between its ends by no more than the surface
-        arches above (for the least height) or sags below (for the greatest) its own chord.
-        """
-        sign = -1.0 if greatest else 1.0
-        leg, low, width = np.arange(len(points) - 1), np.zeros(len(points) - 1), 1.0
-
-        def above(leg: NDArray[np.intp], fraction: Vector) -> NDArray[np.float64]:
-            spots = points[leg] + fraction[:, None] * (points[leg + 1] - points[leg])
-            return np.asarray(spots[:, 2] - self._surfaces(spots))  # (2, k)
-
-        at_low, at_high = above(leg, low), above(leg, low + width)
-        best, where, proven = np.inf, (0, 0.0), np.inf
-        while len(leg):
-            for ends, fraction in ((at_low, low), (at_high, low + width)):
-                values = sign * ends.min(axis=0)
-                if values.min() < best:
-                    i = int(np.argmin(values))
-                    best, where = float(values[i]), (int(leg[i]), float(fraction[i]))
-            stray = self._strays(points, leg, low, width, greatest)
-            if greatest:
-                bound = -(np.maximum(at_low, at_high) + stray).min(axis=0)
-            else:
-                bound = (np.minimum(at_low, at_high) - stray).min(axis=0)
-            settled = bound >= min(best - REFINED, enough)
-            proven = min(proven, float(bound[settled].min(initial=np.inf)))
-            width, left = width / PARTS, int(np.count_nonzero(~settled))
-            leg = np.tile(leg[~settled], PARTS)
-            low = np.concatenate([low[~settled] + k * width for k in range(PARTS)])
-            cuts = above(leg[left:], low[left:])
-            at_low, at_high = np.hstack([at_low[:, ~settled], cuts]), np.hstack([cuts, at_high[:, ~settled]])
-        return sign * min(best, proven), *where
-
-    def _strays(
-        self, points: Points, leg: NDArray[np.intp], low: Vector, width: float, sagging: bool
-    ) -> NDArray[np.float64]:
-        """How far landform and mountains can arch above (or sag below) their chords over spans of legs, (2, k) [m].
-
-        c cos(d r) bends by at most |c| d^2 in any direction. f sin(f r) arches by at most |f|^3; it sags more, by
-        f^2 / r, and has a hollow kink at the origin, but never leaves a chord of length s by more than f^2 s / 2.
-        A Gaussian exp(-w^2) has second derivatives between -2 and 4 exp(-3/2).
-        """
-        step = (points[leg + 1] - points[leg]) * width
-        east, north = step[:, 0] ** 2, step[:, 1] ** 2
-        run = east + north
-        bend = (
-            abs(self.b) * east + (1 + abs(self.e + self.g)) * north + (abs(self.c) * self.d**2 + abs(self.f) ** 3) * run
-        )
-        landform = bend / 8
-        if sagging and self.f:
-            span = np.sqrt(run)
-            middle = points[leg] + (low + width / 2)[:, None] * (points[leg + 1] - points[leg])
-            nearest = np.maximum(np.hypot(middle[:, 0], middle[:, 1]) - span / 2, 1e-12)
-            landform += np.minimum(self.f**2 / nearest * run / 8, self.f**2 * span / 2)
-        height, _, _, a, b = self._peaks
-        sharp = np.where((height > 0) != sagging, 2.0, 4 * np.exp(-1.5)) * np.abs(height) / 8
-        return np.stack([landform, (sharp / a**2).sum() * east + (sharp / b**2).sum() * north])
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        landform = (self.a, self.b, self.c, self.d, self.e, self.f, self.g)
+        height, leg, fraction = extreme(points, landform, self.base, self._peaks, greatest, enough)
+        return float(height), int(leg), float(fraction)

@@ -1,0 +1,113 @@
+"""The least and the greatest height of straight legs above the paper's surface, compiled: bound, and cut in four.
+
+Over a span of a leg the height above a surface differs from the line between its ends by no more than the surface
+arches above (for the least height) or sags below (for the greatest) its own chord. A span whose bound cannot matter is
+done with; of the others the pieces are looked at in turn.
+"""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+
+import numpy as np
+
+from ipoa_mission.compiled import njit
+
+PARTS = 4  # a span is cut in so many
+REFINED = 1e-4  # bounds are closed to this [m]
+DEEPEST = 30  # a leg cut so often is shorter than what a number resolves
+
+
+@njit(inline="always")
+def _surfaces(landform, base, peaks, x, y):
+    """The paper's eqs. (1) and (2) at a place."""
+    a, b, c, d, e, f, g = landform
+    r = math.hypot(x, y)
+    low = math.sin(y + a) + b * math.sin(x) + c * math.cos(d * r) + (e + g) * math.cos(y) + f * math.sin(f * r)
+    high = base
+    for k in range(len(peaks)):
+        away_e, away_n = (x - peaks[k, 1]) / peaks[k, 3], (y - peaks[k, 2]) / peaks[k, 4]
+        high += peaks[k, 0] * math.exp(-away_e * away_e - away_n * away_n)
+    return low, high
+
+
+@njit(inline="always")
+def _bends(landform, peaks, greatest):
+    """By how much landform and mountains arch (or sag) at most over a span of a meter east, and of one north [m].
+
+    c cos(d r) bends by at most |c| d^2 in any direction, and f sin(f r) arches by at most |f|^3. A Gaussian exp(-w^2)
+    has second derivatives between -2 and 4 exp(-3/2).
+    """
+    _, b, c, d, e, f, g = landform
+    round_about = abs(c) * d * d + abs(f) ** 3
+    east, north, high_e, high_n = abs(b) + round_about, 1.0 + abs(e + g) + round_about, 0.0, 0.0
+    for k in range(len(peaks)):
+        sharp = 2.0 if (peaks[k, 0] > 0.0) != greatest else 4.0 * math.exp(-1.5)
+        high_e += sharp * abs(peaks[k, 0]) / peaks[k, 3] ** 2
+        high_n += sharp * abs(peaks[k, 0]) / peaks[k, 4] ** 2
+    return east / 8.0, north / 8.0, high_e / 8.0, high_n / 8.0
+
+
+@njit(inline="always")
+def _kink(f, x, y, run):
+    """By how much more f sin(f r) sags over a span of a level length whose middle is at a place [m].
+
+    f^2 / r is its curvature, with a hollow kink at the origin; but it never leaves a chord of length s by more than
+    f^2 s / 2.
+    """
+    span = math.sqrt(run)
+    nearest = max(math.hypot(x, y) - span / 2.0, 1e-12)
+    return min(f * f / nearest * run / 8.0, f * f * span / 2.0)
+
+
+@njit(cache=True, error_model="numpy")
+def extreme(points, landform, base, peaks, greatest, enough):
+    """A height that the legs between points (n, 3) nowhere go below, or exceed, on which leg, at which fraction of it.
+
+    It is right to `REFINED`, and where the least is `enough` or more only at least that. `landform` are a to g of
+    eq. (1), `peaks` (m, 5) heights, centers and slopes.
+    """
+    sign = -1.0 if greatest else 1.0
+    low_e, low_n, high_e, high_n = _bends(landform, peaks, greatest)
+    best, leg, fraction, proven = math.inf, 0, 0.0, math.inf
+    ends = np.empty((len(points), 2))
+    for n in range(len(points)):
+        low, high = _surfaces(landform, base, peaks, points[n, 0], points[n, 1])
+        ends[n, 0], ends[n, 1] = points[n, 2] - low, points[n, 2] - high
+        height = sign * min(ends[n, 0], ends[n, 1])
+        if height < best:
+            best, leg, fraction = height, min(n, len(points) - 2), 1.0 if n > len(points) - 2 else 0.0
+    spans = np.empty((PARTS * DEEPEST, 6))  # begin, width, heights above both surfaces at both ends
+    for n in range(len(points) - 1):
+        step, count = points[n + 1] - points[n], 1
+        spans[0] = 0.0, 1.0, ends[n, 0], ends[n, 1], ends[n + 1, 0], ends[n + 1, 1]
+        while count > 0:
+            count -= 1
+            begin, width, low, high, next_low, next_high = spans[count]
+            east, north = (step[0] * width) ** 2, (step[1] * width) ** 2
+            strays_low, strays_high = low_e * east + low_n * north, high_e * east + high_n * north
+            if greatest:
+                middle = begin + width / 2.0
+                x, y = points[n, 0] + middle * step[0], points[n, 1] + middle * step[1]
+                strays_low += _kink(landform[5], x, y, east + north)
+                bound = -min(max(low, next_low) + strays_low, max(high, next_high) + strays_high)
+            else:
+                bound = min(min(low, next_low) - strays_low, min(high, next_high) - strays_high)
+            if not bound < min(best - REFINED, enough) or count + PARTS > len(spans):
+                proven = min(proven, bound)
+                continue
+            for part in range(PARTS):
+                spans[count, 0], spans[count, 1] = begin + part * width / PARTS, width / PARTS
+                spans[count, 2], spans[count, 3] = low, high
+                low, high = next_low, next_high
+                if part < PARTS - 1:
+                    at = begin + (part + 1) * width / PARTS
+                    x, y, z = points[n, 0] + at * step[0], points[n, 1] + at * step[1], points[n, 2] + at * step[2]
+                    low, high = _surfaces(landform, base, peaks, x, y)
+                    low, high = z - low, z - high
+                    height = sign * min(low, high)
+                    if height < best:
+                        best, leg, fraction = height, n, at
+                spans[count, 4], spans[count, 5] = low, high
+                count += 1
+    return sign * min(best, proven), leg, fraction
