@@ -49,6 +49,18 @@ def test_legs_are_proved_exactly(scenario: Make) -> None:
     assert proof.clearance.what == "the ball"
 
 
+def test_whether_limits_hold_is_known_without_by_how_much(town: Town) -> None:
+    rng, broken = np.random.default_rng(5), 0
+    for seed in range(8):
+        job = town(seed % 4)
+        legs = np.linspace(job.start_point, job.goal_point, 6) + rng.normal(size=(6, 3)) * (10, 30, 10)
+        for exact, quick in zip(prove(legs, job).checks, prove(legs, job, spare=0.0).checks, strict=True):
+            assert quick.limit == exact.limit
+            assert quick == exact if exact.slack < 0 else quick.slack >= -1e-4
+            broken += exact.slack < 0
+    assert 8 < broken < 40
+
+
 def test_a_leg_that_cuts_through_does_not_hold_and_says_so(scenario: Make) -> None:
     proof = prove(np.array([(0.0, 0, 20), (100, 0, 20)]), scenario(obstacles=[BALL]))
     assert not proof.holds

@@ -43,6 +43,8 @@ def test_the_nearest_obstacle_is_found_as_if_all_were_asked(count: int) -> None:
         ]
         found, expected = space.obstacle_clearance(points), min(every)
         assert found.distance == pytest.approx(expected[0], abs=1e-9)
+        assert space.obstacle_clearance(points, within=found.distance + 5.0) == found
+        assert space.obstacle_clearance(points, within=found.distance - 0.5).distance >= found.distance
         body = next(body for body in town if body.name == found.what)
         assert body.distance(np.array([found.place]))[0] == pytest.approx(found.distance, abs=1e-9)
         a, b = points[found.leg], points[found.leg + 1]

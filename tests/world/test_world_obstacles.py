@@ -1,7 +1,6 @@
 """Distances to obstacles: held against dense sampling over random scenes, and against shapely."""
 
 from collections.abc import Callable
-from importlib.util import find_spec, module_from_spec
 
 import numpy as np
 import pytest
@@ -9,6 +8,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone, box
+from tests.plain_python import as_plain_python
 
 Rng = np.random.Generator
 
@@ -87,14 +87,8 @@ def test_the_least_distance_of_a_leg_is_what_dense_sampling_closes_in_on(kind: s
     assert 25 < inside < 975  # both kinds of scene were met
 
 
-def test_a_prism_is_as_far_by_machine_code_as_by_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ipoa_mission.compiled.njit", lambda **_: lambda function: function)
-    specification = find_spec("ipoa_mission.world.obstacles._prism")
-    assert specification is not None
-    assert specification.loader is not None
-    plain = module_from_spec(specification)
-    specification.loader.exec_module(plain)
-    rng = np.random.default_rng(6)
+def test_a_prism_is_as_far_by_machine_code_as_by_plain_python() -> None:
+    plain, rng = as_plain_python("ipoa_mission.world.obstacles._prism"), np.random.default_rng(6)
     for _ in range(60):
         body, (a, b) = a_building_with_a_courtyard(rng), a_leg(rng)
         assert isinstance(body, Prism)

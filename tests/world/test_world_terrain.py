@@ -9,6 +9,7 @@ from scipy.interpolate import RegularGridInterpolator
 from ipoa_mission.errors import BadInput
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
+from tests.plain_python import as_plain_python
 
 Rng = np.random.Generator
 
@@ -74,6 +75,29 @@ def test_the_extreme_heights_of_many_legs_are_those_of_the_extreme_leg(kind: str
         assert singly[leg] == pytest.approx(min(singly), abs=2e-4)
         singly = [ground.greatest_height(points[i : i + 2])[0] for i in range(11)]
         assert ground.greatest_height(points)[0] == pytest.approx(max(singly), abs=2e-4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_height_that_is_enough_is_not_found_more_exactly_than_that(kind: str) -> None:
+    rng = np.random.default_rng(15)
+    for _ in range(50):
+        ground, points = KINDS[kind](rng), rng.uniform(-20, 120, (4, 3))
+        least, leg, where = ground.least_height(points)
+        assert ground.least_height(points, enough=least + 1.0) == pytest.approx((least, leg, where), abs=2e-4)
+        assert least - 1.0 <= ground.least_height(points, enough=least - 1.0)[0] <= least + 2e-4
+
+
+def test_a_leg_is_as_high_above_the_papers_surface_by_machine_code_as_by_plain_python() -> None:
+    plain, rng = as_plain_python("ipoa_mission.world._analytic"), np.random.default_rng(16)
+    for greatest in (False, True):
+        for _ in range(20):
+            ground, points = analytic(rng), rng.uniform(-20, 120, (4, 3))
+            assert isinstance(ground, Analytic)
+            peaks = np.array([(p.height, p.east, p.north, p.a, p.b) for p in ground.peaks])
+            landform = (ground.a, ground.b, ground.c, ground.d, ground.e, ground.f, ground.g)
+            expected = plain.extreme(points, landform, ground.base, peaks, greatest, np.inf)
+            found = (ground.greatest_height if greatest else ground.least_height)(points)
+            assert found == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("kind", KINDS)
