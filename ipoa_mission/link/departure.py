@@ -189,13 +189,12 @@ def _order(what: str, number: int, *params: float) -> Dialogue[None]:
 
 
 def _arm() -> Dialogue[None]:
-    for attempt in range(1, LIMITS.arming_attempts + 1):
-        result, words = yield from command(Command.COMPONENT_ARM_DISARM, 1.0)
-        if result == CommandResult.ACCEPTED:
-            return
-        if attempt == LIMITS.arming_attempts:
-            raise CommandRefused(ARMING, result, words)
-        yield from wait(LIMITS.again_s)
+    for _ in range(LIMITS.arming_attempts - 1):
+        try:
+            return (yield from _order(ARMING, Command.COMPONENT_ARM_DISARM, 1.0))
+        except CommandRefused:
+            yield from wait(LIMITS.again_s)
+    yield from _order(ARMING, Command.COMPONENT_ARM_DISARM, 1.0)
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:

@@ -249,9 +249,8 @@ class Exchange(Generic[T]):
         if isinstance(run, ItemsRead):
             self._awaited = Ask(run.question, item=True, run=run)
             self._acted_on = (None, now)
-            if run.round_trip_s is not None:
-                self._tempo.sample(run.round_trip_s)
-        elif isinstance(run, ItemsSent):
+            self._tempo.sample(run.round_trip_s)
+        else:
             self._acted_on = (run.acted_on, run.said_s)
 
     def outgoing(self) -> list[Message]:

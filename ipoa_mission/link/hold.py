@@ -18,8 +18,7 @@ def pause(state: VehicleState) -> Dialogue[None]:
     ArduCopter pauses within AUTO on its way to a waypoint, and brakes where it can't; PX4 changes to hold.
 
     Raises:
-        NotReady: it does not fly.
-        CommandRefused: it will not stop.
+        NotReady: it does not fly, or will not stop.
     """
     yield from _expect_flying(state)
     if state.autopilot is Autopilot.ARDUPILOT:
@@ -34,8 +33,7 @@ def resume(state: VehicleState) -> Dialogue[None]:
     """Have a flying vehicle go on with its mission, at the item at which it is.
 
     Raises:
-        NotReady: it does not fly.
-        CommandRefused: it has no mission to fly.
+        NotReady: it does not fly, or has no mission to fly.
     """
     yield from _expect_flying(state)
     yield from _enter(state, MISSION_MODE[state.autopilot])
@@ -49,8 +47,7 @@ def return_to_launch(state: VehicleState) -> Dialogue[None]:
     """Have a flying vehicle come home and land, as its own parameters say.
 
     Raises:
-        NotReady: it does not fly.
-        CommandRefused: it will not.
+        NotReady: it does not fly, or will not come.
     """
     yield from _expect_flying(state)
     yield from _enter(state, RETURN_MODE[state.autopilot])

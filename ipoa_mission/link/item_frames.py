@@ -62,7 +62,7 @@ class ItemFrames:
         if isinstance(run, ItemsRead):
             run.keep(payload)
             run.at += 1
-        elif isinstance(run, ItemsSent):
+        else:
             run.is_legacy = frame[7] == _OLD_REQUEST.number
             run.asked_for(seq)
         return True

@@ -5,6 +5,7 @@ As long as that is what is heard, a `Carrier` may answer by itself; anything els
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from ipoa_mission.items import Item
 from ipoa_mission.link.item_payloads import Payloads, pack_items
@@ -12,7 +13,7 @@ from ipoa_mission.link.messages import Message, Request
 
 
 @dataclass
-class ItemRun:
+class _Run:
     """A list of `count` items; `at` is the one that was asked for last, by whichever side asks.
 
     `said_s` is when something was said last, `wait_s` how long an answer to it is waited for;
@@ -24,7 +25,7 @@ class ItemRun:
     at: int = -1
     said_s: float = 0.0
     wait_s: float = 0.0
-    round_trip_s: float | None = None
+    round_trip_s: float = 0.0
 
     @property
     def is_ending(self) -> bool:
@@ -33,7 +34,7 @@ class ItemRun:
 
 
 @dataclass
-class ItemsSent(ItemRun):
+class ItemsSent(_Run):
     """We have the items, and the other side asks for one after the other."""
 
     items: Sequence[Item] = ()
@@ -61,7 +62,7 @@ class ItemsSent(ItemRun):
 
 
 @dataclass
-class ItemsRead(ItemRun):
+class ItemsRead(_Run):
     """The other side has the items, and we ask for one after the other; `keep` is handed each payload."""
 
     keep: Callable[[bytes], None] = lambda payload: None
@@ -70,3 +71,7 @@ class ItemsRead(ItemRun):
     def question(self) -> Message:
         """What we ask now."""
         return Request(self.at, self.kind)
+
+
+#: A run of either kind.
+ItemRun: TypeAlias = ItemsSent | ItemsRead

@@ -264,7 +264,7 @@ def converse(
                 elif exchange.asked_for_s(now()) >= patience.silence_s and line.is_too_old(target):
                     exchange.interrupt(SpeaksMavlink1(target.system), now())
                 exchange.tick(now())
-                if interrupt.take():
+                if not exchange.finished and interrupt.take():
                     exchange.interrupt(Cancelled("cancelled"), now())
                 if now() >= until:
                     until = math.inf

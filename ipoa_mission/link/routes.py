@@ -54,9 +54,9 @@ class Routes:
         return True
 
     def release(self, name: Target, now: float) -> None:
-        """Whoever speaks for this name alone has done: unless more comes within `REST_S` another may claim it."""
-        if name in self._claims:
-            self._claims[name] = (self._claims[name][0], now - CLAIM_S + REST_S)
+        """Whoever claimed this name has done: unless more comes within `REST_S` another may claim it."""
+        holder, _ = self._claims[name]
+        self._claims[name] = (holder, now - CLAIM_S + REST_S)
 
     def heard_s(self, name: Target) -> float | None:
         """When this name was heard last, if it ever was."""

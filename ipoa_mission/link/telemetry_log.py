@@ -205,6 +205,6 @@ def _measured(gathered: _Gathered, times: Vector) -> Measured:
                 attitude.append((float(times[number]), roll, pitch, yaw))
             case BatteryStatus(battery, voltage, current):
                 batteries.setdefault(battery, []).append((float(times[number]), voltage, current))
-            case SystemStatus(voltage=voltage, current=current):
-                general.append((float(times[number]), voltage, current))
+            case _:
+                general.append((float(times[number]), message.voltage, message.current))
     return Measured.of(batteries.values() or [general], attitude)

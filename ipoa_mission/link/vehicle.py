@@ -143,7 +143,7 @@ class Vehicle:
         """Have the flying vehicle stop and hold its place; `resume` or `return_to_launch` ends that.
 
         Raises:
-            NotReady, CommandRefused, NoAnswer, TimeUp: it flies on, or does not fly.
+            NotReady, NoAnswer, TimeUp: it flies on, or does not fly.
         """
         self._tell_flying(pause)
 

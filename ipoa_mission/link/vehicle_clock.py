@@ -45,8 +45,7 @@ def unwrapped(stamps: Vector, times: Vector) -> Vector:
     """The same times where they go on over a restart of the autopilot, by the stamps between."""
     times = times.copy()
     for n in np.flatnonzero(np.diff(times) < -READING.restarted_s):
-        if times[n + 1] < times[n] - READING.restarted_s:
-            times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]
+        times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]
     return np.asarray(np.maximum.accumulate(times))
 
 

@@ -40,7 +40,8 @@ def coordinate(degrees: float, frame: int) -> int:
     """Param5 or param6 as MISSION_ITEM_INT has it: degE7 in global frames, as it is in frame 2, else metres x 1e4."""
     if math.isnan(degrees):
         return INT32_MAX if frame in GLOBAL_FRAMES else 0
-    value = round(degrees * _scale(frame)) if math.isfinite(degrees) else INT32_MAX + 1
+    scaled = degrees * _scale(frame)
+    value = round(scaled) if math.isfinite(scaled) else INT32_MAX + 1
     if not -INT32_MAX <= value < INT32_MAX:
         raise BadInput(f"coordinate: expected one that fits MAVLink's 32 bits, not {degrees}")
     return value

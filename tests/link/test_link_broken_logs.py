@@ -71,6 +71,8 @@ def test_places_off_the_earth_have_no_speed() -> None:
     latitude = np.array([47.0, 47.00001, 4700.0, 47.00003, 47.00004])
     speeds = _differences(np.arange(5.0), latitude, np.full(5, 8.0), np.full(5, 500.0))
     assert speeds[:, 0] == pytest.approx([1.11, 1.11, 0.0, 1.11, 1.11], rel=0.01)
+    one_place = np.array([47.0, 4700.0, 4700.0, 4700.0, 4700.0])
+    assert not _differences(np.arange(5.0), one_place, np.full(5, 8.0), np.full(5, 500.0)).any()
 
 
 def test_a_record_of_arducopter_without_its_fields_is_passed_over(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry, wire
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
 from ipoa_mission.link.definitions import message_name, message_number
+from ipoa_mission.link.item_payloads import pack_items
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
@@ -126,7 +127,7 @@ def test_frames_have_their_own_scale(frame: int, value: float, sent: int) -> Non
     assert back == value or (math.isnan(back) and math.isnan(value))
 
 
-@pytest.mark.parametrize("value", [215.0, -215.0, math.inf, -math.inf])
+@pytest.mark.parametrize("value", [215.0, -215.0, 1e305, math.inf, -math.inf])
 def test_what_does_not_fit_is_an_error_and_not_clamped(value: float) -> None:
     with pytest.raises(BadInput, match="coordinate"):
         wire.coordinate(value, 3)
@@ -285,6 +286,7 @@ FINE = Item(16, 3, (0.0, math.nan, math.inf, -3.3e38), 47.4, 8.5, 30.0)
         ({"altitude": -1e39}, "item 1: altitude: expected a number that fits in single precision"),
         ({"command": 70_000}, "item 1: command: expected a number from 0 to 65535, not 70000"),
         ({"frame": 300}, "item 1: frame: expected a number from 0 to 255, not 300"),
+        ({"latitude_deg": -1e305}, "item 1: coordinate: expected one that fits"),
         ({"latitude_deg": math.inf}, "item 1: coordinate: expected one that fits"),
     ],
 )
@@ -337,3 +339,17 @@ def test_a_whole_datagram_is_heard_at_once_behind_half_a_frame() -> None:
     framer = Framer()
     assert list(framer.datagram(b"\xfd\xff\x00" + sent[0][:10])) == []
     assert list(framer.datagram(sent[1])) == [sent[1]]
+
+
+@pytest.mark.parametrize(("frame", "unit"), [(3, 1e-7), (2, 1.0)])
+def test_the_largest_and_the_smallest_coordinate_that_fit_are_sent_and_the_next_ones_are_errors(
+    frame: int, unit: float
+) -> None:
+    for value in (2**31 - 2, 1 - 2**31):
+        item = dataclasses.replace(FINE, frame=frame, latitude_deg=0.0, longitude_deg=value * unit)
+        (packed,) = pack_items([item], 0)
+        assert packed["y"] == wire.coordinate(item.longitude_deg, frame) == value
+    for value in (2**31 - 1, -(2**31)):
+        item = dataclasses.replace(FINE, frame=frame, longitude_deg=value * unit)
+        with pytest.raises(BadInput, match="item 0: coordinate: expected one that fits"):
+            pack_items([item], 0)

@@ -60,3 +60,10 @@ def test_a_table_that_is_not_there_is_pymavlinks_or_an_error_that_names_it(monke
     monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20", None)
     with pytest.raises(MissionError, match="no table of MAVLink's messages, and pymavlink is not installed"):
         definitions.rows()
+
+
+def test_a_table_that_is_there_is_taken_as_it_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    table = json.loads(json.dumps(definitions.rows()))[:3]
+    (tmp_path / definitions.TABLE).write_text(json.dumps(table))
+    monkeypatch.setattr(definitions, "__file__", str(tmp_path / "definitions.py"))
+    assert definitions._table() == table

@@ -8,7 +8,7 @@ import pytest
 from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.departure import Departure, depart, prepare
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
     CommandAck,
@@ -216,3 +216,39 @@ def test_an_ardupilot_that_begins_with_a_waypoint_climbs_first() -> None:
     vehicle.hold(depart, climb=20.0)
     assert [told[0] for told in vehicle.told][-3:] == [ARM, TAKEOFF, START]
     assert vehicle.height == 20.0
+
+
+def test_a_vehicle_that_answers_nothing_after_the_arming_is_told_to_disarm_all_the_same() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
+    answer, lost = vehicle.answer, list[Message]()
+
+    def until_armed(message: Message) -> list[Message]:
+        if not vehicle.armed:
+            return answer(message)
+        lost.append(message)
+        return []
+
+    vehicle.answer = until_armed  # type: ignore[method-assign]
+    with pytest.raises(NoAnswer) as silence:
+        vehicle.hold(depart)
+    told = list(dict.fromkeys((one.command, one.params[0]) for one in lost if isinstance(one, CommandLong)))
+    assert told == [(START, 0.0), (ARM, 0.0)]
+    assert silence.value.hint == "the vehicle is armed, on the ground, in GUIDED"
+
+
+def test_an_arming_that_is_refused_at_first_is_tried_again() -> None:
+    vehicle = Scripted(PX4, first=0)
+    vehicle.hold(prepare)
+    vehicle.refuses[ARM] = (1, "Arming denied: high winds")
+    told = vehicle.stream
+
+    def calmer() -> list[Message]:
+        if sum(number == ARM for number, *_ in vehicle.told) == 2:
+            vehicle.refuses.clear()
+        return told()
+
+    vehicle.stream = calmer  # type: ignore[method-assign]
+    vehicle.hold(depart)
+    assert vehicle.armed
+    assert [number for number, *_ in vehicle.told].count(ARM) == 3

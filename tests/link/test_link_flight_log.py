@@ -9,7 +9,7 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
-from ipoa_mission.link.flight_log import read_flight
+from ipoa_mission.link.flight_log import read_flight, read_flights
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.link.log_writers import WRITERS, Flown, write_dataflash, write_ulog
@@ -134,3 +134,24 @@ def test_the_log_of_a_flight_on_the_built_in_autopilot_tells_that_flight(autopil
     assert (last.latitude_deg, last.longitude_deg) == pytest.approx(
         (seen.path[-1].latitude_deg, seen.path[-1].longitude_deg), abs=2e-7
     )
+
+
+@pytest.mark.parametrize("disarmed", [0.0, 1.0])
+def test_a_dataflash_log_that_begins_armed_has_its_flight_where_the_arming_opened_it(
+    disarmed: float, flown: Flown, tmp_path: Path
+) -> None:
+    """With LOG_DISARMED 1 it would have the arming if it had been there for it."""
+    path = tmp_path / "armed.bin"
+    write_dataflash(flown, path)
+    armed = b"\xa3\x95" + struct.pack("<BQBIBB", 14, 100_000_000, 1, 0xFFFF, 0, 0)
+    told = struct.pack("<BBB4s16s64s", 128, 20, 31, b"PARM", b"QNf", b"TimeUS,Name,Value")
+    setting = struct.pack("<BQ16sf", 20, 98_000_000, b"LOG_DISARMED", disarmed)
+    data = path.read_bytes()
+    assert data.count(armed) == 1
+    path.write_bytes(data.replace(armed, b"") + b"\xa3\x95" + told + b"\xa3\x95" + setting)
+    if disarmed:
+        with pytest.raises(MissionError, match="the log begins in flight: when that one was armed is not known"):
+            read_flights(path)
+    else:
+        (flight,) = read_flights(path).flights
+        assert flight.armed_s == pytest.approx(97.0)  # the log's first record

@@ -6,9 +6,14 @@ put into BRAKE; on its way to a waypoint it stops within two seconds and stays i
 
 import pytest
 
+from ipoa_mission.autopilots.modes import MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Order
 from ipoa_mission.items import Mission
-from ipoa_mission.link.state import NotReady
+from ipoa_mission.link.dialogue import SPECIFIED, Exchange
+from ipoa_mission.link.hold import SHOWN_S, return_to_launch
+from ipoa_mission.link.messages import CommandAck, CommandResult
+from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.files import read_mission
@@ -90,3 +95,25 @@ def test_a_vehicle_on_the_ground_is_told_nothing(name: str) -> None:
             with pytest.raises(NotReady, match="expected a vehicle in the air"):
                 order()
         assert vehicle.state.armed is False
+
+
+def test_a_vehicle_whose_mission_is_gone_says_why_it_does_not_go_on() -> None:
+    _, vehicle = flying("campus.plan")
+    with vehicle:
+        later(vehicle, 25.0)
+        vehicle.return_to_launch()
+        vehicle.clear()
+        with pytest.raises(NotReady, match="Mode change to AUTO failed: init failed") as refused:
+            vehicle.resume()
+        assert "the vehicle is armed and in the air" in str(refused.value.hint)
+        assert vehicle.mode == "RTL"
+
+
+def test_a_mode_that_is_accepted_and_not_shown_is_no_return() -> None:
+    state = VehicleState(Autopilot.PX4, armed=True, custom_mode=MISSION_MODE[Autopilot.PX4])
+    exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
+    exchange.receive(CommandAck(Order.DO_SET_MODE, CommandResult.ACCEPTED), 0.1)
+    exchange.tick(SHOWN_S)
+    with pytest.raises(NotReady, match=r"it accepted AUTO\.RTL but does not show it") as unseen:
+        exchange.tick(0.1 + SHOWN_S)
+    assert "AUTO.MISSION" in str(unseen.value.hint)

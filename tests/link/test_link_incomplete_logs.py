@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.items import Item
 from ipoa_mission.link import ulog
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.flight_log import read_flights
@@ -19,10 +21,13 @@ from ipoa_mission.link.messages import (
     CommandAck,
     CommandLong,
     CommandResult,
+    Count,
     Firmware,
     Heartbeat,
+    ItemAt,
     Message,
     ParamValue,
+    Reached,
     Text,
 )
 from ipoa_mission.link.telemetry import Position, SystemTime
@@ -141,7 +146,9 @@ def test_what_is_heard_before_the_first_heartbeat_and_what_is_no_frame_is_passed
     path = written(
         tmp_path, (0.0, Text(6, "early")), (1.0, heartbeat(False)), (2.0, ParamValue("MC_ROLL_P", 6.5, 9, 1, 0))
     )
+    unread = dialect.MAVLink_meminfo_message(0, 0).pack(dialect.MAVLink(None, 1, 1))
     with path.open("ab") as log:
+        log.write((1_800_000_003_000_000).to_bytes(8, "big") + unread)
         log.write((1_800_000_003_000_000).to_bytes(8, "big") + b"\xfd\x03\x00\x00\x00\x01\x01\xff\xff\xffabc\x00\x00")
     events = [event for _, event in read_telemetry_log(path).events]
     assert not [event for event in events if isinstance(event, Text)]
@@ -199,3 +206,47 @@ def test_arming_is_dated_back_to_the_agreement_and_an_order_to_another_vehicle_i
     events = [(at, event.armed) for at, event in read_telemetry_log(path).events if isinstance(event, Heartbeat)]
     assert [armed for _, armed in events] == [False, True, True]  # agreed to, and shown
     assert events[1][0] - events[0][0] == pytest.approx(0.6, abs=0.01)
+
+
+def begun_armed(told: bool) -> Break:
+    """The first state that the log has is armed; `told`: with the time of the arming."""
+
+    def spoil(topics: dict[str, Any]) -> None:
+        status = topics["vehicle_status"].data
+        first = int(np.argmax(status["arming_state"] == ulog.ARMED))
+        status.update({name: values[first:] for name, values in status.items()})
+        if not told:
+            del status["armed_time"]
+
+    return spoil
+
+
+def opened_by_arming(folder: Path) -> Path:
+    """The log with SDLOG_MODE 0."""
+    path = folder / "armed.ulg"
+    path.write_bytes(LOG.read_bytes().replace(b"SDLOG_MODE\x01", b"SDLOG_MODE\x00"))
+    return path
+
+
+def test_a_px4_log_that_begins_armed_has_its_arming_from_px4_or_from_its_own_beginning(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    armed_s = read_flights(LOG).flights[0].armed_s
+    with monkeypatch.context() as patch:
+        spoiled(patch, begun_armed(told=True))
+        assert [flight.armed_s for flight in read_flights(LOG).flights] == [armed_s]
+    spoiled(monkeypatch, begun_armed(told=False))
+    begins_s = ulog._open(LOG).start_timestamp / 1e6
+    assert [flight.armed_s for flight in read_flights(opened_by_arming(tmp_path)).flights] == [begins_s]
+    with pytest.raises(MissionError, match="the log begins in flight"):
+        read_flights(LOG)
+
+
+def test_a_flight_without_positions_has_no_home_and_so_no_mission(tmp_path: Path) -> None:
+    item = Item(16, 3, latitude_deg=47.4, longitude_deg=8.5, altitude=10.0)
+    said = (heartbeat(False), Count(1), ItemAt(0, item), heartbeat(True), Reached(0))
+    path = written(tmp_path, *((float(at), message) for at, message in enumerate(said)))
+    (flight,) = read_flights(path).flights
+    assert flight.in_mission
+    assert flight.mission is None
+    assert flight.record().path == ()

@@ -133,8 +133,10 @@ class Pressing(Loopback):
     def __init__(self, *presses: float) -> None:
         super().__init__(Station(Mock(PX4, HOME)))
         self._presses = list(presses)
+        self.waited_at = 0.0
 
     def receive(self, until: float) -> list[tuple[bytes, object]]:
+        self.waited_at = self.now()
         if self._presses and self.now() >= self._presses[0]:
             self._presses.pop(0)
             press()
@@ -194,3 +196,29 @@ def test_a_program_with_a_handler_of_its_own_keeps_it_and_other_threads_have_non
     thread.start()
     thread.join()
     assert noted == [False]
+
+
+def waiting() -> Dialogue[str]:
+    heard = yield Pause(5.0)
+    while heard is not None:
+        heard = yield None
+    return "done"
+
+
+def test_a_press_in_the_moment_in_which_a_conversation_ends_is_not_lost() -> None:
+    undisturbed = Pressing()
+    assert converse(Line(undisturbed, Codec(245, 190)), Target(1, 1), waiting(), SPECIFIED) == "done"
+    with pytest.raises(KeyboardInterrupt):
+        converse(Line(Pressing(undisturbed.waited_at), Codec(245, 190)), Target(1, 1), waiting(), SPECIFIED)
+
+
+def test_a_press_in_the_last_moment_of_an_upload_is_told_to_be_too_late() -> None:
+    mission = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0)), PX4)
+    undisturbed = Pressing()
+    meet(Line(undisturbed, Codec(245, 190))).upload(mission)
+    channel = Pressing(undisturbed.waited_at)
+    vehicle = meet(Line(channel, Codec(245, 190)))
+    with pytest.raises(Cancelled, match="cancelled too late: the vehicle holds everything that was sent"):
+        vehicle.upload(mission)
+    assert channel.now() == undisturbed.now()
+    assert [item.altitude for item in vehicle.download().items] == [10.0, 12.0]

@@ -50,3 +50,7 @@ def test_a_log_without_the_topics_tells_of_none() -> None:
     told, result = topics(STEPS, 4)
     assert not list(items_begun(None, result))
     assert not list(items_begun(told, None))
+
+
+def test_an_item_beyond_the_mission_s_end_is_none() -> None:
+    assert [begun.seq for _, begun in items_begun(*topics(STEPS, 3))] == [0, 1, 2]

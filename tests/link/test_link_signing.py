@@ -184,3 +184,11 @@ def test_a_key_that_others_may_write_is_warned_of(tmp_path: Path, caplog: pytest
     path.chmod(0o664)
     read_key(path)
     assert "others than its owner may write this key" in caplog.text
+
+
+def test_a_line_that_is_closed_gives_its_link_id_back(tmp_path: Path) -> None:
+    path = tmp_path / "timestamp"
+    line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190, persistent_signer(KEY, path)))
+    with line:
+        assert persistent_signer(KEY, path).link_id == 1
+    assert persistent_signer(KEY, path).link_id == 0

@@ -8,7 +8,7 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import FenceCircle, Mission, return_to_launch, takeoff
 from ipoa_mission.link.messages import ARMED_FLAG, Current, Firmware, Heartbeat, Message
-from ipoa_mission.link.set_up import idle_fence, other_values
+from ipoa_mission.link.set_up import idle_fence, other_values, own_values
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.world.frame import Geodetic
@@ -69,3 +69,8 @@ def test_a_fence_that_does_nothing_is_told_of(switch: float | None, idle: bool) 
     words = "the fence does nothing on this vehicle: its FENCE_ENABLE is 0"
     assert idle_fence(vehicle, fenced) == (words if idle else None)
     assert idle_fence(vehicle, Mission(HOME, fenced.items)) is None
+
+
+def test_the_vehicle_s_own_values_go_by_the_names_and_units_of_before_4_7() -> None:
+    vehicle = Table(Autopilot.ARDUPILOT, {"WP_SPD": 5.0, "RTL_ALT": 1500.0, "WP_JERK": 1.0})
+    assert own_values(vehicle, ["WPNAV_SPEED", "RTL_ALT", "LAND_SPEED"]) == {"WPNAV_SPEED": 500.0, "RTL_ALT": 1500.0}

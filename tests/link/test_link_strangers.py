@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from ipoa_mission.autopilots.modes import ARMING_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.channel import LinkDown, Peer
@@ -15,6 +17,7 @@ from ipoa_mission.link.dialogue import SPECIFIED
 from ipoa_mission.link.line import Contested, Line, SpeaksMavlink1
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Request, Result
+from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.station import Station
@@ -99,10 +102,15 @@ def test_two_vehicles_with_one_system_id_are_told_and_refused(system: int | None
 def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: pytest.LogCaptureFixture) -> None:
     net = Net(one=station(), other=station())
     line = line_on(net)
-    meet(line, anyway=True).upload(MISSION)
+    vehicle = meet(line, anyway=True)
+    vehicle.upload(MISSION)
     assert line.contested(1)
     assert is_exact(net, "one")
     assert held(net, "other") == 0
+    before = net.ends["other"].autopilot.mode
+    vehicle.prepare()
+    assert net.ends["one"].autopilot.mode == ARMING_MODE[PX4]
+    assert net.ends["other"].autopilot.mode == before
     assert [record.message for record in caplog.records] == [
         "another vehicle with system id 1 is on the link; it is not listened to"
     ]
@@ -251,6 +259,39 @@ def test_frames_that_are_cut_at_sixteen_bytes_are_heard(family: Autopilot) -> No
     vehicle = meet(line_on(net))
     vehicle.upload(MISSION)
     assert is_exact(net, "one", family)
+
+
+class Drip(Net):
+    """A stream that is read sixteen bytes at a time, wherever a frame ends."""
+
+    datagrams = False
+    _kept = b""
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        self._kept = self._kept or b"".join(data for data, _ in super().receive(until))
+        piece, self._kept = self._kept[:16], self._kept[16:]
+        return [(piece, "one")] if piece else []
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_a_stream_that_comes_in_pieces_is_heard(family: Autopilot) -> None:
+    net = Drip(one=station(family))
+    vehicle = meet(line_on(net), fast=False)
+    vehicle.upload(MISSION)
+    assert is_exact(net, "one", family)
+    assert len(vehicle.download().items) == len(MISSION.items)
+
+
+def test_what_is_said_to_others_and_what_we_do_not_read_is_logged_and_not_heard(tmp_path: Path) -> None:
+    vehicle = Codec(*VEHICLE)
+    ours, theirs = (vehicle.encode(Count(n), to, 0.0) for n, to in enumerate((US, Target(255, 190))))
+    unread = dialect.MAVLink_meminfo_message(0, 0).pack(dialect.MAVLink(None, *VEHICLE))
+    net = Net()
+    net.strangers.append(lambda now: [(frame, "one") for frame in (theirs, unread, ours)])
+    with Line(net, Codec(*US), tmp_path / "all.tlog") as line:
+        assert [one.message for one in line.receive(1.0)] == [Count(0)]
+    logged = [record.frame for record in read_tlog(tmp_path / "all.tlog")]
+    assert [frame for frame in logged if frame in (theirs, unread, ours)] == [theirs, unread, ours]
 
 
 class OldOnly:

@@ -91,3 +91,9 @@ def test_a_torn_stamp_is_between_its_neighbors() -> None:
     stamps = growing([1.7e9, 1.7e9 + 1, 9.9e12, 1.7e9 + 2, 1.7e9 + 2, 1.7e9 + 3])
     assert stamps == pytest.approx([0, 1, 2, 2, 2, 3], abs=1e-6)
     assert (np.diff(stamps) > 0).all()
+
+
+def test_an_item_from_the_side_that_was_to_get_it_is_none_of_the_list() -> None:
+    """A stray one of another transfer, still on its way."""
+    assert held(*sent(OLD, False), (ItemAt(1, NEW[1]), True), (ACCEPTED, True)) == [OLD]
+    assert held(*sent(OLD, False)[:-1], (ItemAt(2, NEW[2]), True), (ACCEPTED, True)) == []

@@ -19,16 +19,18 @@ from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import Ask, NoAnswer, Pause, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import ParamValue
+from ipoa_mission.link.messages import Message, MissionType, ParamValue, Request
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MOST_SIGNERS, persistent_signer
 from ipoa_mission.link.state import NotReady
+from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 RALLY = (Geodetic(47.4001, 8.5, 25.0),)
@@ -180,3 +182,34 @@ def test_a_disk_that_takes_half_a_record_is_full(tmp_path: Path, caplog: pytest.
         log._file = Half()  # type: ignore[assignment]
         log.write(b"frame", 1.0)
     assert "No space left on device" in caplog.messages[0]
+
+
+def test_an_arducopter_is_asked_once_whether_it_takes_a_file() -> None:
+    vehicle = met(Autopilot.ARDUPILOT)
+    heard: list[Message] = []
+    vehicle.overhearing = heard.append
+    for _ in range(2):
+        vehicle.upload(MISSION)
+        assert vehicle.download().rally == RALLY
+    assert sum(isinstance(message, AutopilotVersion) for message in heard) == 1
+    assert not any(isinstance(message, Request) and message.kind == MissionType.MISSION for message in heard)
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_a_vehicle_with_the_mission_of_another_session_is_prepared_where_it_may_begin(autopilot: Autopilot) -> None:
+    before = met(autopilot)
+    before.upload(MISSION)
+    vehicle = meet(line_of(before))
+    places: list[Geodetic] = []
+
+    def forbid(place: Geodetic) -> None:
+        places.append(place)
+        raise NotReady("not from here")
+
+    with pytest.raises(NotReady, match="not from here"):
+        vehicle.prepare(permit=forbid)
+    (place,) = places
+    assert (place.latitude_deg, place.longitude_deg) == pytest.approx((HOME.latitude_deg, HOME.longitude_deg), abs=1e-4)
+    vehicle.prepare()
+    vehicle.start()
+    assert vehicle.state.armed
