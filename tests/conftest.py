@@ -19,14 +19,19 @@ sys.dont_write_bytecode = False  # and every worker rewrites the assertions of a
 
 #: A file's tests are run by one worker, which begins these files first: no other is left with one of them at the end.
 LONGEST = (
-    "studio/test_studio_page.py",
     "cli/test_cli_both_doors.py",
     "docs/test_commands.py",
-    "docs/test_api.py",
-    "compiled/test_compiled.py",
+    "studio/test_studio_page.py",
     "planning/test_planning_planner.py",
-    "report/test_report_browser.py",
     "mission/test_mission_fastest.py",
+    "compiled/test_compiled.py",
+    "report/test_report_browser.py",
+    "learn/test_learning.py",
+    "link/test_link_schedules.py",
+    "docs/test_api.py",
+    "world/test_world_terrain.py",
+    "world/test_world_obstacles.py",
+    "timing/test_flight_times.py",
     "cli/test_cli_main_job.py",
     "cli/test_cli_first_minute.py",
 )
