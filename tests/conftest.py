@@ -1,25 +1,37 @@
 """What every test may lean on."""
 
+import gc
 import os
+import sys
+from dataclasses import replace
 from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: its threads take more than they give
 
 import pytest
 from hypothesis import settings
 
+gc.set_threshold(50_000)  # imports and the collection of tests make many objects, and no garbage
 REPOSITORY = Path(__file__).parent.parent
 
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every command that a test starts compiles the package anew
+sys.dont_write_bytecode = False  # and every worker rewrites the assertions of all tests
 
 #: A file's tests are run by one worker, which begins these files first: no other is left with one of them at the end.
 LONGEST = (
-    "studio/test_studio_page.py",
     "cli/test_cli_both_doors.py",
     "docs/test_commands.py",
-    "docs/test_api.py",
-    "compiled/test_compiled.py",
+    "studio/test_studio_page.py",
     "planning/test_planning_planner.py",
-    "report/test_report_browser.py",
     "mission/test_mission_fastest.py",
+    "compiled/test_compiled.py",
+    "report/test_report_browser.py",
+    "learn/test_learning.py",
+    "link/test_link_schedules.py",
+    "docs/test_api.py",
+    "world/test_world_terrain.py",
+    "world/test_world_obstacles.py",
+    "timing/test_flight_times.py",
     "cli/test_cli_main_job.py",
     "cli/test_cli_first_minute.py",
 )
@@ -44,6 +56,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def missions() -> Path:
     """The folder of scenarios that ship with the repository."""
     return REPOSITORY / "missions"
+
+
+@pytest.fixture
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures of a space in a quarter as many tiles along a side, which take a fraction of the time."""
+    from ipoa_mission.report import view3d
+
+    monkeypatch.setattr(view3d, "LOOK", replace(view3d.LOOK, cells=view3d.LOOK.cells // 4))
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -28,20 +29,32 @@ SLOW = {
 SLOPE_S = 0.2
 
 
+@pytest.fixture(scope="module")
+def slowed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """A scenario of the repository, searched for a short time only, on such a vehicle; one file for all tests."""
+
+    @cache
+    def written(name: str) -> Path:
+        folder = tmp_path_factory.mktemp(name)
+        for file in MISSIONS.iterdir():
+            if file.is_file():
+                (folder / file.name).symlink_to(file)
+        usual = api.read_scenario(MISSIONS / f"{name}.toml")
+        path = folder / "slow.toml"
+        text = (MISSIONS / f"{name}.toml").read_text(encoding="utf-8")
+        short = "[optimizer]\npopulation = 8\niterations = 8\n"
+        path.write_text(f"{text}\n{short}\n[vehicle.parameters]\n{SLOW[usual.vehicle.autopilot]}\n", encoding="utf-8")
+        return path
+
+    return written
+
+
 @pytest.fixture
-def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> Path:
-    """A scenario of the repository, searched for a short time only, on such a vehicle."""
+def slow(slowed: Callable[[str], Path], name: str) -> Path:
+    """It, of this name."""
     if name == "oldtown":
         pytest.importorskip("rasterio")
-    for file in MISSIONS.iterdir():
-        if file.is_file():
-            (tmp_path / file.name).symlink_to(file)
-    usual = api.read_scenario(MISSIONS / f"{name}.toml")
-    path = tmp_path / "slow.toml"
-    text = (MISSIONS / f"{name}.toml").read_text(encoding="utf-8")
-    short = "[optimizer]\npopulation = 8\niterations = 8\n"
-    path.write_text(f"{text}\n{short}\n[vehicle.parameters]\n{SLOW[usual.vehicle.autopilot]}\n", encoding="utf-8")
-    return path
+    return slowed(name)
 
 
 def once(answer: Callable[..., T], asked: Callable[..., object]) -> Callable[..., T]:
@@ -141,10 +154,11 @@ def test_what_is_given_goes_before_what_the_mission_carries(run: Run, slow: Path
 @pytest.mark.parametrize("name", ["sitl"])
 def test_python_refuses_what_the_command_line_refuses(run: Run, slow: Path) -> None:
     thirsty = "\n[vehicle.airframe]\nmass_kg = 2.0\nrotor_diameter = 0.25\n[vehicle.battery]\ncapacity_wh = 1.0\n"
-    slow.write_text(slow.read_text(encoding="utf-8") + thirsty, encoding="utf-8")
+    path = slow.with_name("thirsty.toml")
+    path.write_text(slow.read_text(encoding="utf-8") + thirsty, encoding="utf-8")
     with pytest.raises(api.NotEnoughBattery) as refused:
-        api.plan_flight(api.read_scenario(slow), seed=4)
-    ended = run(f"plan {slow} --seed 4 --out out")
+        api.plan_flight(api.read_scenario(path), seed=4)
+    ended = run(f"plan {path} --seed 4 --out out")
     assert ended.code == 1
     assert str(refused.value) in " ".join(ended.err.split())
     assert not Path("out").exists()

@@ -45,6 +45,7 @@ def vehicle_at() -> Iterator[str]:
     channel.close()
 
 
+@pytest.mark.usefixtures("coarse")
 def test_the_examples_run_one_after_the_other(
     vehicle_at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -54,14 +55,17 @@ def test_the_examples_run_one_after_the_other(
     monkeypatch.chdir(tmp_path)
     Path("missions").symlink_to(REPOSITORY / "missions")
     names: dict[str, Any] = {}
+    flown = list[ipoa_mission.FlightRecord]()
     for example in re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL):
         exec(compile(example.replace(PORT, vehicle_at), "docs/api.md", "exec"), names)
+        if "record" in names and names["record"] not in flown:
+            flown.append(names["record"])
     said = capsys.readouterr().out
     assert re.search(r"^-\d+\.\d+ mast \(", said, re.MULTILINE)
     assert re.search(r"^1 px4 Geodetic\(latitude_deg=47\.3977", said, re.MULTILINE)
     assert "nothing.plan: cannot be read" in said
     assert names["record"].completed
-    assert names["later"].total_s == pytest.approx(ipoa_mission.fly(names["mission"]).total_s, abs=0.5)
+    assert names["later"].total_s == pytest.approx(flown[0].total_s, abs=0.5)
     assert [item.command for item in names["same"].items] == [item.command for item in names["mission"].items]
     assert names["best"].cost < 1000.0
     for file in ("sitl.plan", "sitl.waypoints", "sitl.kml", "sitl.tlog", "sitl.html", "sitl.png", "vehicle.tlog"):

@@ -64,6 +64,7 @@ def test_a_point_behind_a_wall_is_not_seen_and_one_above_it_is() -> None:
     assert visible(np.array([behind, higher, before]), airspace, sight).tolist() == [False, True, True]
 
 
+@pytest.mark.usefixtures("coarse")
 def test_the_same_scenario_and_paths_give_the_same_bytes(missions: Path, tmp_path: Path) -> None:
     scenario = read_scenario(missions / "sitl.toml")
     paths = {"straight": np.array([scenario.start_point, scenario.goal_point])}

@@ -127,10 +127,10 @@ def page(window: Window, address: tuple[str, Path]) -> Iterator[Any]:
 
 def until(page: Any, expression: str) -> None:
     """Wait for an expression to be true; playwright's own wait uses `eval`, which the page forbids."""
-    for _ in range(PATIENCE_MS // 100):
+    for _ in range(PATIENCE_MS // 25):
         if page.evaluate(expression):
             return
-        page.wait_for_timeout(100)
+        page.wait_for_timeout(25)
     raise AssertionError(f"never came true: {expression}")
 
 

@@ -4,6 +4,8 @@ Zero is the vehicle's arming and the end its disarming, by its own clock. None o
 models.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.stats import binomtest
@@ -14,12 +16,17 @@ from tests.recorded_flights import LANDINGS, Recorded, read_flights
 
 COPTER = read_flights(Autopilot.ARDUPILOT, LANDINGS)
 PX4 = read_flights(Autopilot.PX4, LANDINGS)
-FOUND = {flight.name: estimate(flight.mission, flight.parameters, fast=flight in PX4) for flight in (*COPTER, *PX4)}
+BY_NAME = {flight.name: flight for flight in (*COPTER, *PX4)}
+
+
+@cache
+def found(name: str) -> Estimate:
+    return estimate(BY_NAME[name].mission, BY_NAME[name].parameters, fast=BY_NAME[name] in PX4)
 
 
 def parts(flight: Recorded) -> tuple[float, float]:
     """Estimated seconds of take-off and landing."""
-    done = {item.seq: item.done_s for item in FOUND[flight.name].items}
+    done = {item.seq: item.done_s for item in found(flight.name).items}
     return done[flight.first], done[len(flight.mission.items)] - done[flight.last]
 
 
@@ -55,10 +62,10 @@ def test_px4_takes_as_long_on_average_within_three_per_cent(part: int) -> None:
 def test_nine_in_ten_of_what_was_flown_lie_in_the_interval(flights: tuple[Recorded, ...]) -> None:
     """Of PX4's 32 flights four missed a waypoint or hung in the air, which every item after that has to bear."""
 
-    def inside(found: Estimate, run: dict[int, float]) -> list[bool]:
-        return [item.low_s <= run[item.seq] <= item.high_s for item in found.items if item.seq in run]
+    def inside(estimated: Estimate, run: dict[int, float]) -> list[bool]:
+        return [item.low_s <= run[item.seq] <= item.high_s for item in estimated.items if item.seq in run]
 
-    kept = [one for flight in flights for run in flight.runs for one in inside(FOUND[flight.name], run)]
+    kept = [one for flight in flights for run in flight.runs for one in inside(found(flight.name), run)]
     # of so few items the share is known to a few per cent: it must not be told from one of 85 to 95 %
     assert binomtest(sum(kept), len(kept), 0.85, "less").pvalue > 0.05
     assert binomtest(sum(kept), len(kept), 0.95, "greater").pvalue > 0.05
