@@ -24,6 +24,7 @@ SOURCES = (
     "planning/banded.py",
     "planning/chart.py",
     "routing/_*.py",
+    "world/_*.py",
     "world/obstacles/_*.py",
     "world/obstacles/obstacle.py",
 )
