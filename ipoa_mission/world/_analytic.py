@@ -18,7 +18,7 @@ REFINED = 1e-4  # bounds are closed to this [m]
 DEEPEST = 30  # a leg cut so often is shorter than what a number resolves
 
 
-@njit(inline="always")
+@njit(error_model="numpy")
 def _surfaces(landform, base, peaks, x, y):
     """The paper's eqs. (1) and (2) at a place."""
     a, b, c, d, e, f, g = landform
@@ -31,7 +31,7 @@ def _surfaces(landform, base, peaks, x, y):
     return low, high
 
 
-@njit(inline="always")
+@njit(error_model="numpy")
 def _bends(landform, peaks, greatest):
     """By how much landform and mountains arch (or sag) at most over a span of a meter east, and of one north [m].
 
@@ -48,7 +48,7 @@ def _bends(landform, peaks, greatest):
     return east / 8.0, north / 8.0, high_e / 8.0, high_n / 8.0
 
 
-@njit(inline="always")
+@njit(error_model="numpy")
 def _kink(f, x, y, run):
     """By how much more f sin(f r) sags over a span of a level length whose middle is at a place [m].
 
@@ -79,32 +79,35 @@ def extreme(points, landform, base, peaks, greatest, enough):
             best, leg, fraction = height, min(n, len(points) - 2), 1.0 if n > len(points) - 2 else 0.0
     spans = np.empty((PARTS * DEEPEST, 6))  # begin, width, heights above both surfaces at both ends
     for n in range(len(points) - 1):
-        step, count = points[n + 1] - points[n], 1
-        spans[0] = 0.0, 1.0, ends[n, 0], ends[n, 1], ends[n + 1, 0], ends[n + 1, 1]
+        x0, y0, z0 = points[n, 0], points[n, 1], points[n, 2]
+        dx, dy, dz = points[n + 1, 0] - x0, points[n + 1, 1] - y0, points[n + 1, 2] - z0
+        spans[0, 0], spans[0, 1], count = 0.0, 1.0, 1
+        for k in range(2):
+            spans[0, 2 + k], spans[0, 4 + k] = ends[n, k], ends[n + 1, k]
         while count > 0:
             count -= 1
-            begin, width, low, high, next_low, next_high = spans[count]
-            east, north = (step[0] * width) ** 2, (step[1] * width) ** 2
+            begin, width, low, high = spans[count, 0], spans[count, 1], spans[count, 2], spans[count, 3]
+            next_low, next_high = spans[count, 4], spans[count, 5]
+            east, north = (dx * width) ** 2, (dy * width) ** 2
             strays_low, strays_high = low_e * east + low_n * north, high_e * east + high_n * north
             if greatest:
                 middle = begin + width / 2.0
-                x, y = points[n, 0] + middle * step[0], points[n, 1] + middle * step[1]
-                strays_low += _kink(landform[5], x, y, east + north)
+                strays_low += _kink(landform[5], x0 + middle * dx, y0 + middle * dy, east + north)
                 bound = -min(max(low, next_low) + strays_low, max(high, next_high) + strays_high)
             else:
                 bound = min(min(low, next_low) - strays_low, min(high, next_high) - strays_high)
             if not bound < min(best - REFINED, enough) or count + PARTS > len(spans):
                 proven = min(proven, bound)
                 continue
-            for part in range(PARTS):
-                spans[count, 0], spans[count, 1] = begin + part * width / PARTS, width / PARTS
+            width /= PARTS
+            for part in range(1, PARTS + 1):
+                spans[count, 0], spans[count, 1] = begin + (part - 1) * width, width
                 spans[count, 2], spans[count, 3] = low, high
                 low, high = next_low, next_high
-                if part < PARTS - 1:
-                    at = begin + (part + 1) * width / PARTS
-                    x, y, z = points[n, 0] + at * step[0], points[n, 1] + at * step[1], points[n, 2] + at * step[2]
-                    low, high = _surfaces(landform, base, peaks, x, y)
-                    low, high = z - low, z - high
+                if part < PARTS:
+                    at = begin + part * width
+                    low, high = _surfaces(landform, base, peaks, x0 + at * dx, y0 + at * dy)
+                    low, high = z0 + at * dz - low, z0 + at * dz - high
                     height = sign * min(low, high)
                     if height < best:
                         best, leg, fraction = height, n, at
