@@ -24,7 +24,6 @@ LONGEST = (
     "studio/test_studio_page.py",
     "planning/test_planning_planner.py",
     "mission/test_mission_fastest.py",
-    "compiled/test_compiled.py",
     "report/test_report_browser.py",
     "learn/test_learning.py",
     "link/test_link_schedules.py",

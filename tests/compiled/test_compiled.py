@@ -41,6 +41,7 @@ def planned(folder: Path, **environment: str) -> tuple[bool, bool, dict[str, str
     return native, numba, files
 
 
+@pytest.mark.long
 @pytest.mark.skipif(library.shipped() is None, reason="no machine code was made of these sources")
 def test_a_plan_is_the_same_bytes_by_machine_code_and_by_numba(tmp_path: Path) -> None:
     native, imported, files = planned(tmp_path / "native")
