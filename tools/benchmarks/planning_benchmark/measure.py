@@ -1,10 +1,6 @@
 """Measuring: each part is a generator of rows, made one after the other in one process on one core."""
 
 import itertools
-import os
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,12 +13,10 @@ from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.scenario import Scenario
-from tools import REPOSITORY
 from tools.benchmarks.planning_benchmark.maps import FIELDS, MAPS, SIDES, benchmark_map, weighing
 from tools.benchmarks.planning_benchmark.metaheuristics import mealpy_poa, search
 from tools.benchmarks.planning_benchmark.rows import Row, today
 
-SCENARIO = REPOSITORY / "missions" / "mountains.toml"
 SECONDS = (1.0, 5.0)  # that OMPL is given
 CONTROL_POINTS = (4, 6, 8, 12, 16, 24, 32)
 LENGTH_ONLY = (1.0, 0.0, 0.0)
@@ -96,22 +90,7 @@ def scaling(work: Work) -> Iterator[Row]:
     yield from _planned(work, "control points", tuple(f"cylinders-8-2/{n}" for n in CONTROL_POINTS))
 
 
-def start(_work: Work) -> Iterator[Row]:
-    """`ipoa-mission plan` as a user runs it: with nothing compiled yet, and again."""
-    row = partial(Row, "start", versions=_versions("numba"), date=today())
-    with tempfile.TemporaryDirectory() as folder:
-        environment = os.environ | {"NUMBA_CACHE_DIR": folder}
-        command = [sys.executable, "-m", "ipoa_mission.cli.app", "plan", str(SCENARIO), "--out", folder]
-        for setting in ("cold", "second"):
-            started, before = time.perf_counter(), os.times()
-            subprocess.run(command, env=environment, check=True, capture_output=True)
-            wall, after = time.perf_counter() - started, os.times()
-            spent = after.children_user + after.children_system - before.children_user - before.children_system
-            for clock, seconds in (("wall time", wall), ("CPU", spent)):
-                yield row(SCENARIO.stem, "ipoa-mission plan", f"{setting}, {clock}", 0, None, None, True, seconds)
-
-
-PARTS = {each.__name__: each for each in (planner, printed, ompl, reference, length, scaling, start)}
+PARTS = {each.__name__: each for each in (planner, printed, ompl, reference, length, scaling)}
 
 
 def _planned(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:

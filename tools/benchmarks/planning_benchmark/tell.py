@@ -21,7 +21,6 @@ def tables(rows: Sequence[Row]) -> dict[str, str]:
         "maps": each_map(rows),
         "speed": speed(rows),
         "length": lengths(rows),
-        "start": starts(rows),
         "versions": versions(rows),
     }
     return {title: table for title, table in told.items() if table}
@@ -96,12 +95,6 @@ def lengths(rows: Sequence[Row]) -> str:
             over = f"{max(ours) / shortest:.4f}"
             lines.append((map_.partition("/")[0], f"{shortest:.2f}", f"{np.median(ours):.2f}", over))
     return _table(("map", "shortest [m]", "ours, median [m]", "ours, worst over shortest"), lines) if lines else ""
-
-
-def starts(rows: Sequence[Row]) -> str:
-    """The command as a user runs it."""
-    lines = [(row.setting, f"{row.cpu_s:.1f}") for row in rows if row.part == "start"]
-    return _table(("start", "seconds"), lines) if lines else ""
 
 
 def versions(rows: Sequence[Row]) -> str:
