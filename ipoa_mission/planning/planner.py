@@ -1,9 +1,9 @@
 """From a task to a plan: guess, search, polish, prove.
 
-Short searches begin at different guesses, a straight line and the distinct ways through a coarse lattice, so that
-they end in different passages between the obstacles; each result is polished to the nearest optimum. Then the best
-curves, with twice the control points, are searched again piece by piece. The best of all are settled: polished until
-their proof holds; and the best of these once more, with twice the control points again.
+Short searches begin at different guesses, a straight line and the distinct ways through a coarse lattice, so that they
+end in different passages between the obstacles; each result is polished to the nearest optimum. Then the best curves,
+with twice the control points, are searched again piece by piece, and a long one kicked. The best of all are settled:
+polished until their proof holds; and the best of these once more, with twice the control points again.
 """
 
 from typing import TypeAlias
@@ -12,6 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
+from ipoa_mission.planning.kick import kicked
 from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
@@ -125,7 +126,8 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
         better = polish(searcher.search(base, strategy.piece_width, piece), problem, part=piece)
         improved.append((problem.cost(better), better))
         improved.sort(key=lambda pair: pair[0])
-    return [trail for _, trail in improved]
+    trails = [trail for _, trail in improved]
+    return [*kicked(trails[0], problem, strategy), *trails]
 
 
 def _settle(trail: Trail, searcher: Searcher, enough: float = 1e-7) -> Settled:
