@@ -74,6 +74,8 @@ def extreme(points, landform, base, peaks, greatest, enough):
     for n in range(len(points)):
         low, high = _surfaces(landform, base, peaks, points[n, 0], points[n, 1])
         ends[n, 0], ends[n, 1] = points[n, 2] - low, points[n, 2] - high
+        if math.isnan(ends[n, 0] + ends[n, 1]):  # nothing is proved of what is no number
+            return -sign * math.inf, min(n, len(points) - 2), 0.0
         height = sign * min(ends[n, 0], ends[n, 1])
         if height < best:
             best, leg, fraction = height, min(n, len(points) - 2), 1.0 if n > len(points) - 2 else 0.0
@@ -96,7 +98,7 @@ def extreme(points, landform, base, peaks, greatest, enough):
                 bound = -min(max(low, next_low) + strays_low, max(high, next_high) + strays_high)
             else:
                 bound = min(min(low, next_low) - strays_low, min(high, next_high) - strays_high)
-            if not bound < min(best - REFINED, enough) or count + PARTS > len(spans):
+            if bound >= min(best - REFINED, enough) or count + PARTS > len(spans):
                 proven = min(proven, bound)
                 continue
             width /= PARTS

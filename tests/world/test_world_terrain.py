@@ -100,6 +100,14 @@ def test_a_leg_is_as_high_above_the_papers_surface_by_machine_code_as_by_plain_p
             assert found == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.parametrize("axis", range(3))
+def test_nothing_is_proved_of_a_leg_that_is_no_number(axis: int) -> None:
+    ground, points = analytic(np.random.default_rng(17)), np.full((4, 3), 500.0)
+    points[2, axis] = np.nan
+    assert ground.least_height(points)[0] == -np.inf
+    assert ground.greatest_height(points)[0] == np.inf
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_ground_is_nowhere_steeper_than_its_steepness(kind: str) -> None:
     rng = np.random.default_rng(14)
