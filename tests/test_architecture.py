@@ -62,15 +62,15 @@ MAY_IMPORT = {
     "flight": set(),
     "learn": set(),
     "studio": set(),
-    "experiments": set(),
+    "paper": set(),
 }
-_ABOVE = {"report", "flight", "learn", "studio", "experiments", "simulator", "optimize", "maps"}
+_ABOVE = {"report", "flight", "learn", "studio", "paper", "simulator", "optimize", "maps"}
 _BELOW_THE_REPORT = set(MAY_IMPORT) - _ABOVE
 MAY_IMPORT["report"] = _BELOW_THE_REPORT
 MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
 MAY_IMPORT["learn"] = {"link", "timing", "energy", "dynamics", "itinerary", "items", "autopilots", "commands", "world"}
-MAY_IMPORT["experiments"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
-MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"experiments", "optimize"}
+MAY_IMPORT["paper"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
+MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"paper", "optimize"}
 MAY_IMPORT["cli"] = set(MAY_IMPORT)
 
 #: Modules that may own a socket, a clock or pymavlink; everything else is pure.
@@ -85,7 +85,7 @@ NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
     "report",
     "flight",
     "studio",
-    "experiments",
+    "paper",
     "cli",
     "exports",
 }
@@ -231,9 +231,7 @@ def test_no_room_imports_tools_or_tests() -> None:
     assert not roots & {"tools", "tests"}
 
 
-def test_only_the_command_line_imports_the_experiments() -> None:
+def test_only_the_command_line_imports_the_paper() -> None:
     """What reproduces the paper is a program of its own, told of by one verb."""
-    users = {path for path in FILES if any(name.startswith("ipoa_mission.experiments") for name in imports(path))}
-    assert {path.relative_to(PACKAGE).as_posix() for path in users if room(path) != "experiments"} == {
-        "cli/reproducing.py"
-    }
+    users = {path for path in FILES if any(name.startswith("ipoa_mission.paper") for name in imports(path))}
+    assert {path.relative_to(PACKAGE).as_posix() for path in users if room(path) != "paper"} == {"cli/reproducing.py"}

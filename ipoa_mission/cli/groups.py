@@ -13,7 +13,6 @@ from ipoa_mission.cli.options import (
     AutopilotOption,
     Backend,
     KeyOption,
-    Optimizer,
     ParameterFileOption,
     ParameterOption,
     Planner,
@@ -59,7 +58,10 @@ class SearchOptions:
 
     seed: SeedOption = 0
     optimizer: Annotated[
-        Optimizer | None, typer.Option("--optimizer", help="Search by this optimizer instead of the scenario's.")
+        str | None,
+        typer.Option(
+            "--optimizer", metavar="NAME", help="Search by this: ipoa, poa, adaptive-pelican, or one that is installed."
+        ),
     ] = None
     planner: Annotated[
         Planner | None, typer.Option("--planner", help="How to seek: paper is the algorithm as printed.")

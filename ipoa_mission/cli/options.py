@@ -38,18 +38,6 @@ class Planner(StrEnum):
     PAPER = "paper"
 
 
-class Optimizer(StrEnum):
-    """Who seeks: the names of `optimize.registry`."""
-
-    IPOA = "ipoa"
-    DBO = "dbo"
-    POA = "poa"
-    SSA = "ssa"
-    MPOA = "mpoa"
-    HHO = "hho"
-    ADAPTIVE_PELICAN = "adaptive-pelican"
-
-
 def or_packed(path: Path) -> Path:
     """The file that was named; where there is none and the name is one of `NAMES`, the scenario of that name."""
     if str(path) not in NAMES or path.exists():

@@ -29,7 +29,7 @@ def reproduce(
 
     Example: `ipoa-mission reproduce table-3 --runs 3`
     """
-    from ipoa_mission.experiments.reproduce import reproduce as measure
+    from ipoa_mission.paper.reproduce import reproduce as measure
 
     make_folder(out)
     kept = f"the runs made so far are kept in {out}; the same command goes on from there"

@@ -1,30 +1,53 @@
-"""The optimizers by name, and how one is made from a name and settings that a user wrote."""
+"""The optimizers by name, and how one is made from a name and settings that a user wrote.
+
+Three are here. Others are found by entry points of the group `ipoa_mission.optimizers`, in whatever package has them:
+an optimizer of one's own is a frozen dataclass with a `search` (see `search.Optimizer`), and a line in the
+`pyproject.toml` of its package.
+"""
 
 from collections.abc import Mapping
 from dataclasses import fields
 from difflib import get_close_matches
-from typing import get_type_hints
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, get_type_hints
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
-from ipoa_mission.optimize.dbo import DBO
-from ipoa_mission.optimize.hho import HHO
 from ipoa_mission.optimize.ipoa import IPOA
-from ipoa_mission.optimize.mpoa import MPOA
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.optimize.settings import check_setting
-from ipoa_mission.optimize.ssa import SSA
 
-OPTIMIZERS: dict[str, type[Optimizer]] = {
-    "ipoa": IPOA,
-    "dbo": DBO,
-    "poa": POA,
-    "ssa": SSA,
-    "mpoa": MPOA,
-    "hho": HHO,
-    "adaptive-pelican": AdaptivePelican,
-}
+GROUP = "ipoa_mission.optimizers"
+#: Those that need no looking for.
+BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-pelican": AdaptivePelican}
+
+
+def optimizer_names() -> list[str]:
+    """The names of all optimizers, those of other packages after ours."""
+    return [*BUILT_IN, *sorted(_registered().keys() - BUILT_IN.keys())]
+
+
+def optimizer_class(name: str, place: str = "optimizer") -> type[Optimizer]:
+    """The optimizer called `name`.
+
+    Raises:
+        BadInput: there is none of that name, or what registers it cannot be imported; the message begins with `place`.
+    """
+    if name in BUILT_IN:
+        return BUILT_IN[name]
+    registered = _registered().get(name)
+    if registered is None:
+        names = optimizer_names()
+        raise BadInput(f"{place}.name: expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}")
+    try:
+        found: Any = registered.load()
+    except (ImportError, AttributeError) as error:
+        raise BadInput(f"{place}.name: {name} is registered as {registered.value}, which fails: {error}") from error
+    if not (isinstance(found, type) and hasattr(found, "search") and hasattr(found, "__dataclass_fields__")):
+        raise BadInput(f"{place}.name: {name} is registered as {registered.value}, which is no dataclass with a search")
+    return found
 
 
 def build_optimizer(name: str, settings: Mapping[str, object], place: str = "optimizer") -> Optimizer:
@@ -33,9 +56,7 @@ def build_optimizer(name: str, settings: Mapping[str, object], place: str = "opt
     Raises:
         BadInput: no such optimizer, no such setting, or a value it cannot have; the message begins with `place`.
     """
-    if name not in OPTIMIZERS:
-        raise BadInput(f"{place}.name: expected {_one_of(OPTIMIZERS)}, not {name!r}{_did_you_mean(name, OPTIMIZERS)}")
-    kind = OPTIMIZERS[name]
+    kind = optimizer_class(name, place)
     types = get_type_hints(kind, include_extras=True)
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
     for key in settings:
@@ -46,11 +67,16 @@ def build_optimizer(name: str, settings: Mapping[str, object], place: str = "opt
     return kind(**{key: check_setting(f"{place}.{key}", types[key], value) for key, value in settings.items()})
 
 
-def _one_of(names: Mapping[str, object]) -> str:
+@cache
+def _registered() -> dict[str, EntryPoint]:
+    return {entry.name: entry for entry in entry_points(group=GROUP)}
+
+
+def _one_of(names: list[str]) -> str:
     *others, last = names
     return f"{', '.join(others)} or {last}"
 
 
-def _did_you_mean(word: str, candidates: Mapping[str, object] | list[str]) -> str:
-    close = get_close_matches(word.lower(), list(candidates), n=1)
+def _did_you_mean(word: str, candidates: list[str]) -> str:
+    close = get_close_matches(word.lower(), candidates, n=1)
     return f" (did you mean {close[0]!r}?)" if close else ""

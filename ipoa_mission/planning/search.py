@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import polyline_length
-from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
+from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
 from ipoa_mission.optimize.search import Optimizer, minimize
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.problem import ALL, PreparedProblem, Trail, surround
@@ -69,7 +69,7 @@ def optimizer_of(task: PathTask, short: bool) -> Optimizer:
         BadInput: there is no such optimizer, or it has no such setting.
     """
     name, settings = task.optimizer.name, task.optimizer.settings
-    if short and name in OPTIMIZERS:
-        accepted = {setting.name for setting in fields(OPTIMIZERS[name])}  # type: ignore[arg-type]
+    if short:
+        accepted = {setting.name for setting in fields(optimizer_class(name))}  # type: ignore[arg-type]
         settings = {key: value for key, value in SHORT.items() if key in accepted} | settings
     return build_optimizer(name, settings)

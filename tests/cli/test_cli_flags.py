@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.cli.options import Optimizer
 from ipoa_mission.errors import BadInput
 from ipoa_mission.exports import EXPORTS
 from ipoa_mission.files import read_text, write_together
@@ -20,7 +19,6 @@ from ipoa_mission.flight.written import not_as_written
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.plan_file import write_plan
-from ipoa_mission.optimize.registry import OPTIMIZERS
 from ipoa_mission.scenario import read_scenario
 from tests.cli.conftest import Planned, Run
 from tools.generate import verbs
@@ -67,10 +65,6 @@ def test_a_flag_means_the_same_everywhere() -> None:
 def test_fly_takes_what_plan_takes() -> None:
     taken = {name: {flag.name for flag in verbs.flags(verb)} for name, verb in verbs.by_name().items()}
     assert taken["plan"] - {"SCENARIO"} <= taken["fly"]
-
-
-def test_the_optimizers_of_the_help_are_those_that_there_are() -> None:
-    assert [*Optimizer] == [*OPTIMIZERS]
 
 
 @pytest.mark.parametrize(

@@ -19,8 +19,8 @@ from ipoa_mission.cli import telling
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.verbosity import listen_to_log
 from ipoa_mission.errors import MissionError
-from ipoa_mission.experiments import reproduce
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.paper import reproduce
 from ipoa_mission.planning import planner
 from tests.cli.conftest import Run, verbs
 
@@ -248,7 +248,7 @@ def test_a_usual_mistake_ends_with_2_and_says_what_was_expected(
         ("pyulog", "compare {mission} flight.ulg", "logs"),
         ("mavsdk", "upload {mission} --link udpin:127.0.0.1:0 --backend mavsdk", "mavsdk"),
         ("serial", "clear --link serial:/dev/ttyUSB0:57600", "serial"),
-        ("minionpy", "reproduce table-3 --runs 1 --jobs 1", "experiments"),
+        ("minionpy", "reproduce table-3 --runs 1 --jobs 1", "paper"),
         ("distributed", "reproduce table-3 --runs 1 --executor tcp://127.0.0.1:1", "cluster"),
     ],
 )

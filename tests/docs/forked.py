@@ -64,7 +64,7 @@ def forked(folder: Path) -> Iterator[Programs]:
 
 
 #: What no command of the docs needs, or what starts threads, which a fork would lose.
-LEFT_OUT = ("__main__", "experiments", "link.mavsdk_backend", "studio")
+LEFT_OUT = ("__main__", "paper", "link.mavsdk_backend", "studio")
 
 
 def serve(address: str) -> None:

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.stats import ks_2samp
 
-from ipoa_mission.optimize.dbo import DBO
-from ipoa_mission.optimize.hho import HHO
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.search import Box, Optimizer, minimize
-from ipoa_mission.optimize.ssa import SSA
+from ipoa_mission.paper.rivals.dbo import DBO
+from ipoa_mission.paper.rivals.hho import HHO
+from ipoa_mission.paper.rivals.ssa import SSA
 from tests.optimize.authors_rules import dbo, hho, ssa
 
 D = 5

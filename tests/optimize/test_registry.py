@@ -1,23 +1,26 @@
 """An optimizer is made from a name and settings that a user wrote: what is wrong is said in the user's own terms."""
 
 import dataclasses
+from importlib.metadata import EntryPoint
 
 import pytest
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.optimize import registry
 from ipoa_mission.optimize.ipoa import IPOA
-from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
+from ipoa_mission.optimize.poa import POA
+from ipoa_mission.optimize.registry import build_optimizer, optimizer_class, optimizer_names
 
 
-@pytest.mark.parametrize("name", OPTIMIZERS)
+@pytest.mark.parametrize("name", optimizer_names())
 def test_without_settings_the_defaults_stand(name: str) -> None:
-    assert build_optimizer(name, {}) == OPTIMIZERS[name]()
+    assert build_optimizer(name, {}) == optimizer_class(name)()
 
 
-@pytest.mark.parametrize("name", OPTIMIZERS)
+@pytest.mark.parametrize("name", optimizer_names())
 def test_every_default_is_a_value_that_the_setting_may_have(name: str) -> None:
-    defaults = dataclasses.asdict(OPTIMIZERS[name]())  # type: ignore[call-overload]
-    assert build_optimizer(name, defaults) == OPTIMIZERS[name]()
+    defaults = dataclasses.asdict(optimizer_class(name)())  # type: ignore[call-overload]
+    assert build_optimizer(name, defaults) == optimizer_class(name)()
 
 
 def test_settings_reach_the_optimizer() -> None:
@@ -55,3 +58,19 @@ def test_settings_reach_the_optimizer() -> None:
 def test_what_is_wrong_is_named_with_what_was_expected(name: str, settings: dict[str, object], message: str) -> None:
     with pytest.raises(BadInput, match=message):
         build_optimizer(name, settings)
+
+
+def test_an_optimizer_of_another_package_is_found_by_its_entry_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    entries = {name: EntryPoint(name, value, registry.GROUP) for name, value in OTHERS.items()}
+    monkeypatch.setattr(registry, "_registered", lambda: entries)
+    assert build_optimizer("mine", {"population": 8}) == POA(population=8)
+    for name, said in {"gone": "fails: No module", "function": "no dataclass with a search"}.items():
+        with pytest.raises(BadInput, match=said):
+            build_optimizer(name, {})
+
+
+OTHERS = {
+    "mine": "ipoa_mission.optimize.poa:POA",
+    "gone": "ipoa_mission.optimize.nowhere:POA",
+    "function": "ipoa_mission.optimize.poa:wing",
+}

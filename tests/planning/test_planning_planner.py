@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.optimize.registry import OPTIMIZERS
+from ipoa_mission.optimize.registry import optimizer_names
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
 from tests.planning.conftest import Make, Place, Town
@@ -30,7 +30,7 @@ def gap(width: float) -> list[dict[str, Any]]:
     return [TALL | {"name": f"{name} wall", "north": north, "depth": 120} for name, north in sides.items()]
 
 
-@pytest.mark.parametrize("name", OPTIMIZERS)
+@pytest.mark.parametrize("name", optimizer_names())
 def test_every_optimizer_finds_a_safe_path(scenario: Make, name: str) -> None:
     job = scenario(obstacles=[PILLAR, BALL], optimizer={"name": name})
     plan = plan_path(job, seed=1)

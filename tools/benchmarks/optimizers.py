@@ -17,10 +17,10 @@ from mealpy.swarm_based.HHO import OriginalHHO
 from mealpy.swarm_based.POA import OriginalPOA
 from mealpy.swarm_based.SSA import OriginalSSA
 
-from ipoa_mission.experiments.cec2022 import cec2022
-from ipoa_mission.experiments.problem import Problem
-from ipoa_mission.optimize.registry import OPTIMIZERS, build_optimizer
+from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
 from ipoa_mission.optimize.search import Candidates, Costs, minimize
+from ipoa_mission.paper.cec2022 import cec2022
+from ipoa_mission.paper.problem import Problem
 
 PEERS = {"poa": OriginalPOA, "hho": OriginalHHO, "ssa": OriginalSSA}
 N, T = 30, 1000
@@ -63,7 +63,7 @@ if __name__ == "__main__":
     options = parser.parse_args()
     problem = cec2022("f6", 20)
     print(f"CEC2022 f6, D = 20, N = {N}, T = {T}; CPU seconds, median of {options.repeats}")
-    for name in OPTIMIZERS:
+    for name in optimizer_names():
         evaluations = 0
         ours, loops = list[float](), list[float]()
         theirs, their_loops = list[float](), list[float]()

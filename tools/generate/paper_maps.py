@@ -2,8 +2,8 @@
 
 import tomli_w
 
-from ipoa_mission.experiments.maps import MAPS, paper_map
 from ipoa_mission.files import write_atomically
+from ipoa_mission.paper.maps import MAPS, paper_map
 from tools import REPOSITORY
 
 FOLDER = REPOSITORY / "missions" / "paper"

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.experiments.maps import aside, in_the_way
+from ipoa_mission.paper.maps import aside, in_the_way
 from ipoa_mission.scenario import Scenario
 
 Table = dict[str, Any]

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments import figures, paper, paper_maps
-from ipoa_mission.experiments.cec2022 import FUNCTIONS
-from ipoa_mission.experiments.page import findings
-from ipoa_mission.experiments.published import TABLE_3
-from ipoa_mission.experiments.reproduce import ITEMS, Item, reproduce
-from ipoa_mission.experiments.rows import Row, Trial, settings_text
-from ipoa_mission.experiments.runs import CHECKPOINTS
-from ipoa_mission.experiments.series import CEC_D20, MAPS_PAPER, Series
-from ipoa_mission.experiments.tables import Table, number
+from ipoa_mission.paper import figures, function_tables, map_tables
+from ipoa_mission.paper.cec2022 import FUNCTIONS
+from ipoa_mission.paper.page import page
+from ipoa_mission.paper.published import TABLE_3
+from ipoa_mission.paper.reproduce import ITEMS, Item, reproduce
+from ipoa_mission.paper.rows import Row, Trial, settings_text
+from ipoa_mission.paper.runs import CHECKPOINTS
+from ipoa_mission.paper.series import CEC_D20, MAPS_PAPER, Series
+from ipoa_mission.paper.tables import Table, number
 
 RUNS = 3
 
@@ -73,7 +73,7 @@ def made(rows: dict[str, Sequence[Row]]) -> Callable[[str], Table | str]:
 
 
 def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[str, Sequence[Row]]) -> None:
-    table = paper.table_3(rows[CEC_D20.name])
+    table = function_tables.table_3(rows[CEC_D20.name])
     assert len(table.rows) == 36
     mean_f1 = next(row for row in table.rows if row[:2] == ["f1", "mean"])
     for place, (cell, printed) in enumerate(zip(mean_f1[2:], TABLE_3["f1"]["mean"], strict=True), start=1):
@@ -83,13 +83,13 @@ def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[
 
 
 def test_table_4_says_better_where_it_is_and_corrects(rows: dict[str, Sequence[Row]]) -> None:
-    table = paper.table_4(rows[CEC_D20.name])
+    table = function_tables.table_4(rows[CEC_D20.name])
     assert len(table.rows) == len(FUNCTIONS)
     assert "not told apart in 60 of 60" in table.notes[0]  # three runs cannot survive a correction over sixty
 
 
 def test_the_contradictions_are_those_that_arithmetic_finds() -> None:
-    table = paper.contradictions()
+    table = function_tables.contradictions()
     assert ["f5", "SSA"] in [list(row[:2]) for row in table.rows]
     proved = [row for row in table.rows if "<" in row[-1]]
     assert [row[:2] for row in proved] == [["f5", "SSA"]]
@@ -99,12 +99,12 @@ def test_mean_log_error_is_one_unit_for_a_factor_of_ten() -> None:
     def costing(factor: float) -> list[Row]:
         return [_row(t, factor) for t in CEC_D20.trials(1)]
 
-    assert paper.mean_log_error(costing(100.0), "ipoa") == pytest.approx(2)
-    assert paper.mean_log_error(costing(1e-30), "ipoa") == pytest.approx(-8)
+    assert function_tables.mean_log_error(costing(100.0), "ipoa") == pytest.approx(2)
+    assert function_tables.mean_log_error(costing(1e-30), "ipoa") == pytest.approx(-8)
 
 
 def test_map_tables_say_how_much_shorter(rows: dict[str, Sequence[Row]]) -> None:
-    assert "DBO -50 % (printed -7 %)" in paper_maps.table_6(rows[MAPS_PAPER.name]).notes[0]
+    assert "DBO -50 % (printed -7 %)" in map_tables.table_6(rows[MAPS_PAPER.name]).notes[0]
 
 
 @pytest.mark.parametrize("name", ITEMS)
@@ -126,11 +126,11 @@ def test_the_page_holds_every_table_and_links_every_figure(
 ) -> None:
     items = {name: made(name) if "figure" not in name else "<svg/>" for name in ITEMS}
     sources = {name: [series.name for series in item.needs] for name, item in ITEMS.items()}
-    page = findings(items, sources, rows, "results")
+    shown = page(items, sources, rows)
     for name, item in items.items():
-        assert (item.markdown() if isinstance(item, Table) else f"(results/{name}.svg)") in page, name
-        assert f"`ipoa-mission reproduce {name}`" in page
-    assert "nan" not in page
+        assert (item.markdown() if isinstance(item, Table) else f"({name}.svg)") in shown, name
+        assert f"`ipoa-mission reproduce {name}`" in shown
+    assert "nan" not in shown
 
 
 def test_figures_are_the_same_bytes_every_time_and_show_every_point(made: Callable[[str], Table | str]) -> None:

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.experiments.rows import Row, Trial, open_to_append, read_rows, settings_text
-from ipoa_mission.experiments.runs import CHECKPOINTS, measure, run_trial
+from ipoa_mission.paper.rows import Row, Trial, open_to_append, read_rows, settings_text
+from ipoa_mission.paper.runs import CHECKPOINTS, measure, run_trial
 
 pytest.importorskip("minionpy")
 

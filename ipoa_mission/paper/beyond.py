@@ -8,15 +8,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.experiments import published
-from ipoa_mission.experiments.cec2022 import FUNCTIONS
-from ipoa_mission.experiments.maps import MAPS
-from ipoa_mission.experiments.paper import FLOOR, mean_log_error, off_the_print
-from ipoa_mission.experiments.paper_maps import mean_over_maps
-from ipoa_mission.experiments.rows import Row, mean_evaluations, results, runs_of, settings_text
-from ipoa_mission.experiments.series import ABLATION, BEYOND, EQUAL
-from ipoa_mission.experiments.statistics import Samples, against, counted, places, ranking, told_apart
-from ipoa_mission.experiments.tables import Table, number
+from ipoa_mission.paper import published
+from ipoa_mission.paper.cec2022 import FUNCTIONS
+from ipoa_mission.paper.function_tables import FLOOR, mean_log_error, off_the_print
+from ipoa_mission.paper.map_tables import mean_over_maps
+from ipoa_mission.paper.maps import MAPS
+from ipoa_mission.paper.rows import Row, mean_evaluations, results, runs_of, settings_text
+from ipoa_mission.paper.series import ABLATION, BEYOND, EQUAL
+from ipoa_mission.paper.statistics import Samples, against, counted, places, ranking, told_apart
+from ipoa_mission.paper.tables import Table, number
 
 OURS = BEYOND[0]
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.experiments.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.experiments.published import ALGORITHMS
-from ipoa_mission.experiments.rows import Row, results
-from ipoa_mission.experiments.runs import CHECKPOINTS
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
+from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
+from ipoa_mission.paper.published import ALGORITHMS
+from ipoa_mission.paper.rows import Row, results
+from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import palette
 from ipoa_mission.scenario import Scenario

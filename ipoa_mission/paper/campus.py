@@ -10,10 +10,10 @@ import numpy as np
 
 from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments.maps import path_problem
-from ipoa_mission.experiments.problem import Measures, Problem
 from ipoa_mission.items import Mission
 from ipoa_mission.optimize.search import Optimum
+from ipoa_mission.paper.maps import path_problem
+from ipoa_mission.paper.problem import Measures, Problem
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ipoa_mission.experiments import published
-from ipoa_mission.experiments.maps import MAPS, WEIGHTS
-from ipoa_mission.experiments.rows import Row, results, runs_of
-from ipoa_mission.experiments.statistics import against, counted, places, ranking
-from ipoa_mission.experiments.tables import Table, beside_print, number, per_cent
+from ipoa_mission.paper import published
+from ipoa_mission.paper.maps import MAPS, WEIGHTS
+from ipoa_mission.paper.rows import Row, results, runs_of
+from ipoa_mission.paper.statistics import against, counted, places, ranking
+from ipoa_mission.paper.tables import Table, beside_print, number, per_cent
 
 _MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
 

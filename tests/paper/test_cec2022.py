@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.experiments.cec2022 import DIMENSIONS, FUNCTIONS, cec2022
+from ipoa_mission.paper.cec2022 import DIMENSIONS, FUNCTIONS, cec2022
 
 
 @pytest.mark.parametrize("dimension", DIMENSIONS)
@@ -51,4 +51,4 @@ def test_without_minionpy_it_says_what_to_install(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setitem(sys.modules, "minionpy.cec", None)
     with pytest.raises(MissionError, match="minionpy") as caught:
         cec2022("f1", 10)
-    assert caught.value.hint == "pip install 'ipoa-mission[experiments]'"
+    assert caught.value.hint == "pip install 'ipoa-mission[paper]'"

@@ -6,8 +6,8 @@
 import numpy as np
 
 from ipoa_mission.errors import BadInput, imported
-from ipoa_mission.experiments.problem import Problem
 from ipoa_mission.optimize.search import Box, Candidates, Costs
+from ipoa_mission.paper.problem import Problem
 
 #: F_i* of Table 1: the cost at the optimum of f1 to f12.
 OPTIMA = (300.0, 400.0, 600.0, 800.0, 900.0, 1800.0, 2000.0, 2200.0, 2300.0, 2400.0, 2600.0, 2700.0)
@@ -26,7 +26,7 @@ def cec2022(function: str, dimension: int) -> Problem:
         raise BadInput(f"function: expected f1 to f12, not {function!r}")
     if dimension not in DIMENSIONS:
         raise BadInput(f"dimension: expected 10 or 20, not {dimension}")
-    cec = imported("minionpy.cec", "the CEC2022 functions need minionpy, which is not installed", "experiments")
+    cec = imported("minionpy.cec", "the CEC2022 functions need minionpy, which is not installed", "paper")
     number = FUNCTIONS.index(function)
     raw = cec.CEC2022Functions(number + 1, dimension)
 

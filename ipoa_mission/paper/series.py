@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ipoa_mission.experiments.cec2022 import FUNCTIONS
-from ipoa_mission.experiments.maps import INNER, MAPS, WEIGHTS
-from ipoa_mission.experiments.published import ALGORITHMS
-from ipoa_mission.experiments.rows import Trial, settings_text
+from ipoa_mission.paper.cec2022 import FUNCTIONS
+from ipoa_mission.paper.maps import INNER, MAPS, WEIGHTS
+from ipoa_mission.paper.published import ALGORITHMS
+from ipoa_mission.paper.rows import Trial, settings_text
 
 #: Evaluations of IPOA at N = 30 and T = 1000 with all strategies: the budget of every rival beyond the paper.
 BUDGET = 90_060

@@ -5,8 +5,8 @@ import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from ipoa_mission.experiments.markdown import filled
-from ipoa_mission.experiments.statistics import places
+from ipoa_mission.paper.markdown import filled
+from ipoa_mission.paper.statistics import places
 
 
 @dataclass(frozen=True)

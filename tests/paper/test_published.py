@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.experiments import published
-from ipoa_mission.experiments.cec2022 import FUNCTIONS
+from ipoa_mission.paper import published
+from ipoa_mission.paper.cec2022 import FUNCTIONS
 
 TABLES = {
     "3": published.TABLE_3,

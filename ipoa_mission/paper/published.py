@@ -20,7 +20,7 @@ ALGORITHMS = ("ipoa", "dbo", "poa", "ssa", "mpoa", "hho")
 #: The columns of Table 4: against whom IPOA is tested.
 RIVALS_OF_TABLE_4 = ("dbo", "poa", "ssa", "hho", "mpoa")
 
-_PRINT = tomllib.loads(files("ipoa_mission.experiments").joinpath("published.toml").read_text(encoding="utf-8"))
+_PRINT = tomllib.loads(files("ipoa_mission.paper").joinpath("published.toml").read_text(encoding="utf-8"))
 
 
 def _rows(table: dict[str, list[float]]) -> Rows:

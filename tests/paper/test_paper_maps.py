@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments.maps import (
+from ipoa_mission.optimize.search import Optimum
+from ipoa_mission.paper.maps import (
     INNER,
     MAPS,
     iterations_to_converge,
@@ -16,7 +17,6 @@ from ipoa_mission.experiments.maps import (
     measures_of,
     paper_map,
 )
-from ipoa_mission.optimize.search import Optimum
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import read_scenario
 

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.experiments.problem import Measures
 from ipoa_mission.files import read_text
+from ipoa_mission.paper.problem import Measures
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def _by_minionpy(
     name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
 ) -> Optimum:
     """`minionpy`'s optimizer called `name` with its own defaults."""
-    algorithms = imported("minionpy.algorithms", f"{name} needs minionpy, which is not installed", "experiments")
+    algorithms = imported("minionpy.algorithms", f"{name} needs minionpy, which is not installed", "paper")
     counted = Counted(cost, box, budget)
 
     def call(candidates: Any) -> list[float]:

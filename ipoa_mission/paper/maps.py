@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments.problem import Measures, Problem
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Optimum
+from ipoa_mission.paper.problem import Measures, Problem
 from ipoa_mission.planning.problem import encode, pose
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline

@@ -13,7 +13,7 @@ import numpy as np
 from ipoa_mission.optimize.poa import towards_prey, wing
 from ipoa_mission.optimize.search import Box, Search, keep_better
 from ipoa_mission.optimize.settings import Amount, Count, Fraction, Members
-from ipoa_mission.optimize.ssa import flee
+from ipoa_mission.paper.rivals.ssa import flee
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.experiments.statistics import (
+from ipoa_mission.paper.statistics import (
     Friedman,
     friedman,
     holm,

@@ -17,14 +17,14 @@ import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments.campus import campus_problem
-from ipoa_mission.experiments.cec2022 import cec2022
-from ipoa_mission.experiments.maps import map_problem
-from ipoa_mission.experiments.problem import Problem
-from ipoa_mission.experiments.rivals import RIVALS
-from ipoa_mission.experiments.rows import Row, Trial, line_of, open_to_append, read_rows
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
+from ipoa_mission.paper.campus import campus_problem
+from ipoa_mission.paper.cec2022 import cec2022
+from ipoa_mission.paper.maps import map_problem
+from ipoa_mission.paper.peers import RIVALS
+from ipoa_mission.paper.problem import Problem
+from ipoa_mission.paper.rows import Row, Trial, line_of, open_to_append, read_rows
 from ipoa_mission.progress import Progress, count, silent
 
 #: Where along a run its best cost is kept: shares of the evaluations it spent.

@@ -6,14 +6,15 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.experiments import beyond, figures, paper, paper_maps
-from ipoa_mission.experiments.campus import campus_scenario
-from ipoa_mission.experiments.executors import open_executor
-from ipoa_mission.experiments.maps import map_scenario
-from ipoa_mission.experiments.page import findings
-from ipoa_mission.experiments.rows import Row, Rows
-from ipoa_mission.experiments.runs import measure
-from ipoa_mission.experiments.series import (
+from ipoa_mission.files import write_atomically
+from ipoa_mission.paper import beyond, figures, function_tables, map_tables
+from ipoa_mission.paper.campus import campus_scenario
+from ipoa_mission.paper.executors import open_executor
+from ipoa_mission.paper.maps import map_scenario
+from ipoa_mission.paper.page import page
+from ipoa_mission.paper.rows import Row, Rows
+from ipoa_mission.paper.runs import measure
+from ipoa_mission.paper.series import (
     CAMPUS,
     CEC_ABLATION,
     CEC_BEYOND,
@@ -25,8 +26,7 @@ from ipoa_mission.experiments.series import (
     MAPS_PAPER,
     Series,
 )
-from ipoa_mission.experiments.tables import Table
-from ipoa_mission.files import write_atomically
+from ipoa_mission.paper.tables import Table
 from ipoa_mission.progress import Progress, silent
 
 
@@ -48,21 +48,21 @@ def _paths(*cases: str) -> Callable[[Sequence[Row]], str]:
 
 
 ITEMS: dict[str, Item] = {
-    "table-3": _of(paper.table_3, CEC_D20),
-    "table-4": _of(paper.table_4, CEC_D20),
+    "table-3": _of(function_tables.table_3, CEC_D20),
+    "table-4": _of(function_tables.table_4, CEC_D20),
     "figure-3": _of(figures.figure_3),
     "figure-5": _of(figures.figure_5),
     "figure-7": _of(figures.figure_7, CEC_D20),
     "figure-8": _of(figures.figure_8, CEC_D10),
-    "dimension": _of(paper.dimension_of_the_print, CEC_D20, CEC_D10),
-    "contradictions": _of(paper.contradictions),
-    "table-8": _of(paper_maps.table_8, CAMPUS),
+    "dimension": _of(function_tables.dimension_of_the_print, CEC_D20, CEC_D10),
+    "contradictions": _of(function_tables.contradictions),
+    "table-8": _of(map_tables.table_8, CAMPUS),
     "figure-11": _of(lambda rows: figures.paths_on_maps(rows, {"campus": campus_scenario()}), CAMPUS),
-    "improvements": _of(paper_maps.table_improvements),
+    "improvements": _of(map_tables.table_improvements),
     "beyond": _of(lambda paper, rivals: beyond.table_beyond(rivals, paper), CEC_D20, CEC_BEYOND),
-    "table-5": _of(paper_maps.table_5, MAPS_PAPER),
-    "table-6": _of(paper_maps.table_6, MAPS_PAPER),
-    "table-7": _of(paper_maps.table_7, MAPS_PAPER),
+    "table-5": _of(map_tables.table_5, MAPS_PAPER),
+    "table-6": _of(map_tables.table_6, MAPS_PAPER),
+    "table-7": _of(map_tables.table_7, MAPS_PAPER),
     "figure-9": _of(_paths(*(f"map-8-{k}" for k in range(1, 6))), MAPS_PAPER),
     "figure-10": _of(_paths("map-6-1", "map-10-1"), MAPS_PAPER),
     "maps-beyond": _of(lambda paper, rivals: beyond.table_maps_beyond(rivals, paper), MAPS_PAPER, MAPS_BEYOND),
@@ -75,10 +75,10 @@ ITEMS: dict[str, Item] = {
 def reproduce(
     what: str, runs: int | None, out: Path, jobs: int, executor: str | None, progress: Progress = silent
 ) -> list[Path]:
-    """Measure and write one of `ITEMS`, or "all" of them and the page of findings; returns the files written.
+    """Measure and write one of `ITEMS`, or "all" of them and a page that shows them; returns the files written.
 
     Runs are kept in `out`/rows, one CSV file a series, and not repeated. Tables are written to `out` as Markdown and
-    CSV, figures as SVG; the page of findings is written beside `out`, under its name with `.md`. `runs` is how many of
+    CSV, figures as SVG, the page as README.md. `runs` is how many of
     each (None: as many as the paper). `jobs` processes run them, or the workers of the Dask scheduler at `executor`.
     `progress` is told after each run.
 
@@ -103,7 +103,7 @@ def reproduce(
             written.append(_write(out / f"{name}.svg", item))
     if what == "all":
         sources = {name: [series.name for series in ITEMS[name].needs] for name in made}
-        written.append(_write(out.with_name(f"{out.name}.md"), findings(made, sources, rows, out.name)))
+        written.append(_write(out / "README.md", page(made, sources, rows)))
     return written
 
 

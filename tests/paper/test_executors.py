@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.experiments.executors import open_executor
-from ipoa_mission.experiments.rows import Row, Trial, settings_text
-from ipoa_mission.experiments.runs import measure
+from ipoa_mission.paper.executors import open_executor
+from ipoa_mission.paper.rows import Row, Trial, settings_text
+from ipoa_mission.paper.runs import measure
 
 pytest.importorskip("minionpy")
 

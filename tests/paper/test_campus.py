@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.experiments.campus import PLACES
-from ipoa_mission.experiments.rows import Trial, settings_text
-from ipoa_mission.experiments.runs import run_trial
+from ipoa_mission.paper.campus import PLACES
+from ipoa_mission.paper.rows import Trial, settings_text
+from ipoa_mission.paper.runs import run_trial
 
 REPOSITORY = Path(__file__).parents[2]
 SMALL = settings_text(evaluations=15_000)

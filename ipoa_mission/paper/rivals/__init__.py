@@ -1,0 +1,1 @@
+"""The algorithms that the paper compares IPOA with, registered as optimizers by entry points."""
