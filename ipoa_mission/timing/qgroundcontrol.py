@@ -11,6 +11,8 @@ import math
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission
 
+#: What the figure counts, for those who find it beside ours.
+COUNTS = "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
 #: QGroundControl's settings for planning without a vehicle (Application Settings, Plan View) [m/s].
 HOVER_SPEED = 5.0
 ASCENT_SPEED = 3.0
