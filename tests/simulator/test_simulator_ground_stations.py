@@ -5,7 +5,17 @@ import pytest
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Order
 from ipoa_mission.link.definitions import message_number
-from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Heartbeat, RequestDataStream, TimeSync
+from ipoa_mission.link.messages import (
+    CommandAck,
+    CommandLong,
+    CommandResult,
+    Heartbeat,
+    ParamRequestList,
+    ParamValue,
+    RequestDataStream,
+    TimeSync,
+)
+from ipoa_mission.link.orders import parameter_value
 from ipoa_mission.link.telemetry import (
     Attitude,
     BatteryStatus,
@@ -69,6 +79,25 @@ def test_px4_has_no_groups() -> None:
     before = rates(flown, Position, Hud, BatteryStatus)
     flown.hear(RequestDataStream(0, 0))
     assert rates(flown, Position, Hud, BatteryStatus) == before == [50, 40, 5]
+
+
+#: What QGroundControl v4.4 misses, in a dialog, where a vehicle does not have it.
+WANTED = {
+    PX4: "CAL_GYRO0_ID CAL_ACC0_ID CAL_MAG0_ID CAL_MAG1_ID CAL_MAG2_ID SYS_AUTOCONFIG RC_MAP_ROLL RC_MAP_PITCH "
+    "RC_MAP_YAW RC_MAP_THROTTLE RC_MAP_FLTMODE COM_FLTMODE1 COM_FLTMODE2 COM_FLTMODE3 COM_FLTMODE4 COM_FLTMODE5 "
+    "COM_FLTMODE6 BAT1_N_CELLS BAT1_V_EMPTY BAT1_V_CHARGED COM_RC_LOSS_T NAV_RCL_ACT COM_LOW_BAT_ACT",
+    ARDUPILOT: "RCMAP_ROLL RCMAP_PITCH RCMAP_THROTTLE RCMAP_YAW RC1_MIN RC1_TRIM RC1_MAX RC4_DZ RC4_REVERSED FLTMODE1",
+}
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+def test_the_parameters_that_a_ground_station_looks_for_are_there(autopilot: Autopilot) -> None:
+    values = [said for said in Flown(autopilot, []).hear(ParamRequestList()) if isinstance(said, ParamValue)]
+    told = {value.param_id: value for value in values}
+    assert set(WANTED[autopilot].split()) <= set(told)
+    assert {value.param_count for value in values} == {len(told)}
+    name, value, kind = ("BAT1_N_CELLS", 4.0, 6) if autopilot is PX4 else ("RC3_DZ", 30.0, 4)
+    assert (parameter_value(told[name], autopilot), told[name].param_type) == (value, kind)
 
 
 def test_a_battery_is_told() -> None:
