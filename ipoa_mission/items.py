@@ -89,7 +89,8 @@ class Mission:
     `vehicle_type` is the MAV_TYPE that a `.plan` names, `vehicle` what was learned of the one that flies it,
     and `ground` how high the ground is above home.
     `findings` are what reading the file had to say, and `source` its text: a mission that was not changed is written
-    back as it was.
+    back as it was. `scanned` has for each structure scan the index of its first item and the height scanned [m], which
+    QGroundControl counts as way.
 
     >>> home = Geodetic(47.397742, 8.545594, 488.0)
     >>> there = Geodetic(47.398642, 8.545594, 488.0)
@@ -112,6 +113,7 @@ class Mission:
     ground: Ground = field(default=LEVEL, compare=False, repr=False)
     findings: tuple[Finding, ...] = field(default=(), compare=False, repr=False)
     source: str = field(default="", compare=False, repr=False)
+    scanned: tuple[tuple[int, float], ...] = field(default=(), compare=False, repr=False)
 
     @property
     def other_vehicle(self) -> str | None:

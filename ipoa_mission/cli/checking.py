@@ -110,8 +110,7 @@ def estimate(
     tell(*notes(remarks))
     tell(
         *route_in_words(prediction),
-        f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f}); "
-        f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
+        f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f})",
         *([] if energy is None else [f"energy {energy}"]),
     )
 
@@ -140,12 +139,13 @@ def route_in_words(estimate: "Estimate") -> list[str]:
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     """An estimate for machines; items are numbered as in the file, where home is 0."""
     from ipoa_mission.flight.summary import route_summary
+    from ipoa_mission.timing.qgroundcontrol import COUNTS
 
     items = [
         picked(item, "seq", "done_s", "low_s", "high_s", "reason") | {"missed": picked(item.missed, "share", "cost_s")}
         for item in estimate.items
     ]
-    times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s")
+    times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s") | {"qgroundcontrol_counts": COUNTS}
     return times | {"route": route_summary(estimate), "items": items, "remarks": list(estimate.remarks)}
 
 

@@ -45,8 +45,7 @@ def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written
     tell_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
     tell(
         *([] if job.flight else route_in_words(job.estimate)),
-        f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s; "
-        f"{_kept(job.flight)}QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
+        f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s{_kept(job.flight)}",
         f"written: {', '.join(map(str, written))}",
         *([f"not complete: {record.why_not}"] if record.why_not else []),
     )
@@ -57,7 +56,7 @@ def _kept(flight: Flight | None) -> str:
     kept = None if flight is None else flight.promise.clearance
     if flight is None or kept is None or flight.promise.confidence is None:
         return ""
-    return f"{100 * flight.promise.confidence:g} of 100 flights keep {kept.kept:.1f} m; "
+    return f"; {100 * flight.promise.confidence:g} of 100 flights keep {kept.kept:.1f} m"
 
 
 def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:

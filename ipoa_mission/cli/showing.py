@@ -107,7 +107,6 @@ def export(
     from ipoa_mission.cli.reading import in_world, read_world
     from ipoa_mission.exports import export_text
     from ipoa_mission.mission.files import mission_text, read_mission, write_mission
-    from ipoa_mission.mission.waypoints_file import left_out
 
     if target == Path("-") and form is None:
         raise BadInput("-: expected --format with it", hint="like --format kml")
@@ -126,8 +125,7 @@ def export(
     remarks: tuple[str, ...] = ()
     if is_mission:
         flown, _ = in_world(mission, world)
-        write_mission(flown, target, suffix)
-        remarks = left_out(mission) if suffix == ".waypoints" else ()
+        remarks = write_mission(flown, target, suffix)
     else:
         write_atomically(target, export_text(mission, suffix, target.stem, world))
     if as_json:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.tube.promise import Promise
 
 
@@ -12,7 +13,7 @@ def tell_planned(flight: Flight, written: Iterable[Path]) -> None:
     """Print what was planned, how else it could be flown, and the files written."""
     tell(*describe(flight))
     tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
-    tell(*ROUTE_WORDS, "", f"written: {', '.join(map(str, written))}")
+    tell(*ROUTE_WORDS, "", f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
 
 
 def describe(flight: Flight) -> list[str]:
@@ -21,7 +22,7 @@ def describe(flight: Flight) -> list[str]:
     lines = [
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {mission.autopilot}",
         *promised(flight.promise),
-        f"estimated {estimate.total_s:.1f} s; QGroundControl would say {estimate.qgroundcontrol_s:.0f} s",
+        f"estimated {estimate.total_s:.1f} s",
     ]
     lines += [] if flight.energy is None else [f"energy {flight.energy}"]
     return [*lines, *(f"note: {remark}" for remark in flight.remarks)]

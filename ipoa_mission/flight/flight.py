@@ -41,6 +41,7 @@ from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.timing.qgroundcontrol import COUNTS
 from ipoa_mission.tube.flown_in import flown_in
 from ipoa_mission.tube.promise import Promise, promise_of
 from ipoa_mission.wind import Wind
@@ -119,6 +120,7 @@ class Flight:
             "estimate": {
                 "total_s": rounded(estimate.total_s),
                 "qgroundcontrol_s": rounded(estimate.qgroundcontrol_s),
+                "qgroundcontrol_counts": COUNTS,
                 "route": route_summary(estimate),
             },
             "energy_wh": None if energy is None else rounded(energy.energy_wh),

@@ -72,14 +72,27 @@ def _blanks(number: int) -> tuple[Any, ...]:
     return tuple(fields.values())
 
 
-#: PX4's EVENT, which the stable dialects do not have yet.
-_EVENT = Definition(
-    410,
-    "EVENT",
-    struct.Struct("<IIHBBB40s"),
-    ("id", "event_time_boot_ms", "sequence", "destination_component", "destination_system", "log_levels", "arguments"),
-    (1,) * 7,
-    160,
+#: PX4's, which ArduPilot's dialect does not have.
+_OTHERS = (
+    Definition(
+        300,
+        "PROTOCOL_VERSION",
+        struct.Struct("<HHH8B8B"),
+        ("version", "min_version", "max_version", "spec_version_hash", "library_version_hash"),
+        (1, 1, 1, 8, 8),
+        217,
+    ),
+    Definition(
+        410,
+        "EVENT",
+        struct.Struct("<IIHBBB40s"),
+        (
+            *("id", "event_time_boot_ms", "sequence"),
+            *("destination_component", "destination_system", "log_levels", "arguments"),
+        ),
+        (1,) * 7,
+        160,
+    ),
 )
 #: Fields that MAVLink has added behind messages since the stable dialects: 32-bit numbers.
 _ADDED = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
@@ -129,7 +142,7 @@ def _definition(number: int, name: str, layout: str, names: list[str], lengths: 
 
 
 DEFINITIONS = {row[0]: _extended(_definition(*row)) for row in _table()}
-DEFINITIONS.setdefault(_EVENT.number, _EVENT)
+DEFINITIONS = {one.number: one for one in _OTHERS} | DEFINITIONS
 _NUMBERS = {definition.name: definition.number for definition in DEFINITIONS.values()}
 
 

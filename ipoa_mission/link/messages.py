@@ -307,6 +307,15 @@ class MessageInterval(Message):
 
 
 @dataclass(frozen=True)
+class RequestDataStream(Message):
+    """REQUEST_DATA_STREAM: a group of messages (MAV_DATA_STREAM, 0 all of them) so often a second, or no more."""
+
+    req_stream_id: int
+    req_message_rate: int
+    start_stop: int = 1
+
+
+@dataclass(frozen=True)
 class FileTransfer(Message):
     """FILE_TRANSFER_PROTOCOL: 251 bytes of MAVFTP."""
 

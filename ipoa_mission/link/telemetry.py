@@ -15,6 +15,15 @@ class AutopilotVersion(Message):
 
 
 @dataclass(frozen=True)
+class ProtocolVersion(Message):
+    """PROTOCOL_VERSION: MAVLink's, in hundredths: 200 is MAVLink 2."""
+
+    version: int
+    min_version: int
+    max_version: int
+
+
+@dataclass(frozen=True)
 class HomePosition(Message):
     """HOME_POSITION: altitude AMSL [m]."""
 
@@ -103,11 +112,12 @@ class SystemStatus(Message):
 
 @dataclass(frozen=True)
 class BatteryStatus(Message):
-    """BATTERY_STATUS: volts and amperes of one battery; negative amperes are not measured."""
+    """BATTERY_STATUS: volts, amperes and remaining [%] of one battery; what is negative is not measured."""
 
     id: int
     voltage: float
     current: float
+    battery_remaining: int = -1
 
 
 @dataclass(frozen=True)

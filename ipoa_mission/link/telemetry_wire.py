@@ -38,10 +38,17 @@ _CELLS = Value(
     lambda voltage: ([round(voltage * 1000), *[_NO_CELL] * 9], [0] * 4),
     lambda raw: sum(cell for cell in (*raw[0], *raw[1]) if cell != _NO_CELL) / 1000,
 )
+#: Charge and energy drawn, and temperature: not measured; for all of the vehicle, lithium polymer, charged.
+_BATTERY = {"current_consumed": -1, "energy_consumed": -1, "temperature": 0x7FFF} | {
+    "battery_function": 1,
+    "type": 1,
+    "charge_state": 1,
+}
 _SENSORS = {name: f"onboard_control_sensors_{name}" for name in ("present", "enabled", "health")}
 
 LAYOUTS: tuple[Layout[Any], ...] = (
     plain("AUTOPILOT_VERSION", t.AutopilotVersion),
+    plain("PROTOCOL_VERSION", t.ProtocolVersion),
     plain("HOME_POSITION", t.HomePosition, {"q": [1.0, 0.0, 0.0, 0.0]}, **_PLACE, **_HIGH),
     plain("GPS_GLOBAL_ORIGIN", t.GlobalOrigin, **_PLACE, **_HIGH),
     plain(
@@ -80,7 +87,7 @@ LAYOUTS: tuple[Layout[Any], ...] = (
         voltage=_rounded("voltage_battery", 1000),
         current=_rounded("current_battery", 100),
     ),
-    plain("BATTERY_STATUS", t.BatteryStatus, voltage=_CELLS, current=_rounded("current_battery", 100)),
+    plain("BATTERY_STATUS", t.BatteryStatus, _BATTERY, voltage=_CELLS, current=_rounded("current_battery", 100)),
     plain("EXTENDED_SYS_STATE", t.ExtendedState),
     plain("SYSTEM_TIME", t.SystemTime, unix_s=_rounded("time_unix_usec", 1e6), boot_s=_BOOT),
     plain("RADIO_STATUS", t.RadioStatus),

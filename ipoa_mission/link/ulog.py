@@ -22,12 +22,12 @@ from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
 from ipoa_mission.link.px4_items import items_begun
 from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.world.sphere import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state, as HEARTBEAT.custom_mode has it: main and sub mode.
 MODES = {3: px4_mode(4, 4), 4: px4_mode(4, 3), 5: px4_mode(4, 5), 18: px4_mode(4, 6)}
 ROTARY_WING = 1  # vehicle_status.vehicle_type
-SPHERE = 6_371_000.0  # radius of PX4's Earth [m]
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
@@ -201,17 +201,8 @@ def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
     columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
     rows = np.column_stack([_column(place, name) for name in columns])[referenced]
     rows = rows[np.isfinite(rows).all(axis=1)]
-    latitude, longitude = _unprojected(rows[:, 1], rows[:, 2], np.radians(rows[:, 4]), np.radians(rows[:, 5]))
+    latitude, longitude = SphericalPlane(rows[:, 4], rows[:, 5]).to_geodetic(rows[:, 2], rows[:, 1])
     return rows[:, 0] / 1e6, latitude, longitude, rows[:, 6] - rows[:, 3]
-
-
-def _unprojected(north: Vector, east: Vector, latitude: Vector, longitude: Vector) -> tuple[Vector, Vector]:
-    """Latitude and longitude [deg] by PX4's own projection, azimuthal equidistant on a sphere, about places [rad]."""
-    away = np.hypot(north, east) / SPHERE
-    share = np.sinc(away / np.pi) / SPHERE  # of the sine to the distance
-    height = np.cos(away) * np.sin(latitude) + north * share * np.cos(latitude)
-    across = np.cos(latitude) * np.cos(away) - north * share * np.sin(latitude)
-    return np.degrees(np.arcsin(height)), np.degrees(longitude + np.arctan2(east * share, across))
 
 
 def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:

@@ -142,6 +142,7 @@ _LAYOUTS: tuple[Layout[Any], ...] = (
     plain("PARAM_SET", m.ParamSet, param_id=_ID),
     plain("PARAM_VALUE", m.ParamValue, param_id=_ID),
     plain("MESSAGE_INTERVAL", m.MessageInterval),
+    plain("REQUEST_DATA_STREAM", m.RequestDataStream),
     plain(
         "FILE_TRANSFER_PROTOCOL",
         m.FileTransfer,

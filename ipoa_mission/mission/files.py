@@ -49,7 +49,7 @@ def _parsed(path: Path, text: str, autopilot: Autopilot | None, unsaid: Autopilo
 
 
 def write_mission(mission: Mission, path: str | Path, suffix: str | None = None) -> tuple[str, ...]:
-    """Write a `.plan` or a `.waypoints` file, by the suffix; returned in words: what the file could not hold.
+    """Write a `.plan` or a `.waypoints` file, by the suffix; returned in words: what it cannot hold, or a reader loses.
 
     `suffix`, if given, goes before the path's own.
 

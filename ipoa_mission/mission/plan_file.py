@@ -21,6 +21,7 @@ from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.scan_items import lay_out
+from ipoa_mission.mission.structure_scan import height_scanned
 from ipoa_mission.world.frame import Geodetic
 
 FIRMWARE_TYPE = {Autopilot.ARDUPILOT: 3, Autopilot.PX4: 12}  # MAV_AUTOPILOT
@@ -78,9 +79,10 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         version.whole("2", 2, 2)
     autopilot = autopilot or autopilot_in(mission["firmwareType"])
     speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
+    home, listed = _home(mission["plannedHomePosition"]), _entries(mission["items"])
     return Mission(
-        home=_home(mission["plannedHomePosition"]),
-        items=settle_frames(_items(mission["items"]), autopilot),
+        home=home,
+        items=settle_frames(_items(listed), autopilot),
         autopilot=autopilot,
         cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in metres per second"),
         fence=_fence(plan.get("geoFence")),
@@ -88,6 +90,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         vehicle_type=QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255),
         findings=tuple(plan.findings),
         source=text,
+        scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
     )
 
 
@@ -213,18 +216,23 @@ def _home(node: Node) -> Geodetic:
 
 @dataclass(frozen=True)
 class ListedItem:
-    """An item, where it stands in its file, and what DO_JUMP calls it."""
+    """An item, where it stands in its file, what DO_JUMP calls it, and the height of the scan that it begins [m]."""
 
     item: Item
     node: Node
     jump_id: int | None
+    scanned: float = 0.0
 
 
-def _items(node: Node) -> list[Item]:
-    listed = [entry for child in node.array() for entry in _listed(child)]
-    numbers: dict[int | None, int] = {}
+def _entries(node: Node) -> list[ListedItem]:
+    return [entry for child in node.array() for entry in _listed(child)]
+
+
+def _items(listed: list[ListedItem]) -> list[Item]:
+    numbers: dict[int, int] = {}
     for number, entry in enumerate(listed, start=1):
-        numbers.setdefault(entry.jump_id, number)
+        if entry.jump_id is not None:
+            numbers.setdefault(entry.jump_id, number)
     return [_with_jump(entry, numbers) for entry in listed]
 
 
@@ -234,7 +242,7 @@ def _with_jump(entry: ListedItem, numbers: dict[int | None, int]) -> Item:
     target = entry.node["params"].array()[0]
     number = numbers.get(target.whole("the doJumpId of an item"))
     if number is None:
-        raise target.wrong("the doJumpId of an item")
+        raise target.wrong("the doJumpId of an item outside surveys")
     return replace(entry.item, params=(float(number), *entry.item.params[1:]))
 
 
@@ -251,9 +259,10 @@ def _listed(node: Node) -> list[ListedItem]:
 def _complex(node: Node) -> list[ListedItem]:
     transects = node.get("TransectStyleComplexItem")
     items = (transects or node).get("Items")
-    if items is None:
-        return [ListedItem(item, node, None) for item in lay_out(node)]
-    return [read_item(child) for child in items.array()]
+    if items is not None:
+        return [replace(read_item(child), jump_id=None) for child in items.array()]  # no jump may lead into it
+    first, *others = lay_out(node)
+    return [ListedItem(first, node, None, height_scanned(node)), *(ListedItem(item, node, None) for item in others)]
 
 
 def read_item(node: Node) -> ListedItem:

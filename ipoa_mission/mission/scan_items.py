@@ -1,7 +1,8 @@
 """Surveys and corridor scans without their waypoints: these are laid out from the geometry, as QGroundControl does.
 
-What its plan view lays out is a list of parallel transects in the plane that touches the Earth at the first corner,
-flown to and fro, longer by the turnaround distance at both ends; the camera is triggered by distance.
+What its plan view lays out is a list of parallel transects in its plane about the first corner (`world.sphere`), flown
+to and fro, longer by the turnaround distance at both ends; the camera is triggered by distance. A corridor that is
+entered from its far end keeps the entries and exits of the near one: there the camera is off along the corridor.
 """
 
 import math
@@ -15,9 +16,9 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item
 from ipoa_mission.mission.document import Node
-from ipoa_mission.mission.scan_shapes import corners_of, length_of, trigger
+from ipoa_mission.mission.scan_shapes import corners_of, length_of, plane_about, trigger
 from ipoa_mission.mission.structure_scan import lay_out_structure
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.sphere import SphericalPlane
 
 LEAST_SPACING = 0.5  # transects nearer to each other are one in the middle [m]
 TRANSECT_REACH = 2000.0  # the first transect would lie half of this, and of the polygon's width, from its middle [m]
@@ -40,6 +41,7 @@ class _Style:
     altitude: float
     frame: Frame
     in_turnaround: bool
+    starts_at_entry: bool  # else the camera stops there, and starts at the end of a transect
 
 
 def lay_out(node: Node) -> list[Item]:
@@ -56,17 +58,20 @@ def lay_out(node: Node) -> list[Item]:
             f'{node.where}: expected the waypoints of the complex item "{name}", but it holds none',
             hint="only surveys, corridor scans and structure scans can be laid out from their geometry",
         )
-    style = _style(node["TransectStyleComplexItem"])
+    starts_at_entry = _entry(node.get("EntryPoint")) not in (BOTTOM_LEFT, BOTTOM_RIGHT)
+    style = _style(node["TransectStyleComplexItem"], starts_at_entry)
     corners = corners_of(node["polygon" if name == "survey" else "polyline"], 3 if name == "survey" else 2)
-    frame = LocalFrame(Geodetic(*corners[0].tolist()))
-    plane = frame.to_local(corners[:, 0], corners[:, 1], 0.0)[:, :2]
-    transects = _survey(node, plane, style) if name == "survey" else _corridor(node, plane, style)
+    plane = plane_about(corners)
+    places = plane.to_plane(*corners.T)
+    transects = _survey(node, places, style) if name == "survey" else _corridor(node, places, style)
     flown = [transect if n % 2 == 0 else transect[::-1] for n, transect in enumerate(transects)]
     node.note(f"it holds no waypoints: {len(flown)} transects are laid out as QGroundControl does")
-    return list(_items(flown, style, frame))
+    if style.trigger > 0 and not starts_at_entry:
+        node.note("it is entered from its far end: QGroundControl starts the camera where transects end")
+    return list(_items(flown, style, plane))
 
 
-def _style(node: Node) -> _Style:
+def _style(node: Node, starts_at_entry: bool) -> _Style:
     for key in REFUSED:
         if (unsupported := node.get(key)) is not None and unsupported.flag():
             raise unsupported.wrong("false in a scan that holds no waypoints", "save the plan with its waypoints")
@@ -87,6 +92,7 @@ def _style(node: Node) -> _Style:
         altitude=camera["DistanceToSurface"].number("an altitude in metres"),
         frame=level,
         in_turnaround=trigger is None or trigger.flag(),
+        starts_at_entry=starts_at_entry,
     )
 
 
@@ -152,9 +158,14 @@ def _corridor(node: Node, plane: Points, style: _Style) -> list[Points]:
     return _entered([_beside(plane, offset) for offset in offsets], node.get("EntryPoint"))
 
 
+def _entry(node: Node | None) -> int:
+    """The corner at which a scan is to begin."""
+    return 0 if node is None else node.whole("0 to 3", 0, 3)
+
+
 def _entered(transects: list[Points], entry: Node | None) -> list[Points]:
     """The same from the corner at which it is to begin."""
-    corner = 0 if entry is None else entry.whole("0 to 3", 0, 3)
+    corner = _entry(entry)
     if corner in (BOTTOM_LEFT, BOTTOM_RIGHT):
         transects = [line[::-1] for line in transects]
     return transects[::-1] if corner in (TOP_RIGHT, BOTTOM_RIGHT) else transects
@@ -177,25 +188,26 @@ def _beside(line: Points, offset: float) -> Points:
     return np.array([*corners, line[-1] + offset * left[-1]])
 
 
-def _items(transects: list[Points], style: _Style, frame: LocalFrame) -> Iterator[Item]:
+def _items(transects: list[Points], style: _Style, plane: SphericalPlane) -> Iterator[Item]:
     """Waypoints, and the camera's trigger as it is set on the way."""
     always = style.in_turnaround and style.trigger > 0
     for n, transect in enumerate(transects):
-        ends = [n == 0, n == len(transects) - 1]
+        is_last = n == len(transects) - 1
         first, last = (_beyond(transect, style.turnaround), _beyond(transect[::-1], style.turnaround))
         if style.turnaround > 0:
-            yield _waypoint(first, style, frame)
-            if always and ends[0]:
+            yield _waypoint(first, style, plane)
+            if always and n == 0:
                 yield trigger(style.trigger)
         for k, place in enumerate(transect):
-            yield _waypoint(place, style, frame)
-            if style.trigger > 0 and k == 0:
+            yield _waypoint(place, style, plane)
+            starts, stops = (k == 0, k == len(transect) - 1)[:: 1 if style.starts_at_entry else -1]
+            if starts and style.trigger > 0:
                 yield trigger(style.trigger)
-        if style.trigger > 0 and (not always or (ends[1] and style.turnaround <= 0)):
-            yield trigger(0.0)
+            elif stops and style.trigger > 0 and (not always or (is_last and k > 0 and style.turnaround <= 0)):
+                yield trigger(0.0)
         if style.turnaround > 0:
-            yield _waypoint(last, style, frame)
-            if always and ends[1]:
+            yield _waypoint(last, style, plane)
+            if always and is_last:
                 yield trigger(0.0)
 
 
@@ -205,7 +217,7 @@ def _beyond(transect: Points, distance: float) -> Points:
     return np.asarray(transect[0] - distance * forth / max(float(np.linalg.norm(forth)), 1e-9))
 
 
-def _waypoint(place: Points, style: _Style, frame: LocalFrame) -> Item:
-    latitude, longitude, _ = frame.to_geodetic(np.array([[place[0], place[1], 0.0]]))
+def _waypoint(place: Points, style: _Style, plane: SphericalPlane) -> Item:
+    latitude, longitude = plane.to_geodetic(place[:1], place[1:])
     params = (0.0, 0.0, 0.0, math.nan)
     return Item(Command.NAV_WAYPOINT, style.frame, params, float(latitude[0]), float(longitude[0]), style.altitude)

@@ -6,6 +6,7 @@ from ipoa_mission.commands import Command, Frame
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item
 from ipoa_mission.mission.document import Node
+from ipoa_mission.world.sphere import SphericalPlane
 
 FARTHEST = 100_000.0  # any length of a scan [m]
 
@@ -29,6 +30,11 @@ def corners_of(node: Node, least: int) -> Points:
     return corners
 
 
-def trigger(distance: float) -> Item:
-    """The camera's trigger, every so many metres; 0: no more."""
-    return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, 1.0, 0.0))
+def plane_about(corners: Points) -> SphericalPlane:
+    """QGroundControl's plane about the first of the corners (n, 2)."""
+    return SphericalPlane(*corners[0].tolist())
+
+
+def trigger(distance: float, at_once: bool = True) -> Item:
+    """The camera's trigger, every so many metres; 0: no more; `at_once`: and now."""
+    return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, float(at_once), 0.0))

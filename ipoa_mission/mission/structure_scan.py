@@ -13,8 +13,8 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item, waypoint
 from ipoa_mission.mission.document import Node
-from ipoa_mission.mission.scan_shapes import corners_of, length_of, trigger
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.mission.scan_shapes import corners_of, length_of, plane_about, trigger
+from ipoa_mission.world.frame import Geodetic
 
 LAYERS_MOST = 200
 LOOK_ASIDE = 90.0  # the camera's yaw from the way to the next waypoint [deg]
@@ -46,9 +46,16 @@ def lay_out_structure(node: Node) -> list[Item]:
     for n in range(layers):
         up = first + n * (-height if descends else height)
         begin, *others = (waypoint(place, up) for place in (*places, places[0]))
-        items += [begin, trigger(spacing), *others, trigger(0.0)]
+        items += [begin, trigger(spacing), *others, trigger(0.0, at_once=False)]
     node.note(f"it holds no waypoints: {layers} rounds are laid out as QGroundControl does")
     return [*items, Item(Command.DO_SET_ROI_NONE, Frame.MISSION), waypoint(places[0], entrance)]
+
+
+def height_scanned(node: Node) -> float:
+    """From the bottom of a structure scan to its top [m]; 0 for other complex items."""
+    if node["complexItemType"].text() != "StructureScan":
+        return 0.0
+    return max(length_of(node["StructureHeight"]) - length_of(node["ScanBottomAlt"]), 0.0)
 
 
 def _round(polygon: Node, distance: float) -> list[Geodetic]:
@@ -56,8 +63,8 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
     from shapely import Polygon  # takes long to import, and few plans need it
 
     corners = corners_of(polygon, 3)
-    frame = LocalFrame(Geodetic(*corners[0].tolist()))
-    plane = frame.to_local(corners[:, 0], corners[:, 1], 0.0)[:, :2]
+    about = plane_about(corners)
+    plane = about.to_plane(*corners.T)
     if _area(plane) > 0:
         plane = plane[::-1]
     forth = np.roll(plane, -1, axis=0) - plane
@@ -72,7 +79,7 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
             f"{polygon.where}: expected sides that have room at {distance:g} m beside the structure",
             hint="give the structure fewer corners, or scan it from nearer by",
         )
-    latitude, longitude, _ = frame.to_geodetic(np.column_stack([found, np.zeros(len(found))]))
+    latitude, longitude = about.to_geodetic(*found.T)
     return [Geodetic(float(lat), float(lon)) for lat, lon in zip(latitude, longitude, strict=True)]
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import Command, Frame, command_name
+from ipoa_mission.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text
 from ipoa_mission.finding import Finding, Severity
@@ -24,6 +24,7 @@ from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.world.frame import Geodetic
 
 FIRST_LINE = "QGC WPL 110"
+TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
 NO_COMMAND = 0  # what Mission Planner gives a home that it does not know
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
@@ -32,7 +33,7 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | r
 
 
 def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
-    """Write home and items; what the format cannot hold is returned in words, for the caller to tell.
+    """Write home and items; what the format cannot hold, or a reader loses, is returned in words to be told.
 
     The mission's parameters go beside it (NAME.params).
 
@@ -40,7 +41,8 @@ def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
         BadInput: the file cannot be written, or an altitude is above terrain or no number.
     """
     write_with_parameters(mission, {Path(path): waypoints_text(mission)})
-    return left_out(mission)
+    takes_off = any(item.command in TAKEOFFS for item in mission.items)
+    return (*left_out(mission), *([TAKEOFF_LOST] if takes_off else []))
 
 
 def waypoints_text(mission: Mission) -> str:

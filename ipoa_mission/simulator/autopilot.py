@@ -25,7 +25,13 @@ from ipoa_mission.world.frame import Geodetic
 
 ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
 FLYING_STEP_S = 0.02
-AUTOPILOT_VERSION, HOME_POSITION = 148, 242
+AUTOPILOT_VERSION, HOME_POSITION, PROTOCOL_VERSION = 148, 242, 300
+#: Commands from before REQUEST_MESSAGE, and which message each asks for.
+OLD_REQUESTS: Mapping[int, int] = {
+    Order.GET_HOME_POSITION: HOME_POSITION,
+    Order.REQUEST_PROTOCOL_VERSION: PROTOCOL_VERSION,
+    Order.REQUEST_AUTOPILOT_CAPABILITIES: AUTOPILOT_VERSION,
+}
 
 
 class Autopilot(Commander):
@@ -81,6 +87,8 @@ class Autopilot(Commander):
             case m.SetCurrent(seq):
                 if not self._go_to(seq) and not self.habits.home_is_item_0:
                     self._text(CRITICAL, "WPM: WP CURR CMD: Not in list\t")
+            case m.RequestDataStream(group, rate, start) if start in (0, 1):
+                self._schedule.set_rate(self._group(group), rate if start else 0, now, source)
             case m.Ping():
                 self._say(message, source)
             case m.TimeSync(0, asked):
@@ -139,10 +147,7 @@ class Autopilot(Commander):
         act = self._commands.get(number)
         result = act(params) if act else UNSUPPORTED
         words, self._outbox = self._outbox, held
-        numbers: dict[int, int] = {Order.REQUEST_MESSAGE: whole(params[0]), Order.GET_HOME_POSITION: HOME_POSITION}
-        number_asked = numbers.get(number)
-        if number == Order.REQUEST_AUTOPILOT_CAPABILITIES:
-            number_asked = AUTOPILOT_VERSION
+        number_asked = whole(params[0]) if number == Order.REQUEST_MESSAGE else OLD_REQUESTS.get(number)
         answers: list[Message] = []
         if result == ACCEPTED and number_asked is not None and (answer := self._asked_for(number_asked)) is not None:
             answers = [answer]
@@ -161,7 +166,14 @@ class Autopilot(Commander):
             self._say(message, source)
         self._outbox += words
 
+    def _group(self, number: int) -> frozenset[str]:
+        """The messages of a MAV_DATA_STREAM, of which 0 is all."""
+        groups = self.habits.stream_groups
+        return frozenset[str]().union(*groups.values()) if number == 0 else groups.get(number, frozenset())
+
     def _asked_for(self, number: int) -> Message | None:
+        if number == PROTOCOL_VERSION and self.habits.protocol is not None:
+            return telemetry.ProtocolVersion(*self.habits.protocol)
         if number == AUTOPILOT_VERSION:
             return telemetry.AutopilotVersion(self.habits.capabilities, self.habits.version, uid=1)
         return self._stream(message_name(number) or "")
@@ -169,8 +181,9 @@ class Autopilot(Commander):
     def can_tell(self, number: float) -> CommandResult:
         """Command 512: whether there is such a message."""
         name = message_name(whole(number))
-        is_stream = name == "AUTOPILOT_VERSION" or name in streams.KNOWN
-        return ACCEPTED if is_stream else CommandResult(self.habits.no_such_message)
+        is_told = name == "AUTOPILOT_VERSION" or name in streams.KNOWN
+        is_told = is_told or (name == "PROTOCOL_VERSION" and self.habits.protocol is not None)
+        return ACCEPTED if is_told else CommandResult(self.habits.no_such_message)
 
 
 def _commands(autopilot: Autopilot) -> Mapping[int, Callable[[Sequence[float]], CommandResult]]:
@@ -191,5 +204,6 @@ def _commands(autopilot: Autopilot) -> Mapping[int, Callable[[Sequence[float]], 
         Order.GET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
         Order.SET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
         Order.REQUEST_MESSAGE: lambda p: autopilot.can_tell(p[0]),
+        Order.REQUEST_PROTOCOL_VERSION: lambda p: UNSUPPORTED if autopilot.habits.protocol is None else ACCEPTED,
         Order.REQUEST_AUTOPILOT_CAPABILITIES: lambda p: ACCEPTED,
     }

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS, OTHER_PARAMETERS, REAL32, TYPES
+from ipoa_mission.autopilots.set_up import SET_UP
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRead, ParamSet, ParamValue
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
@@ -17,7 +18,10 @@ class ParameterTable:
 
     def __init__(self, autopilot: Autopilot, given: Mapping[str, float]) -> None:
         self._autopilot = autopilot
-        self.values = {**DEFAULT_PARAMETERS[autopilot], **OTHER_PARAMETERS[autopilot], **given}
+        set_up = SET_UP[autopilot]
+        self._types = {**TYPES, **{name: kind for name, (_, kind) in set_up.items()}}
+        told = {name: value for name, (value, _) in set_up.items()}
+        self.values = {**told, **DEFAULT_PARAMETERS[autopilot], **OTHER_PARAMETERS[autopilot], **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
         """What to say to a message of the protocol; None: it is not one."""
@@ -38,7 +42,7 @@ class ParameterTable:
 
     def _set(self, name: str, value: float, kind: int) -> None:
         """PX4 takes no value of another type; ArduPilot looks at the number alone."""
-        own = TYPES.get(name, REAL32)
+        own = self._types.get(name, REAL32)
         if name not in self.values or (self._autopilot is Autopilot.PX4 and kind != own):
             return
         number = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
@@ -52,5 +56,5 @@ class ParameterTable:
         return [self._value(name, index, len(names))]
 
     def _value(self, name: str, index: int, count: int) -> ParamValue:
-        kind = TYPES.get(name, REAL32)
+        kind = self._types.get(name, REAL32)
         return ParamValue(name, spelled_parameter(self.values[name], kind, self._autopilot), kind, count, index)

@@ -99,6 +99,8 @@ class Personality:
     base_mode: int  # HEARTBEAT.base_mode while disarmed
     capabilities: int  # AUTOPILOT_VERSION: what of MAV_PROTOCOL_CAPABILITY it has, and this stand-in does
     version: int  # AUTOPILOT_VERSION.flight_sw_version: major, minor, patch, type
+    protocol: tuple[int, int, int] | None  # PROTOCOL_VERSION: in use, least, most; None: it does not know the message
+    stream_groups: Mapping[int, frozenset[str]]  # what each MAV_DATA_STREAM of REQUEST_DATA_STREAM turns on and off
 
     @property
     def limits(self) -> Mapping[int, int]:
@@ -176,6 +178,14 @@ ARDUCOPTER = Personality(
     base_mode=81,
     capabilities=_SPOKEN | _FTP,
     version=0x04070000,
+    protocol=None,
+    stream_groups={
+        2: frozenset({"SYS_STATUS", "MISSION_CURRENT", "GPS_RAW_INT"}),
+        6: frozenset({"GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"}),
+        10: frozenset({"ATTITUDE"}),
+        11: frozenset({"VFR_HUD"}),
+        12: frozenset({"SYSTEM_TIME", "BATTERY_STATUS"}),
+    },
 )
 
 PX4 = Personality(
@@ -241,6 +251,7 @@ PX4 = Personality(
         "GLOBAL_POSITION_INT": 0.2,
         "LOCAL_POSITION_NED": 1.0,
         "ATTITUDE": 1.0 / 15,
+        "BATTERY_STATUS": 2.0,
         "VFR_HUD": 0.25,
         "EXTENDED_SYS_STATE": 1.0,
         "MISSION_CURRENT": 1.0,
@@ -253,6 +264,8 @@ PX4 = Personality(
     base_mode=29,
     capabilities=_SPOKEN | _BYTEWISE,
     version=0x01110080,
+    protocol=(200, 100, 203),
+    stream_groups={},
 )
 
 PERSONALITIES: Mapping[Autopilot, Personality] = {Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4}

@@ -9,6 +9,7 @@ from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import (
     Attitude,
+    BatteryStatus,
     ExtendedState,
     GlobalOrigin,
     Gps,
@@ -63,11 +64,23 @@ class Schedule:
             wishes.pop(name, None)
         else:
             wishes[name] = math.inf if interval_us < 0 else min(max(interval_us / 1e6, FASTEST_S), SLOWEST_S)
+        self._settle(name, now)
+        return True
+
+    def set_rate(self, names: Set[str], rate_hz: int, now: float, listener: Target) -> None:
+        """REQUEST_DATA_STREAM: a group of messages so often a second, in whole milliseconds; 0: no more."""
+        self.hear(listener)
+        interval_ms = 0 if rate_hz == 0 else 1000 // rate_hz
+        for name in names:
+            self._wishes[listener][name] = math.inf if interval_ms == 0 else max(interval_ms / 1e3, FASTEST_S)
+            self._settle(name, now)
+
+    def _settle(self, name: str, now: float) -> None:
+        """A wish has changed: send as often as the one who wants it most often wants it."""
         before = self._intervals.get(name, math.inf)
         self._intervals[name] = min(self._interval(name, one) for one in self._wishes)
         if self._intervals[name] != before:
             self._due[name] = now + self._intervals[name]
-        return True
 
     def interval_us(self, number: int, listener: Target) -> int | None:
         """What command 510 asks: microseconds, -1 for a stream that is off; None: there is no such stream."""
@@ -130,6 +143,7 @@ FROM_FLIGHT: Mapping[str, Callable[[Flight, float], Message]] = {
     "GLOBAL_POSITION_INT": position,
     "LOCAL_POSITION_NED": _local,
     "GPS_RAW_INT": _gps,
+    "BATTERY_STATUS": lambda flight, now: BatteryStatus(0, 12.6, -0.01, 100),
     "ATTITUDE": lambda flight, now: Attitude(now, flight.roll, flight.pitch, _half_turn(flight.yaw)),
     "VFR_HUD": _hud,
     "EXTENDED_SYS_STATE": lambda flight, now: ExtendedState(1 if flight.landed else 2),

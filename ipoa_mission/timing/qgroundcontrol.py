@@ -2,7 +2,8 @@
 
 It adds the take-off height over the ascent speed, every leg's horizontal great circle over the hover speed
 (DO_CHANGE_SPEED counts from the next item), the holds of waypoints and delays, and for RTL the way home and the height
-over the descent speed. It knows no acceleration, no corner, no climb between waypoints, no LAND's descent and no jump.
+over the descent speed; and for a structure scan its height as if it were way. It knows no acceleration, no corner, no
+climb between waypoints, no LAND's descent and no jump. Version 4.4 has the terms of RTL swapped: this is its master's.
 """
 
 import math
@@ -10,6 +11,8 @@ import math
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission
 
+#: What the figure counts, for those who find it beside ours.
+COUNTS = "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
 #: QGroundControl's settings for planning without a vehicle (Application Settings, Plan View) [m/s].
 HOVER_SPEED = 5.0
 ASCENT_SPEED = 3.0
@@ -23,8 +26,9 @@ def qgroundcontrol_time(mission: Mission) -> float:
     """What QGroundControl's plan view would say for this mission [s]."""
     speed = mission.cruise_speed or HOVER_SPEED
     here, height, total = (mission.home.latitude_deg, mission.home.longitude_deg), 0.0, 0.0
-    taken_off = False
-    for item in mission.items:
+    taken_off, scanned = False, dict(mission.scanned)
+    for index, item in enumerate(mission.items):
+        total += scanned.get(index, 0.0) / speed
         if item.command == Command.NAV_RETURN_TO_LAUNCH:
             way_home = _great_circle(here, (mission.home.latitude_deg, mission.home.longitude_deg))
             return total + way_home / speed + abs(height) / DESCENT_SPEED

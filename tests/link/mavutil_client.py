@@ -37,6 +37,9 @@ def main(port: str, path: str, rally_path: str) -> None:
     link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
     link.mav.heartbeat_send(6, 8, 0, 0, 0)
     link.wait_heartbeat(timeout=10)
+    link.mav.request_data_stream_send(link.target_system, link.target_component, 0, 4, 1)
+    streams = ["GPS_RAW_INT", "GLOBAL_POSITION_INT", "VFR_HUD", "BATTERY_STATUS", "SYS_STATUS", "MISSION_CURRENT"]
+    silent = [name for name in streams if link.recv_match(type=name, blocking=True, timeout=5) is None]
     link.param_fetch_all()
     parameters: dict[str, float] = {}
     while True:
@@ -69,6 +72,7 @@ def main(port: str, path: str, rally_path: str) -> None:
             reached.append(heard.seq)
     link.close()
     told = {"results": results, "parameters": len(parameters), "commands": commands, "reached": reached, "set": was_set}
+    told["silent"] = silent
     sys.stdout.write(json.dumps(told) + "\n")
 
 

@@ -96,6 +96,9 @@ def test_mavproxy_reads_parameters_and_uploads_lists_and_flies_a_mission(
         console(running.port, tmp_path) as mavproxy,
     ):
         mavproxy.expect(f"Received {len(running.mock.table.values)} parameters")
+        for name in ("GPS_RAW_INT", "GLOBAL_POSITION_INT", "VFR_HUD", "MISSION_CURRENT", "BATTERY_STATUS"):
+            mavproxy.say(f"status {name}")  # it asks for them with REQUEST_DATA_STREAM
+            mavproxy.expect(f": {name} {{")
         mavproxy.say("wp load mission.txt")
         mavproxy.expect("MISSION_ACK: TYPE_MISSION: ACCEPTED")
         mavproxy.say("wp list")

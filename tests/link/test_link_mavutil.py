@@ -38,5 +38,6 @@ def test_mavutil_and_mavwp_complete_a_session(run_mock: Callable[..., object], t
             "commands": [[16, 22, 16, 20], [5001] * 3, [5100]],
             "reached": [1, 2, 3],
             "set": True,
+            "silent": [],
         }
         assert running.mock.table.values["WPNAV_SPEED"] == 600.0

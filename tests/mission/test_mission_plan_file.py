@@ -113,7 +113,16 @@ def test_a_survey_becomes_its_waypoints() -> None:
 
 def test_a_jump_refers_to_a_do_jump_id_and_not_to_a_place_in_the_list() -> None:
     jump = read_plan(FILES / "survey.plan").items[10]
-    assert jump.params[:2] == (3.0, 1.0), "doJumpId 12 is the third item, inside the survey"
+    assert jump.params[:2] == (12.0, 1.0), "doJumpId 21 is the twelfth item"
+
+
+def test_a_jump_into_a_survey_is_refused_as_qgroundcontrol_refuses_it(tmp_path: Path) -> None:
+    plan = json.loads((FILES / "survey.plan").read_text())
+    plan["mission"]["items"][2]["params"][0] = 12  # of an item inside the survey
+    path = tmp_path / "into.plan"
+    path.write_text(json.dumps(plan))
+    with pytest.raises(BadInput, match=r"items\[2\].params\[0\]: expected the doJumpId of an item outside surveys"):
+        read_plan(path)
 
 
 def test_fence_and_rally_points_are_read() -> None:

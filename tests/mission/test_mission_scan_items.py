@@ -11,14 +11,15 @@ from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission, write_mission
-from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
+from ipoa_mission.world.frame import Geodetic, apart
+from ipoa_mission.world.sphere import SphericalPlane
 
-HOME = Geodetic(47.0, 8.0, 500.0)
-FRAME = LocalFrame(HOME)
+PLANE = SphericalPlane(47.0, 8.0)
+SCANS = json.loads((Path(__file__).parent / "files" / "qgroundcontrol_scans.json").read_text())
 
 
 def places(corners: list[tuple[float, float]]) -> list[list[float]]:
-    latitude, longitude, _ = FRAME.to_geodetic(np.array([(*corner, 0.0) for corner in corners]))
+    latitude, longitude = PLANE.to_geodetic(*np.array(corners, float).T)
     return [[float(a), float(b)] for a, b in zip(latitude, longitude, strict=True)]
 
 
@@ -55,7 +56,7 @@ def flown(mission: Mission) -> np.ndarray[Any, Any]:
     waypoints = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     assert all((item.frame, item.altitude) == (Frame.GLOBAL_RELATIVE_ALT, 50.0) for item in waypoints)
     latitude, longitude = ([getattr(i, key) for i in waypoints] for key in ("latitude_deg", "longitude_deg"))
-    return np.round(FRAME.to_local(np.array(latitude), np.array(longitude), 500.0)[:, :2], 1) + 0.0
+    return np.round(PLANE.to_plane(np.array(latitude), np.array(longitude)), 1) + 0.0
 
 
 def test_a_square_is_flown_to_and_fro(tmp_path: Path) -> None:
@@ -147,6 +148,38 @@ def test_it_is_written_as_it_was(tmp_path: Path) -> None:
     assert "3 transects are laid out as QGroundControl does" in str(mission.findings[0])
 
 
+@pytest.mark.parametrize("scan", SCANS, ids=["turnaround", "no_camera", "no_turnaround", "corridor", "far_end"])
+def test_it_is_laid_out_as_qgroundcontrol_did(tmp_path: Path, scan: dict[str, Any]) -> None:
+    """Scans made in QGroundControl v4.4, and the items that it stored with them: to the millimetre, item by item."""
+    items = read(tmp_path, scan["item"]).items
+    assert len(items) == len(scan["laid_out"])
+    for item, theirs in zip(items, scan["laid_out"], strict=True):
+        if isinstance(theirs, list):
+            assert item.command == Command.NAV_WAYPOINT
+            assert apart(Geodetic(item.latitude_deg, item.longitude_deg), Geodetic(*theirs)) < 1e-3
+        else:
+            assert (item.command, item.params) == (Command.DO_SET_CAM_TRIGG_DIST, (theirs, 0.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("entry", "turnaround", "always", "expected"),
+    [
+        (0, 0, False, "wTwwo" + "wTwwo"),
+        (2, 0, False, "wowwT" + "wowwT"),
+        (2, 0, True, "wwwT" + "wwwT"),
+        (3, 10, True, "wTwwwTw" + "wwwwTwo"),
+    ],
+)
+def test_entered_from_the_far_end_a_corridor_has_its_triggers_reversed(
+    tmp_path: Path, entry: int, turnaround: float, always: bool, expected: str
+) -> None:
+    styled = style(TurnAroundDistance=turnaround, CameraTriggerInTurnAround=always)
+    mission = read(tmp_path, CORRIDOR | {"EntryPoint": entry, "TransectStyleComplexItem": styled})
+    words = ["w" if item.command == Command.NAV_WAYPOINT else "T" if item.params[0] else "o" for item in mission.items]
+    assert "".join(words) == expected
+    assert ("from its far end" in str(mission.findings[-1])) == (entry > 1)
+
+
 def test_mavsdks_survey_is_laid_out_as_qgroundcontrol_wrote_it(samples: Path) -> None:
     folder = samples / "mavlink+MAVSDK/cpp/src/mavsdk/plugins/mission_raw/test_plans"
     whole, bare = (
@@ -156,6 +189,6 @@ def test_mavsdks_survey_is_laid_out_as_qgroundcontrol_wrote_it(samples: Path) ->
     for a, b in zip(whole, bare, strict=True):
         if a.command == Command.NAV_WAYPOINT:
             there, here = (Geodetic(item.latitude_deg, item.longitude_deg) for item in (a, b))
-            assert apart(there, here) < 0.05
+            assert apart(there, here) < 1e-3
         else:
             assert a.params == pytest.approx(b.params, nan_ok=True)

@@ -12,7 +12,7 @@ from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission, write_mission
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.sphere import SphericalPlane
 
 HOME = [47.398027, 8.54612, 488.2]
 SQUARE = [[47.398, 8.546], [47.398, 8.547], [47.3975, 8.547], [47.3975, 8.546]]
@@ -29,7 +29,7 @@ SCAN = {
     "polygon": SQUARE,
 }
 NOTCH = [[47.39774, 8.546], [47.39775, 8.5469], [47.39776, 8.546]]
-FRAME = LocalFrame(Geodetic(*HOME))
+PLANE = SphericalPlane(*HOME[:2])
 
 
 def read(tmp_path: Path, **changes: Any) -> Mission:
@@ -45,7 +45,7 @@ def read(tmp_path: Path, **changes: Any) -> Mission:
 
 def plane(places: list[list[float]]) -> shapely.Polygon:
     latitude, longitude = np.array(places).T
-    return shapely.Polygon(FRAME.to_local(latitude, longitude, 488.2)[:, :2])
+    return shapely.Polygon(PLANE.to_plane(latitude, longitude))
 
 
 @pytest.mark.parametrize(
@@ -69,14 +69,15 @@ def test_a_round_a_layer_runs_beside_the_structure(corners: list[list[float]], t
     assert ring[0] == ring[-1] == [flown[0].latitude_deg, flown[0].longitude_deg]
     structure, way = plane(corners), plane(ring)
     assert not way.exterior.is_ccw
-    assert way.exterior.distance(structure) == pytest.approx(50.0, abs=0.05)
+    assert way.exterior.distance(structure) == pytest.approx(50.0, abs=1e-3)
     for a, b in zip(structure.exterior.coords, structure.exterior.coords[1:], strict=False):
-        assert shapely.LineString([a, b]).interpolate(0.5, normalized=True).distance(way.exterior) == pytest.approx(
-            50.0, abs=0.05
-        )
-    others = [(item.command, item.params[0]) for item in mission.items if item.command != Command.NAV_WAYPOINT]
-    rounds = [(Command.DO_SET_CAM_TRIGG_DIST, 20.0), (Command.DO_SET_CAM_TRIGG_DIST, 0.0)] * 3
-    assert others == [(Command.DO_SET_ROI_WPNEXT_OFFSET, 0.0), *rounds, (Command.DO_SET_ROI_NONE, 0.0)]
+        middle = shapely.LineString([a, b]).interpolate(0.5, normalized=True)
+        assert middle.distance(way.exterior) == pytest.approx(50.0, abs=1e-3)
+    others = [(item.command, *item.params) for item in mission.items if item.command != Command.NAV_WAYPOINT]
+    trigger = Command.DO_SET_CAM_TRIGG_DIST
+    rounds = [(trigger, 20.0, 0.0, 1.0, 0.0), (trigger, 0.0, 0.0, 0.0, 0.0)] * 3
+    none = (0.0, 0.0, 0.0, 0.0)
+    assert others == [(Command.DO_SET_ROI_WPNEXT_OFFSET, *none), *rounds, (Command.DO_SET_ROI_NONE, *none)]
     aim = mission.items[1]
     assert (aim.latitude_deg, aim.longitude_deg, aim.altitude) == (-10.0, 0.0, 90.0)
     assert "3 rounds are laid out" in mission.findings[0].message

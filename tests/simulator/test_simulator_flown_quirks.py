@@ -1,7 +1,6 @@
 """Quirks of a whole autopilot, on the ground and in flight, as measured on ArduCopter 4.7 and PX4 1.17."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import pytest
 
@@ -31,48 +30,11 @@ from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.flight import FlightMode
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.world.frame import Geodetic
-from tests.link_pair import CLIENT, HOME, items_of, plain
+from tests.link_pair import CLIENT, HOME, plain
+from tests.simulator.flown import Flown
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 OK = Result.ACCEPTED
-
-
-class Flown:
-    """A mock with a mission, and what it says."""
-
-    def __init__(self, autopilot: Autopilot, items: Sequence[Item], mock: Mock | None = None) -> None:
-        self.mock = mock or Mock(autopilot, HOME)
-        self.now = 1.0
-        self.first = 1 if autopilot is ARDUPILOT else 0
-        if autopilot is ARDUPILOT:
-            self.command(511, 42.0, 200_000.0)  # it tells its current item to those alone who ask
-        self.uploaded = self.upload(items) if items else []
-
-    def upload(self, items: Sequence[Item]) -> list[Message]:
-        wire = [*items_of(ARDUPILOT, 1), *items] if self.first else [*items]
-        said = self.hear(Count(len(wire)))
-        return said + [plain(answer) for seq, item in enumerate(wire) for answer in self.hear(ItemAt(seq, item))]
-
-    @property
-    def current(self) -> Current:
-        return next(replace(said, mission_mode=0, mission_id=0) for said in self.fly(1.1) if isinstance(said, Current))
-
-    def hear(self, message: Message) -> list[Message]:
-        self.mock.receive(message, CLIENT, self.now)
-        return [said for said, _ in self.mock.outgoing()]
-
-    def command(self, number: int, *params: float) -> int:
-        answers = self.hear(CommandLong(number, (*params, *(0.0,) * (7 - len(params)))))  # type: ignore[arg-type]
-        return next(answer.result for answer in answers if isinstance(answer, CommandAck))
-
-    def fly(self, seconds: float) -> list[Message]:
-        said: list[Message] = []
-        until = self.now + seconds
-        while self.now < until:
-            self.now += 0.05
-            self.mock.tick(self.now)
-            said += [message for message, _ in self.mock.outgoing()]
-        return said
 
 
 def short(*extra: Item) -> list[Item]:

@@ -12,6 +12,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.timing.estimate import estimate as predict
+from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(39.101, 121.82, 20.0)
@@ -112,3 +113,9 @@ def test_quite_another_number_is_quoted_for_qgroundcontrol() -> None:
     distance = 86.4  # 0.001 degrees of longitude at 39.1 north, on a sphere of 6371 km
     expected = 20.0 / 3.0 + distance / 10.0 + distance / 10.0 + 20.0 / 1.0
     assert estimate(mission).qgroundcontrol_s == pytest.approx(expected, abs=0.2)
+
+
+def test_a_structure_scans_height_counts_as_way_with_qgroundcontrol() -> None:
+    mission = replace(out_and_back(Autopilot.PX4), cruise_speed=10.0)
+    scan = replace(mission, scanned=((1, 28.0),))
+    assert qgroundcontrol_time(scan) - qgroundcontrol_time(mission) == pytest.approx(28.0 / 10.0)

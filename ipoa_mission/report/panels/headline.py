@@ -11,6 +11,7 @@ from ipoa_mission.report.course import Danger
 from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.scenario.vehicle import BatterySection
 from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.timing.qgroundcontrol import COUNTS
 from ipoa_mission.tube.promise import Promise
 
 
@@ -53,8 +54,7 @@ def figures(
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
     if comparison is not None:
         cards.append(_flown(comparison))
-    against = f"{share(estimate.qgroundcontrol_s, estimate.total_s)} against the estimate"
-    cards.append(_card("QGroundControl says", seconds(estimate.qgroundcontrol_s), against))
+    cards.append(_card("QGroundControl would say", seconds(estimate.qgroundcontrol_s), COUNTS))
     if proof is not None:
         look = "" if proof.holds else "bad"
         cards.append(_card("least clearance", meters(proof.clearance.distance), f"to {proof.clearance.what}", look))

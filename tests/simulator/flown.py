@@ -1,0 +1,48 @@
+"""A whole built-in autopilot without a link: told things, and flown for a while."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item
+from ipoa_mission.link.messages import CommandAck, CommandLong, Count, Current, ItemAt, Message
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from tests.link_pair import CLIENT, HOME, items_of, plain
+
+
+class Flown:
+    """A mock with a mission, and what it says."""
+
+    def __init__(self, autopilot: Autopilot, items: Sequence[Item], mock: Mock | None = None) -> None:
+        self.mock = mock or Mock(autopilot, HOME)
+        self.now = 1.0
+        self.first = 1 if autopilot is Autopilot.ARDUPILOT else 0
+        if autopilot is Autopilot.ARDUPILOT:
+            self.command(511, 42.0, 200_000.0)  # it tells its current item to those alone who ask
+        self.uploaded = self.upload(items) if items else []
+
+    def upload(self, items: Sequence[Item]) -> list[Message]:
+        wire = [*items_of(Autopilot.ARDUPILOT, 1), *items] if self.first else [*items]
+        said = self.hear(Count(len(wire)))
+        return said + [plain(answer) for seq, item in enumerate(wire) for answer in self.hear(ItemAt(seq, item))]
+
+    @property
+    def current(self) -> Current:
+        return next(replace(said, mission_mode=0, mission_id=0) for said in self.fly(1.1) if isinstance(said, Current))
+
+    def hear(self, message: Message) -> list[Message]:
+        self.mock.receive(message, CLIENT, self.now)
+        return [said for said, _ in self.mock.outgoing()]
+
+    def command(self, number: int, *params: float) -> int:
+        answers = self.hear(CommandLong(number, (*params, *(0.0,) * (7 - len(params)))))  # type: ignore[arg-type]
+        return next(answer.result for answer in answers if isinstance(answer, CommandAck))
+
+    def fly(self, seconds: float) -> list[Message]:
+        said: list[Message] = []
+        until = self.now + seconds
+        while self.now < until:
+            self.now += 0.05
+            self.mock.tick(self.now)
+            said += [message for message, _ in self.mock.outgoing()]
+        return said

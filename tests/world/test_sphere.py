@@ -1,0 +1,31 @@
+"""The plane of PX4 and QGroundControl, against PROJ's azimuthal equidistant projection of the same sphere."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pyproj import Proj
+
+from ipoa_mission.world.sphere import RADIUS, SphericalPlane
+
+
+@given(
+    latitude=st.floats(-85.0, 85.0),
+    longitude=st.floats(-180.0, 180.0),
+    east=st.floats(-1e5, 1e5),
+    north=st.floats(-1e5, 1e5),
+)
+def test_it_is_projs_azimuthal_equidistant_plane(latitude: float, longitude: float, east: float, north: float) -> None:
+    plane = SphericalPlane(latitude, longitude)
+    lat, lon = plane.to_geodetic(np.array([east]), np.array([north]))
+    assert -180.0 <= lon[0] < 180.0
+    there = Proj(proj="aeqd", R=RADIUS, lat_0=latitude, lon_0=longitude)(lon[0], lat[0])
+    assert there == pytest.approx((east, north), abs=1e-4)
+    assert plane.to_plane(lat, lon)[0] == pytest.approx((east, north), abs=1e-4)
+
+
+def test_each_point_may_have_a_place_of_its_own() -> None:
+    places = np.array([[47.0, 8.0], [-33.0, 151.0]])
+    latitude, longitude = SphericalPlane(*places.T).to_geodetic(np.zeros(2), np.array([0.0, 1000.0]))
+    assert longitude == pytest.approx(places[:, 1])
+    assert latitude == pytest.approx([47.0, -33.0 + np.degrees(1000.0 / RADIUS)])
