@@ -146,7 +146,7 @@ def plain_frame(frame: int) -> int:
 FLOWN_TO = frozenset({
     Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS,
     Command.NAV_LOITER_TIME, Command.NAV_LOITER_TO_ALT, Command.NAV_PAYLOAD_PLACE, Command.NAV_LAND,
-    Command.NAV_TAKEOFF,
+    Command.NAV_TAKEOFF, Command.NAV_ARC_WAYPOINT,
 })  # fmt: skip
 #: What an altitude of 0 is for: the ground is below a landing, and a take-off climbs to it.
 TO_THE_GROUND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
@@ -155,7 +155,7 @@ TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
 MAY_PRECEDE_TAKEOFF = frozenset({Command.NAV_DELAY})
 #: Commands that end a flight on the ground.
 ENDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
-WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
+WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT})
 #: Commands whose param1 is a time to stay at their place [s].
-HOLDING = WAYPOINTS | {Command.NAV_LOITER_TIME}
+HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle

@@ -25,6 +25,9 @@ COMMANDS = tuple(sorted({*map(int, Command), *STRANGERS}))
 FRAMES = (Frame.GLOBAL_RELATIVE_ALT_INT, Frame.MISSION)
 LETTERS = "0123456789abcdefghijklmnopqrstuvwxyz"
 SLOTS = range(7)
+#: An altitude that is no number, where ArduPilot makes a whole number of it: that ends its simulator.
+UNASKED = frozenset({int(Command.DO_GIMBAL_MANAGER_PITCHYAW)})
+UNKNOWN = "?"
 
 
 def item(command: int, frame: int, slot: int, value: float) -> Item:
@@ -55,7 +58,8 @@ class Record:
         """Each item and the result that it got."""
         for (command, frame), letters in self.rows.items():
             for one, letter in zip(row(command, frame), letters, strict=True):
-                yield one, LETTERS.index(letter)
+                if letter != UNKNOWN:
+                    yield one, LETTERS.index(letter)
 
 
 def read_record(path: Path) -> Record:

@@ -12,6 +12,7 @@ from ipoa_mission.autopilots.firmware import Firmware
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Frame
 
+DEG_E7 = 1e-7
 INT16_MIN, INT16_MAX = -(2**15), 2**15 - 1
 MOST_VERTICES = 255  # of a polygon, which ArduPilot counts in eight bits
 LEAST_VERTICES = 3
@@ -58,7 +59,7 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
         return _of_a_px4_list(firmware, firmware.rally, command, frame, values)
     if command not in firmware.rally:
         return Refused("UNSUPPORTED")
-    if wrong := _no_place(values):
+    if wrong := _no_place(values, frame):
         return wrong
     if values[6] < INT16_MIN or values[6] > INT16_MAX:
         return Refused("INVALID_PARAM7", 7, "expected an altitude in sixteen bits")
@@ -75,7 +76,7 @@ def _by_ardupilot(firmware: Firmware, command: int, frame: int, values: Sequence
     if not firmware.takes(command):
         return Refused("UNSUPPORTED")
     if command in firmware.placed:
-        if wrong := _no_place(values):
+        if wrong := _no_place(values, frame):
             return wrong
         if not abs(values[6]) < firmware.highest_altitude:
             return Refused("INVALID_PARAM7", 7, f"expected an altitude within {firmware.highest_altitude:g} m")
@@ -86,10 +87,12 @@ def _by_ardupilot(firmware: Firmware, command: int, frame: int, values: Sequence
     return None
 
 
-def _no_place(values: Sequence[float]) -> Refused | None:
-    if not abs(values[4]) <= 90.0:
+def _no_place(values: Sequence[float], frame: int) -> Refused | None:
+    """What is no latitude or longitude; in frame 2 it goes over the wire as it is, and is read in steps of 1e-7."""
+    unit = DEG_E7 if frame == Frame.MISSION else 1.0
+    if not abs(values[4]) * unit <= 90.0:
         return Refused("INVALID_PARAM5_X", 5, f"expected a latitude, not {values[4]:g}")
-    if not abs(values[5]) <= 180.0:
+    if not abs(values[5]) * unit <= 180.0:
         return Refused("INVALID_PARAM6_Y", 6, f"expected a longitude, not {values[5]:g}")
     return None
 

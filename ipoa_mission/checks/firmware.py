@@ -96,11 +96,12 @@ def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
             continue  # unknown commands and frames, and jumps, have words of their own
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
-        if not is_place and not (wrong.param == 7 and spoken.command in FLOWN_TO):
+        is_height = wrong.param == 7 and spoken.command in FLOWN_TO
+        if item.frame == Frame.MISSION or not (is_place or is_height):
             yield error(seq, item, f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission")
     for seq, item in enumerate(fence_to_wire(mission.fence)):
         wrong = refused_in_fence(firmware, item.command, item.frame, values_of(item))
-        if wrong is not None and wrong.words:
+        if wrong is not None and wrong.words and wrong.result != "ERROR":  # of too few vertices `_fence` speaks
             yield Finding(Severity.ERROR, None, f"fence item {seq}: {wrong.words}: {firmware} refuses the fence")
 
 
