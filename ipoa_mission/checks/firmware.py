@@ -26,15 +26,17 @@ from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import to_wire, values_of
 
+DEVELOPMENT = "dev"  # the stage of a version
 LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits, in whole seconds
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
     """Findings about commands, frames, params, jumps, limits, take-off and ending."""
     firmware = tables.firmware(mission.autopilot, mission.firmware_version)
+    is_development = mission.firmware_version is not None and mission.firmware_version.stage == DEVELOPMENT
     yield from _limits(mission, firmware)
     for seq, item in enumerate(mission.items, start=1):
-        yield from _command_and_frame(seq, item, firmware)
+        yield from _command_and_frame(seq, item, firmware, is_development)
         yield from _params(seq, item, firmware)
         if item.command == Command.DO_JUMP:
             yield from _jump(seq, item, len(mission.items))
@@ -58,7 +60,7 @@ def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
             yield Finding(Severity.ERROR, None, message)
 
 
-def _command_and_frame(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
+def _command_and_frame(seq: int, item: Item, firmware: Firmware, is_development: bool) -> Iterator[Finding]:
     placed, plain = item.command in firmware.placed, item.command in firmware.plain
     if not placed and not plain:
         where = " in a mission: it belongs into the fence or rally list" if _is_fence(item, firmware) else ""
@@ -66,6 +68,8 @@ def _command_and_frame(seq: int, item: Item, firmware: Firmware) -> Iterator[Fin
         yield error(seq, item, words, _taken_later(item, firmware))
     elif item.command in firmware.never_flown:
         yield error(seq, item, f"{firmware} keeps {command_name(item.command)}, and flies no mission that holds it")
+    elif is_development and not _before(firmware).takes(item.command):
+        yield warning(seq, item, f"not every development version of {firmware} takes {command_name(item.command)}")
     elif placed and item.frame not in firmware.frames:
         what = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
         yield error(seq, item, f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}")
@@ -75,6 +79,12 @@ def _command_and_frame(seq: int, item: Item, firmware: Firmware) -> Iterator[Fin
             yield warning(seq, item, f"{message}, which ArduPilot takes for AMSL")
         else:
             yield error(seq, item, message)
+
+
+def _before(firmware: Firmware) -> Firmware:
+    """The tables of the series before, or its own where it is the oldest."""
+    older = [series for series in series_known(firmware.autopilot) if series < firmware.version.series]
+    return tables.firmware(firmware.autopilot, Version(*older[-1])) if older else firmware
 
 
 def _taken_later(item: Item, firmware: Firmware) -> str | None:

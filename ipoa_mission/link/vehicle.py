@@ -163,6 +163,11 @@ class Vehicle:
         with self._in_time():
             return Version.said(self._asked().flight_sw_version)
 
+    @property
+    def version_heard(self) -> Version | None:
+        """The same as far as it was asked for; None before."""
+        return None if self._about is None else Version.said(self._about.flight_sw_version)
+
     def expect_on_ground(self) -> None:
         """Raise NotReady for a vehicle that is armed already."""
         expect_on_ground(self.state)

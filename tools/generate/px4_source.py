@@ -19,8 +19,9 @@ def facts(source: Source) -> dict[str, Any]:
     text, own = source.text(CODE), numbers(source.text(NAMES))
     parse, answer = (body(text, f"MavlinkMissionManager::{name}(") for name in _FUNCTIONS)
     placed, plain = (_taken(code, own) for code in _switches(parse, "mavlink_mission_item->command"))
+    elsewhere = re.findall(r"nav_cmd == MAV_CMD_(NAV_\w+)", body(text, _HANDLER).partition("check_failed = true")[0])
     told = _taken(_switches(answer, "mission_item->nav_cmd")[-1], own)
-    rows = {name: _placed_row(code, told.get(name, "")) for name, code in placed.items() if not LISTS.search(name)}
+    rows = {name: _placed_row(code, told.get(name, "")) for name, code in placed.items() if name not in elsewhere}
     flown = re.findall(
         r"!= (NAV_CMD_\w+)", body(source.text(FEASIBLE), "FeasibilityChecker::checkMissionItemValidity(")
     )
@@ -37,7 +38,7 @@ def facts(source: Source) -> dict[str, Any]:
 
 
 _FUNCTIONS = ("parse_mavlink_mission_item", "format_mavlink_mission_item")
-LISTS = re.compile(r"NAV_FENCE|NAV_RALLY")
+_HANDLER = "MavlinkMissionManager::handle_mission_item_both("  # names what belongs into another list
 
 
 def _switches(function: str, on: str) -> list[str]:
