@@ -16,6 +16,7 @@ class Command(IntEnum):
     NAV_TAKEOFF = 22
     NAV_CONTINUE_AND_CHANGE_ALT = 30
     NAV_LOITER_TO_ALT = 31
+    NAV_ARC_WAYPOINT = 36
     NAV_ROI = 80
     NAV_SPLINE_WAYPOINT = 82
     NAV_ALTITUDE_WAIT = 83
@@ -39,6 +40,7 @@ class Command(IntEnum):
     DO_LAND_START = 189
     DO_GO_AROUND = 191
     DO_PAUSE_CONTINUE = 193
+    DO_SET_REVERSE = 194
     DO_SET_ROI_LOCATION = 195
     DO_SET_ROI_WPNEXT_OFFSET = 196
     DO_SET_ROI_NONE = 197
@@ -145,7 +147,7 @@ def plain_frame(frame: int) -> int:
 FLOWN_TO = frozenset({
     Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS,
     Command.NAV_LOITER_TIME, Command.NAV_LOITER_TO_ALT, Command.NAV_PAYLOAD_PLACE, Command.NAV_LAND,
-    Command.NAV_TAKEOFF,
+    Command.NAV_TAKEOFF, Command.NAV_ARC_WAYPOINT,
 })  # fmt: skip
 #: What an altitude of 0 is for: the ground is below a landing, and a take-off climbs to it.
 TO_THE_GROUND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
@@ -154,7 +156,7 @@ TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
 MAY_PRECEDE_TAKEOFF = frozenset({Command.NAV_DELAY})
 #: Commands that end a flight on the ground.
 ENDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
-WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
+WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT})
 #: Commands whose param1 is a time to stay at their place [s].
-HOLDING = WAYPOINTS | {Command.NAV_LOITER_TIME}
+HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle

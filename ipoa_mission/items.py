@@ -13,6 +13,7 @@ from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.finding import Finding
 from ipoa_mission.world.frame import Geodetic
@@ -87,7 +88,7 @@ class Mission:
     `cruise_speed` [m/s] is what ground stations show in a plan's header; the vehicle obeys DO_CHANGE_SPEED.
     `parameters` are those of the vehicle that differ from its autopilot's defaults, by the autopilot's own names.
     `vehicle_type` is the MAV_TYPE that a `.plan` names, `vehicle` what was learned of the one that flies it,
-    and `ground` how high the ground is above home.
+    and `ground` how high the ground is above home. `firmware_version`: whose tables hold; left out, the newest.
     `findings` are what reading the file had to say, and `source` its text: a mission that was not changed is written
     back as it was. `scanned` has for each structure scan the index of its first item and the height scanned [m], which
     QGroundControl counts as way.
@@ -111,6 +112,7 @@ class Mission:
     vehicle_type: int = QUADROTOR
     vehicle: LearnedVehicle | None = field(default=None, compare=False, repr=False)
     ground: Ground = field(default=LEVEL, compare=False, repr=False)
+    firmware_version: Version | None = field(default=None, compare=False, repr=False)
     findings: tuple[Finding, ...] = field(default=(), compare=False, repr=False)
     source: str = field(default="", compare=False, repr=False)
     scanned: tuple[tuple[int, float], ...] = field(default=(), compare=False, repr=False)

@@ -14,7 +14,7 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
-from ipoa_mission.simulator.personality import PERSONALITIES
+from ipoa_mission.simulator.personality import personality
 from ipoa_mission.simulator.transfers import Transfers
 from ipoa_mission.world.frame import Geodetic
 
@@ -48,7 +48,7 @@ class Vehicle:
         self.said: list[tuple[Message, Target]] = []
         self.changed: list[int] = []
         self.transfers = Transfers(
-            PERSONALITIES[autopilot],
+            personality(autopilot),
             lambda: HOME,
             lambda message, to: self.said.append((message, to)),
             self.changed.append,

@@ -5,6 +5,7 @@ one checks first.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ipoa_mission.checks.finding import Finding, Severity
@@ -30,6 +31,8 @@ def check_mission(
     at only where every position is sound. `promise` is what it promises in that world, where that is known already.
     Errors come before warnings, items in their order.
     """
+    if scenario is not None and mission.firmware_version is None and mission.autopilot is scenario.vehicle.autopilot:
+        mission = replace(mission, firmware_version=scenario.vehicle.version)
     positions = tuple(check_positions(mission))
     findings = [*mission.findings, *check_firmware(mission), *positions]
     if mission.other_vehicle:

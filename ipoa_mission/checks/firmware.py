@@ -3,12 +3,17 @@
 import math
 from collections.abc import Iterator
 
-from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware
+from ipoa_mission.autopilots import firmware as tables
+from ipoa_mission.autopilots.firmware import Firmware, series_known
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
+from ipoa_mission.autopilots.refusal import param_name, refused, refused_in_fence
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
+from ipoa_mission.autopilots.version import Version
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
+from ipoa_mission.checks.positions import out_of_range
 from ipoa_mission.commands import (
     ENDINGS,
+    FLOWN_TO,
     HOLDING,
     MAY_PRECEDE_TAKEOFF,
     TAKEOFFS,
@@ -19,20 +24,23 @@ from ipoa_mission.commands import (
 )
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
-from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.mission.firmware import to_wire, values_of
 
+DEVELOPMENT = "dev"  # the stage of a version
 LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits, in whole seconds
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
     """Findings about commands, frames, params, jumps, limits, take-off and ending."""
-    firmware = FIRMWARE[mission.autopilot]
+    firmware = tables.firmware(mission.autopilot, mission.firmware_version)
+    is_development = mission.firmware_version is not None and mission.firmware_version.stage == DEVELOPMENT
     yield from _limits(mission, firmware)
     for seq, item in enumerate(mission.items, start=1):
-        yield from _command_and_frame(seq, item, firmware)
+        yield from _command_and_frame(seq, item, firmware, is_development)
         yield from _params(seq, item, firmware)
         if item.command == Command.DO_JUMP:
             yield from _jump(seq, item, len(mission.items))
+    yield from _refused(mission, firmware)
     yield from _takeoff(mission)
     yield from _ending(mission)
     yield from _terrain(mission)
@@ -52,11 +60,16 @@ def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
             yield Finding(Severity.ERROR, None, message)
 
 
-def _command_and_frame(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
+def _command_and_frame(seq: int, item: Item, firmware: Firmware, is_development: bool) -> Iterator[Finding]:
     placed, plain = item.command in firmware.placed, item.command in firmware.plain
     if not placed and not plain:
         where = " in a mission: it belongs into the fence or rally list" if _is_fence(item, firmware) else ""
-        yield error(seq, item, f"{firmware.name} does not take {command_name(item.command)}{where}")
+        words = f"{firmware} does not take {command_name(item.command)}{where}"
+        yield error(seq, item, words, _taken_later(item, firmware))
+    elif item.command in firmware.never_flown:
+        yield error(seq, item, f"{firmware} keeps {command_name(item.command)}, and flies no mission that holds it")
+    elif is_development and not _before(firmware).takes(item.command):
+        yield warning(seq, item, f"not every development version of {firmware} takes {command_name(item.command)}")
     elif placed and item.frame not in firmware.frames:
         what = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
         yield error(seq, item, f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}")
@@ -66,6 +79,40 @@ def _command_and_frame(seq: int, item: Item, firmware: Firmware) -> Iterator[Fin
             yield warning(seq, item, f"{message}, which ArduPilot takes for AMSL")
         else:
             yield error(seq, item, message)
+
+
+def _before(firmware: Firmware) -> Firmware:
+    """The tables of the series before, or its own where it is the oldest."""
+    older = [series for series in series_known(firmware.autopilot) if series < firmware.version.series]
+    return tables.firmware(firmware.autopilot, Version(*older[-1])) if older else firmware
+
+
+def _taken_later(item: Item, firmware: Firmware) -> str | None:
+    """Which version takes the command that this one does not."""
+    for series in series_known(firmware.autopilot):
+        if series > firmware.version.series and tables.firmware(firmware.autopilot, Version(*series)).takes(
+            item.command
+        ):
+            return f"{firmware.name} {series[0]}.{series[1]} takes it"
+    return None
+
+
+def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
+    """Values that the firmware refuses at upload: of what a place may be `check_positions` says."""
+    wire = to_wire(mission)
+    first = len(wire) - len(mission.items)
+    for seq, (item, spoken) in enumerate(zip(mission.items, wire[first:], strict=True), start=1):
+        wrong = refused(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
+        if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
+            continue  # unknown commands and frames, and jumps, have words of their own
+        is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
+        is_height = wrong.param == 7 and spoken.command in FLOWN_TO
+        if item.frame == Frame.MISSION or not (is_place or is_height):
+            yield error(seq, item, f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission")
+    for seq, item in enumerate(fence_to_wire(mission.fence)):
+        wrong = refused_in_fence(firmware, item.command, item.frame, values_of(item))
+        if wrong is not None and wrong.words and wrong.result != "ERROR":  # of too few vertices `_fence` speaks
+            yield Finding(Severity.ERROR, None, f"fence item {seq}: {wrong.words}: {firmware} refuses the fence")
 
 
 def _is_fence(item: Item, firmware: Firmware) -> bool:

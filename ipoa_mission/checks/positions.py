@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from pyproj import Geod
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.firmware import firmware
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
@@ -28,7 +28,10 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     if elsewhere:
         yield Finding(Severity.WARNING, 0, elsewhere)
     for seq, item in enumerate(mission.items, start=1):
-        if item.command in FLOWN_TO | FIRMWARE[mission.autopilot].placed.keys() and item.frame != Frame.MISSION:
+        if (
+            item.command in FLOWN_TO | firmware(mission.autopilot, mission.firmware_version).placed.keys()
+            and item.frame != Frame.MISSION
+        ):
             findings = list(_position(seq, item, mission))
             yield from findings
             if not findings and not elsewhere:

@@ -26,10 +26,14 @@ def check(
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
+    from ipoa_mission.autopilots.said import as_json as as_json_of
+    from ipoa_mission.autopilots.said import checked_for
     from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.cli.reading import read_with_parameters, read_world
 
-    mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
+    mission, remarks = read_with_parameters(
+        file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
+    )
     air = flown_by.air
     if air is not None and scenario is None:
         raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
@@ -40,6 +44,9 @@ def check(
 
         promise = promise_if_known(flown_in(mission, world), world)
     findings = check_mission(mission, world, promise)
+    version = mission.firmware_version
+    if version is None and world is not None and world.vehicle.autopilot is mission.autopilot:
+        version = world.vehicle.version
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in remarks if remark not in messages) + (() if world is None else world.remarks)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
@@ -50,6 +57,7 @@ def check(
             from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
 
             about = {"clearance": clearance_as_json(promise) or None, "passed_over": passed_over_as_json(world)}
+        about["firmware"] = as_json_of(mission.autopilot, version)
         tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))
@@ -59,7 +67,7 @@ def check(
 
             tell(*promised(promise))
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
-        tell(f"{file}: {counts} for {mission.autopilot}")
+        tell(f"{file}: {counts} for {checked_for(mission.autopilot, version)}")
     if errors:
         raise typer.Exit(1)
 
@@ -73,12 +81,16 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
+    from ipoa_mission.autopilots.said import as_json as as_json_of
+    from ipoa_mission.autopilots.said import checked_for
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.commands import short_name
     from ipoa_mission.timing.estimate import estimate as predict
 
-    mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
+    mission, remarks = read_with_parameters(
+        file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
+    )
     world = read_world(scenario, flown_by.air)
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
@@ -88,7 +100,10 @@ def estimate(
     energy = _energy(mission, world, prediction.track)
     if as_json:
         energy_wh = None if energy is None else round(energy.energy_wh, 3)
-        tell_json(estimate_as_json(prediction) | {"energy_wh": energy_wh, "remarks": list(remarks)})
+        firmware = as_json_of(mission.autopilot, mission.firmware_version)
+        tell_json(
+            estimate_as_json(prediction) | {"firmware": firmware, "energy_wh": energy_wh, "remarks": list(remarks)}
+        )
         return
     rows = [
         (
@@ -105,7 +120,7 @@ def estimate(
         for item in prediction.items
     ]
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "what keeps it slow"]
-    title = f"{file.name} on {mission.autopilot}, from arming"
+    title = f"{file.name} on {checked_for(mission.autopilot, mission.firmware_version)}, from arming"
     tell_table(title, columns, rows)
     tell(*notes(remarks))
     tell(

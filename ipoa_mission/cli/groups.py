@@ -12,6 +12,7 @@ import typer
 from ipoa_mission.cli.options import (
     AutopilotOption,
     Backend,
+    FirmwareVersionOption,
     KeyOption,
     ParameterFileOption,
     ParameterOption,
@@ -25,6 +26,7 @@ from ipoa_mission.cli.options import (
 )
 
 if TYPE_CHECKING:
+    from ipoa_mission.autopilots.version import Version
     from ipoa_mission.simulator.faults import Faults
     from ipoa_mission.wind import Wind
 
@@ -76,6 +78,7 @@ class FlownByOptions:
     """What flies a mission, and in what wind."""
 
     autopilot: AutopilotOption = None
+    firmware_version: FirmwareVersionOption = None
     param: ParameterOption = None
     param_file: ParameterFileOption = None
     wind: Annotated[
@@ -103,6 +106,13 @@ class FlownByOptions:
     def parameters(self) -> dict[str, float]:
         """By name; BadInput as `read_parameter_options`."""
         return read_parameter_options(self.param, self.param_file)
+
+    @cached_property
+    def version(self) -> "Version | None":
+        """Of the firmware, if one was given; BadInput where it is none."""
+        from ipoa_mission.autopilots.version import Version
+
+        return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 
     @cached_property
     def air(self) -> "Wind | None":

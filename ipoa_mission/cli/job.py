@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilots.firmware import expect_known_version
 from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -45,7 +46,7 @@ def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None
         Unsafe: the mission fails a check.
     """
     mission, remarks = read_with_parameters(
-        source, flown_by.autopilot or autopilot, flown_by.parameters, flown_by.vehicle
+        source, flown_by.autopilot or autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
     )
     log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
     warnings = refuse_errors(check_mission(mission))
@@ -77,6 +78,10 @@ def adapt_scenario(path: Path, search: SearchOptions, flown_by: FlownByOptions) 
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
     changed: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
+    if flown_by.version is not None or autopilot not in (None, scenario.vehicle.autopilot):
+        changed["firmware_version"] = flown_by.firmware_version
+    if flown_by.version is not None:
+        expect_known_version(autopilot or scenario.vehicle.autopilot, flown_by.version)
     if flown_by.parameters:
         changed["parameters"] = overridden(scenario.vehicle.parameters, flown_by.parameters)
     if changed or vehicle:

@@ -177,7 +177,8 @@ def _order(
 
 
 def _name(vehicle: "Vehicle") -> str:
-    return f"vehicle {vehicle.system} ({vehicle.autopilot})"
+    version = vehicle.version_heard
+    return f"vehicle {vehicle.system} ({vehicle.autopilot}{f' {version}' if version else ''})"
 
 
 def _tell(
@@ -185,7 +186,9 @@ def _tell(
 ) -> None:
     """What became of it: to machines with the vehicle, or in words and the files written (`log`, where not all are)."""
     if as_json:
-        tell_json({"system": vehicle.system, "autopilot": str(vehicle.autopilot)} | about)
+        version = vehicle.version_heard
+        who = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
+        tell_json(who | {"firmware_version": str(version) if version else None} | about)
     else:
         tell(*words, *(f"written: {path}" for path in (about["written"] if log is None else log)))
 

@@ -35,6 +35,9 @@ def mock(
     speedup: Annotated[
         float, typer.Option("--speedup", metavar="N", min=0.01, max=1000, help="So many times as fast as real.")
     ] = 1.0,
+    firmware_version: Annotated[
+        str | None, typer.Option("--firmware-version", metavar="X.Y", help="Of which version; left out, the measured.")
+    ] = None,
     param: ParameterOption = None,
     param_file: ParameterFileOption = None,
     system: SystemOption = None,
@@ -48,7 +51,9 @@ def mock(
 
     Example: `ipoa-mission mock --autopilot ardupilot --link tcpin:127.0.0.1:5760 --speedup 10`
     """
+    from ipoa_mission.autopilots.firmware import expect_known_version
     from ipoa_mission.autopilots.parameters import expect_own
+    from ipoa_mission.autopilots.version import MEASURED, Version
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.autopilot import Autopilot as Mock
@@ -61,10 +66,14 @@ def mock(
     address = parse_address(link)
     parameters = read_parameter_options(param, param_file)
     expect_own(parameters, autopilot)
+    version = MEASURED[autopilot]
+    if firmware_version is not None:
+        version = expect_known_version(autopilot, Version.parsed(firmware_version))
     signer = signer_of(key, "mock")
     place = {"latitude_deg": latitude_deg, "longitude_deg": longitude_deg, "altitude_amsl": altitude}
     about = {
         "autopilot": str(autopilot),
+        "version": str(version),
         "link": str(address),
         "system": system or 1,
         "home": place,
@@ -77,14 +86,14 @@ def mock(
         if not is_told and as_json:
             tell_json(about, indent=None)
         elif not is_told:
-            tell(f"{autopilot} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
+            tell(f"{autopilot} {version} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
         is_told = True
         return False
 
     try:
         serve(
             link,
-            Mock(autopilot, Geodetic(*home), parameters, cold=True, nak_at=worse.nak_at),
+            Mock(autopilot, Geodetic(*home), parameters, cold=True, nak_at=worse.nak_at, version=version),
             speedup,
             worse.faults(),
             system or 1,

@@ -89,6 +89,14 @@ AutopilotOption: TypeAlias = Annotated[
     Autopilot | None,
     typer.Option("--autopilot", help="Firmware that flies it; left out, what the file says (.waypoints: px4)."),
 ]
+FirmwareVersionOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--firmware-version",
+        metavar="X.Y",
+        help="Version of the firmware, like 1.18; left out, the newest that is known, and on a link the vehicle's own.",
+    ),
+]
 ParameterOption: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilots.firmware import expect_known_version
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission
 from ipoa_mission.learn.vehicle_file import read_vehicle
@@ -12,6 +13,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.parameter_file import beside
 
 if TYPE_CHECKING:
+    from ipoa_mission.autopilots.version import Version
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.wind import Wind
 
@@ -23,15 +25,18 @@ def read_with_parameters(
     autopilot: Autopilot | None = None,
     parameters: Mapping[str, float] | None = None,
     vehicle: Path | None = None,
+    version: "Version | None" = None,
 ) -> tuple[Mission, tuple[str, ...]]:
     """The mission in a file, on a vehicle that has `parameters` too, and remarks for the user.
 
-    `vehicle`: the file of what was learned of it.
+    `vehicle`: the file of what was learned of it; `version` of its firmware.
 
     Raises:
-        BadInput: the file, or the parameters beside it, cannot be read.
+        BadInput: the file, or the parameters beside it, cannot be read, or there is no such version.
     """
     mission = read_mission(file, autopilot)
+    if version is not None:
+        mission = replace(mission, firmware_version=expect_known_version(mission.autopilot, version))
     remarks = tuple(finding.message for finding in mission.findings)
     if mission.parameters:
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])

@@ -40,7 +40,9 @@ def show(
     from ipoa_mission.exports.table import mission_table, shown
     from ipoa_mission.timing.estimate import estimate
 
-    mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
+    mission, remarks = read_with_parameters(
+        file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
+    )
     air = flown_by.air
     world = read_world(scenario, air)
     rows, errors = mission_table(mission, world), refusals(mission)

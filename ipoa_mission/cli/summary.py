@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
+from ipoa_mission.autopilots.said import checked_for
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
@@ -19,8 +20,9 @@ def tell_planned(flight: Flight, written: Iterable[Path]) -> None:
 def describe(flight: Flight) -> list[str]:
     """The plan in a few lines."""
     mission, estimate = flight.mission, flight.estimate
+    firmware = checked_for(mission.autopilot, mission.firmware_version)
     lines = [
-        f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {mission.autopilot}",
+        f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
         *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s",
     ]

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ipoa_mission.autopilots.said import vehicle_says
 from ipoa_mission.autopilots.slow_landing import DECIDED_BY, slow_stretch
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.ground import landings, touches_down
@@ -116,9 +117,15 @@ def expect_fit(mission: Mission, vehicle: Vehicle, anyway: bool = False) -> tupl
             "its path and its time would be others",
             hint=f"make it for {vehicle.autopilot} (--autopilot {vehicle.autopilot}), or send it with --anyway",
         )
-    findings = check_mission(replace(mission, autopilot=vehicle.autopilot))
+    version = vehicle.firmware_version()
+    findings = check_mission(replace(mission, autopilot=vehicle.autopilot, firmware_version=version))
     warnings = findings if anyway else refuse_errors(findings)
-    return (*_compare_home(mission, vehicle, anyway), *(finding.message for finding in warnings))
+    said = vehicle_says(vehicle.autopilot, version)
+    return (
+        *_compare_home(mission, vehicle, anyway),
+        *([said] if said else []),
+        *(finding.message for finding in warnings),
+    )
 
 
 def _compare_home(mission: Mission, vehicle: Vehicle, anyway: bool) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """The legs that a mission is flown in: the climb after take-off, the legs between waypoints, the way home.
 
-Legs are straight, but to an ArduPilot spline waypoint: that is flown along a curve, which chords stand for.
+Legs are straight, but to an ArduPilot spline or arc waypoint: those are flown along curves, which chords stand for.
 
 Points are local (east, north, up); heights above home and AMSL become `up` with the Earth's curvature, heights above
 terrain by the ground that is handed in. Loops are not unrolled: each jump adds the leg that it makes.
@@ -22,6 +22,7 @@ from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item, Mission
+from ipoa_mission.itinerary.copter_arc import arc_chords, is_arc, turn_of
 from ipoa_mission.itinerary.copter_spline import spline_chords, spline_tangents
 from ipoa_mission.itinerary.program import Place, as_flown, onward
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -136,6 +137,10 @@ class _Flight:
         is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot is Autopilot.ARDUPILOT
         if is_curve and not _follows(item) and np.linalg.norm(target - origin) > SHORTEST_CURVE:
             leg, arriving = self._curve(seq, target, following)
+        elif is_arc(_triple(origin), _triple(target), turn := turn_of(item)) and not _follows(item):
+            points = arc_chords(_triple(origin), _triple(target), turn, CHORD)
+            self.at = target
+            leg, arriving = Leg(seq, Phase.CRUISE, points, stray=CHORD), target - origin
         else:
             leg, arriving = self._to(seq, target, _follows(item)), target - origin
         self.flown_in = None if following is None else arriving

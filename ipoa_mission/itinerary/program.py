@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, Command, Frame, plain_frame
+from ipoa_mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, WAYPOINTS, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.world.frame import LocalFrame
@@ -25,9 +25,7 @@ Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 JUMPS_WITHOUT_END = 10_000  # a loop of nothing but jumps must not hang
 #: After a waypoint the vehicle flies on into these; before everything else that moves it, it comes to a stop.
 FLOWN_ON_INTO = {
-    Autopilot.ARDUPILOT: frozenset(
-        {Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}
-    ),
+    Autopilot.ARDUPILOT: frozenset({*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}),
     Autopilot.PX4: FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
 }
 
@@ -81,8 +79,9 @@ def as_flown(mission: Mission) -> Mission:
 
 def is_passed(item: Item) -> bool:
     """Whether ArduCopter is to have been at this waypoint, and not to stay there: a hold counts in whole seconds."""
-    waypoint = item.command in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
-    return waypoint and item.params[0] < 1
+    if item.command == Command.NAV_ARC_WAYPOINT:  # whose param1 is an angle
+        return True
+    return item.command in WAYPOINTS and item.params[0] < 1
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.link.measured import Measured
@@ -109,11 +110,6 @@ def item_begun(text: str) -> Current | None:
     return Current(int(match[1])) if match else None
 
 
-#: FIRMWARE_VERSION_TYPE, the last byte of a version: how far the version is from its release.
-STAGES = {0: "-dev", 64: "-alpha", 128: "-beta", 192: "-rc", 255: ""}
-
-
 def version_name(flight_sw_version: int) -> str:
     """The version in AUTOPILOT_VERSION in words, like 4.7.0-dev; nothing where the autopilot does not tell."""
-    major, minor, patch, stage = flight_sw_version.to_bytes(4, "big")
-    return f"{major}.{minor}.{patch}{STAGES.get(stage, '')}" if flight_sw_version else ""
+    return str(Version.said(flight_sw_version) or "")

@@ -125,13 +125,13 @@ def home() -> Dialogue[Geodetic | None]:
     return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
 
 
-def capabilities() -> Dialogue[int]:
-    """What the autopilot says that it can do: MAV_PROTOCOL_CAPABILITY; 0 where it does not say."""
+def about() -> Dialogue[AutopilotVersion]:
+    """What the autopilot says that it is and can do; zeros where it does not say."""
     try:
         version = yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, again=False)
     except NoAnswer:
-        return 0
-    return 0 if version is None else version.capabilities
+        version = None
+    return AutopilotVersion(0) if version is None else version
 
 
 def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:

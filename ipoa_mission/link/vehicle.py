@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from ipoa_mission.autopilots.modes import mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -30,6 +31,7 @@ from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
 from ipoa_mission.link.presence import Found, autopilots_in
 from ipoa_mission.link.state import VehicleState
+from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
@@ -59,7 +61,7 @@ class Vehicle:
         self.state = VehicleState(heard.autopilot, heard.is_ready, heard.armed)
         self._fast = fast
         self._anyway = anyway
-        self._capabilities: int | None = None
+        self._about: AutopilotVersion | None = None
         self._patience = patience
         self._tempo = Tempo(patience)
         if round_trip_s is not None:
@@ -83,6 +85,7 @@ class Vehicle:
         """
         suited = replace(mission, autopilot=self.autopilot)
         if checked:
+            suited = replace(suited, firmware_version=self.firmware_version())
             refuse_errors(check_mission(suited))
         with noted_interrupts() as interrupt, self._in_time():
             self.upload_items(to_wire(suited), MissionType.MISSION, progress)
@@ -154,6 +157,16 @@ class Vehicle:
     def return_to_launch(self) -> None:
         """Have the flying vehicle come home and land; raises as `pause` does."""
         self._tell_flying(return_to_launch)
+
+    def firmware_version(self) -> Version | None:
+        """The version that the vehicle says of its firmware, AUTOPILOT_VERSION; None where it does not say."""
+        with self._in_time():
+            return Version.said(self._asked().flight_sw_version)
+
+    @property
+    def version_heard(self) -> Version | None:
+        """The same as far as it was asked for; None before."""
+        return None if self._about is None else Version.said(self._about.flight_sw_version)
 
     def expect_on_ground(self) -> None:
         """Raise NotReady for a vehicle that is armed already."""
@@ -297,9 +310,13 @@ class Vehicle:
         """Whether the vehicle offers the fast path for this list; it is asked once."""
         if not self._fast or self.autopilot is not Autopilot.ARDUPILOT or job.kind != MissionType.MISSION:
             return False
-        if self._capabilities is None:
-            self._capabilities = self._hold(orders.capabilities())
-        return bool(self._capabilities & orders.FILE_TRANSFER)
+        return bool(self._asked().capabilities & orders.FILE_TRANSFER)
+
+    def _asked(self) -> AutopilotVersion:
+        """What the vehicle says that it is; it is asked once."""
+        if self._about is None:
+            self._about = self._hold(orders.about())
+        return self._about
 
     def _upload_by_file(self, job: Upload, progress: Progress) -> bool:
         """Try the fast path; what goes wrong there is left to the ordinary transfer, which says why."""

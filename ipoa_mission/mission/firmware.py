@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware
+from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware, firmware, series_known
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission
@@ -29,9 +30,9 @@ def to_wire(mission: Mission) -> tuple[Item, ...]:
     Commands without a position go in frame 2 (PX4 refuses them in any other), DO_JUMP counts as the autopilot does,
     and NaN ("your own") becomes 0 where ArduPilot refuses NaN.
     """
-    firmware = FIRMWARE[mission.autopilot]
-    items = tuple(_spoken(item, firmware) for item in mission.items)
-    return (home_item(mission.home), *items) if firmware.home_is_item_0 else items
+    own = firmware(mission.autopilot, mission.firmware_version)
+    items = tuple(_spoken(item, own) for item in mission.items)
+    return (home_item(mission.home), *items) if own.home_is_item_0 else items
 
 
 def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None = None) -> Mission:
@@ -42,17 +43,17 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
     Raises:
         MissionError: a PX4 list holds no home and none is given.
     """
-    firmware = FIRMWARE[autopilot]
-    if firmware.home_is_item_0:
+    own = FIRMWARE[autopilot]
+    if own.home_is_item_0:
         first, items = items[:1], items[1:]
         if home is None and first:
             home = Geodetic(first[0].latitude_deg, first[0].longitude_deg, first[0].altitude)
     if home is None:
         raise MissionError(
-            f"home: {firmware.name} sent no home with its mission, and none is known",
+            f"home: {own.name} sent no home with its mission, and none is known",
             hint="wait until the vehicle has a position fix",
         )
-    return Mission(home, tuple(_heard(item, firmware) for item in items), autopilot)
+    return Mission(home, tuple(_heard(item, own) for item in items), autopilot)
 
 
 def settle_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
@@ -65,13 +66,15 @@ def home_item(home: Geodetic) -> Item:
     return Item(Command.NAV_WAYPOINT, Frame.GLOBAL, (0.0,) * 4, home.latitude_deg, home.longitude_deg, home.altitude)
 
 
-def as_stored(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
+def as_stored(items: Sequence[Item], autopilot: Autopilot, version: Version | None = None) -> tuple[Item, ...]:
     """What reading back is known to give for items sent (mission, fence or rally), frames without their `_INT`.
 
     ArduPilot answers with its own home as item 0 of a mission: that one is given as sent. Floats are as MAVLink
     carries them, single precision; an item that the firmware does not know stays as it is.
+    `version`: left out, the newest.
     """
-    return tuple(_stored(item, FIRMWARE[autopilot]) for item in items)
+    own = firmware(autopilot, version)
+    return tuple(_stored(item, own) for item in items)
 
 
 @dataclass(frozen=True)
@@ -88,20 +91,24 @@ class Difference:
         return f"{place}: {self.field}: sent {self.sent}, the vehicle holds {self.got}"
 
 
-def compare(sent: Sequence[Item], got: Sequence[Item], autopilot: Autopilot) -> Difference | None:
+def compare(
+    sent: Sequence[Item], got: Sequence[Item], autopilot: Autopilot, version: Version | None = None
+) -> Difference | None:
     """The first difference between a list sent and the list read back, beyond what the firmware is known to change.
 
     Both as on the wire. A field agrees if it is as sent or as this firmware stores it; positions to the last degE7.
+    `version` of the firmware: left out, an item agrees that any version would store so.
     ArduPilot's item 0 is its own home and not compared.
     """
-    firmware = FIRMWARE[autopilot]
+    versions = (version,) if version else [Version(*series) for series in reversed(series_known(autopilot))]
+    newest, *older = (firmware(autopilot, one) for one in versions)
     if len(sent) != len(got):
         return Difference(None, "number of items", str(len(sent)), str(len(got)))
     for seq, (one, other) in enumerate(zip(sent, got, strict=True)):
-        if seq == 0 and firmware.home_is_item_0 and _is_home(one) and one.command == other.command:
+        if seq == 0 and newest.home_is_item_0 and _is_home(one) and one.command == other.command:
             continue
-        difference = _first_difference(one, other, firmware)
-        if difference:
+        difference = _first_difference(one, other, newest)
+        if difference and all(_first_difference(one, other, own) for own in older):
             return Difference(seq, *difference)
     return None
 
@@ -111,10 +118,10 @@ def _spoken(item: Item, firmware: Firmware) -> Item:
         item = replace(item, params=(item.params[0] - 1.0, *item.params[1:]))
     if item.command not in firmware.placed and item.command in firmware.plain:
         item = replace(item, frame=int(Frame.MISSION))
-    if firmware.takes_nan_param4 is None:
+    if firmware.takes_nan is None:
         return item
-    own = 4 if item.command not in firmware.takes_nan_param4 else 3
-    params = [0.0 if math.isnan(p) and n < own else p for n, p in enumerate(item.params)]
+    own = firmware.takes_nan.get(item.command, frozenset())
+    params = [0.0 if math.isnan(p) and n not in own else p for n, p in enumerate(item.params, start=1)]
     return replace(item, params=(params[0], params[1], params[2], params[3]))
 
 
@@ -166,6 +173,11 @@ def _radius(value: float) -> float:
     return math.copysign(size if size <= 255 else 10.0 * min(size // 10, 255), value)
 
 
+def _half(value: float) -> float:
+    with np.errstate(over="ignore"):
+        return float(np.float16(value))
+
+
 KEEP: Mapping[str, Callable[[float], float]] = {
     ".": _single,
     "-": lambda value: 0.0,
@@ -178,6 +190,7 @@ KEEP: Mapping[str, Callable[[float], float]] = {
     "d": lambda value: _deg_e7(value) / 1e7,
     "t": _turns,
     "r": _radius,
+    "h": _half,
 }
 
 
@@ -185,7 +198,7 @@ def _stored(item: Item, firmware: Firmware) -> Item:
     rows = firmware.kept(item.command, item.frame)
     if rows is None:
         return item
-    p1, p2, p3, p4, p5, p6, p7 = (KEEP[letter](value) for letter, value in zip(rows, _values(item), strict=True))
+    p1, p2, p3, p4, p5, p6, p7 = (KEEP[letter](value) for letter, value in zip(rows, values_of(item), strict=True))
     command = firmware.renames.get(item.command, item.command)
     autocontinue = item.autocontinue if firmware.keeps_autocontinue else True
     return Item(command, _stored_frame(item, firmware), (p1, p2, p3, p4), p5, p6, p7, autocontinue)
@@ -209,7 +222,7 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
     if plain_frame(got.frame) not in (stored.frame, plain_frame(sent.frame)):
         return "frame", str(sent.frame), str(got.frame)
     letters = firmware.kept(sent.command, sent.frame) or UNKNOWN
-    for name, letter, was, kept, now in zip(FIELDS, letters, *map(_values, (sent, stored, got)), strict=True):
+    for name, letter, was, kept, now in zip(FIELDS, letters, *map(values_of, (sent, stored, got)), strict=True):
         if not (_agree(letter, kept, now) or _agree(letter, was, now)):
             return name, f"{was:.10g}", f"{now:.10g}"
     is_flown = sent.command not in firmware.fence and sent.command not in firmware.rally
@@ -222,7 +235,8 @@ FIELDS = ("param1", "param2", "param3", "param4", "latitude", "longitude", "alti
 UNKNOWN = "....dd."  # of a command that is in no table: nothing is known to change
 
 
-def _values(item: Item) -> tuple[float, ...]:
+def values_of(item: Item) -> tuple[float, ...]:
+    """param1 to param7."""
     return (*item.params, item.latitude_deg, item.longitude_deg, item.altitude)
 
 

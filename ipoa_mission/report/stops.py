@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.commands import Command, short_name
+from ipoa_mission.commands import WAYPOINTS, Command, short_name
 from ipoa_mission.geometry import Points, Vector, polyline_length
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.itinerary.legs import item_places
@@ -15,7 +15,7 @@ from ipoa_mission.routing.prove_route import cruise
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate, ItemTime
 
-MOVING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_TAKEOFF})
+MOVING = WAYPOINTS | {Command.NAV_TAKEOFF}
 HERE = 0.5  # a leg shorter than this over ground has no heading [m]
 
 
@@ -84,6 +84,8 @@ def _words(item: Item) -> str:
             return f"waypoint{near}{hold}"
         case Command.NAV_SPLINE_WAYPOINT:
             return f"spline waypoint{hold}"
+        case Command.NAV_ARC_WAYPOINT:
+            return f"arc of {item.params[0]:g} degrees"
         case Command.NAV_RETURN_TO_LAUNCH:
             return "return to launch"
         case Command.NAV_LAND:

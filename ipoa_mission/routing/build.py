@@ -77,6 +77,7 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         parameters=scenario.vehicle.autopilot_parameters(),
         vehicle=scenario.vehicle.learned,
         ground=ground_of(scenario),
+        firmware_version=scenario.vehicle.version,
     )
 
 

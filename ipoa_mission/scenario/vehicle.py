@@ -5,10 +5,12 @@ from typing import Annotated
 
 from pydantic import Field, PrivateAttr, StringConstraints, ValidationInfo, field_validator, model_validator
 
+from ipoa_mission.autopilots.firmware import expect_known_version
 from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot, Parameters
+from ipoa_mission.autopilots.version import Version
 from ipoa_mission.energy.flight import Battery
 from ipoa_mission.energy.power import KAPPA, Airframe
 from ipoa_mission.errors import BadInput
@@ -69,6 +71,8 @@ class VehicleSection(Section):
 
     autopilot: Autopilot = Autopilot.PX4
     """The firmware that the mission is written and its time predicted for."""
+    firmware_version: str | None = None
+    """Its version, like "1.18": by its tables a plan is checked; left out, the newest that is known."""
     radius: NotNegative = 0.5
     """Radius of a ball that holds the whole vehicle [m]."""
     cruise_speed: Positive = 5.0
@@ -95,11 +99,26 @@ class VehicleSection(Section):
             raise ValueError(f"{error}; {error.hint}" if error.hint else str(error)) from error
         return parameters
 
+    @field_validator("firmware_version")
+    @classmethod
+    def _with_a_table(cls, text: str | None, info: ValidationInfo) -> str | None:
+        try:
+            if text is not None:
+                expect_known_version(info.data.get("autopilot", Autopilot.PX4), Version.parsed(text))
+        except BadInput as error:
+            raise ValueError(str(error)) from error
+        return text
+
     @model_validator(mode="after")
     def _battery_has_an_airframe(self) -> "VehicleSection":
         if self.battery is not None and self.airframe is None:
             raise ValueError("expected an airframe with the battery")
         return self
+
+    @property
+    def version(self) -> Version | None:
+        """The firmware's version, where the scenario names one."""
+        return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 
     @property
     def learned(self) -> LearnedVehicle | None:

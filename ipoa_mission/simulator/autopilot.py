@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.autopilots.vehicle import Parameters
+from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import Command, Order
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
@@ -19,7 +20,7 @@ from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.flight import Flight, FlightMode
 from ipoa_mission.simulator.judgement import infeasibility
 from ipoa_mission.simulator.parameters import ParameterTable
-from ipoa_mission.simulator.personality import PERSONALITIES
+from ipoa_mission.simulator.personality import personality
 from ipoa_mission.simulator.transfers import Transfers
 from ipoa_mission.world.frame import Geodetic
 
@@ -46,13 +47,14 @@ class Autopilot(Commander):
         nak_at: int | None = None,
         seed: int = 0,
         conditions: Conditions = USUAL,
+        version: Version | None = None,
     ) -> None:
         """`cold`: it is powered up now, and has no position for a while; else it has stood there for long.
 
         `seed` picks the errors of the sensors it flies by. The item of number `nak_at` is refused; such a vehicle takes
-        no mission as a file, in which no item can be refused.
+        no mission as a file, in which no item can be refused. `version` of the firmware: left out, the one measured.
         """
-        habits = PERSONALITIES[family]
+        habits = personality(family, version)
         self.table = ParameterTable(family, parameters or {})
         flight = Flight(family, home, self.table.values, conditions, seed=seed)
         transfers = Transfers(habits, lambda: flight.home, self._say, self._listed, nak_at)
@@ -132,7 +134,7 @@ class Autopilot(Commander):
         items = self.transfers.listed(MissionType.MISSION)[self._first :]
         self._unflyable = None
         if self.habits.judges_after_ack and items:
-            self._unflyable = infeasibility(items, self.flight.home, self.table.values)
+            self._unflyable = infeasibility(self.habits.firmware, items, self.flight.home, self.table.values)
         if self._unflyable:
             self._text(CRITICAL, f"{self._unflyable.words}\t")  # the tab: an event says the same
             number, arguments = mission_event(self._unflyable.event, *self._unflyable.values)
@@ -175,7 +177,7 @@ class Autopilot(Commander):
         if number == PROTOCOL_VERSION and self.habits.protocol is not None:
             return telemetry.ProtocolVersion(*self.habits.protocol)
         if number == AUTOPILOT_VERSION:
-            return telemetry.AutopilotVersion(self.habits.capabilities, self.habits.version, uid=1)
+            return telemetry.AutopilotVersion(self.habits.capabilities, self.habits.version.number, uid=1)
         return self._stream(message_name(number) or "")
 
     def can_tell(self, number: float) -> CommandResult:

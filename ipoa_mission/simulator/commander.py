@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from ipoa_mission.autopilots.modes import knows_mode, mode_name, px4_mode
-from ipoa_mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, Command, Frame
+from ipoa_mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, WAYPOINTS, Frame
 from ipoa_mission.link.codec import EVERYONE
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
 from ipoa_mission.simulator.flight import FlightMode, MissionState
@@ -228,7 +228,7 @@ class Commander(Reporting):
             self._start()
         else:
             at = self._flown[self.flight.current].command if self.flight.mode is FlightMode.MISSION else None
-            if at not in (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT):
+            if at not in WAYPOINTS:
                 return FAILED
             self._idle_mode = self._mission_mode
             self.flight.hold()

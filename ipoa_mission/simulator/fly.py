@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ipoa_mission.autopilots.firmware import firmware
 from ipoa_mission.autopilots.parameters import expect_known
 from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Parameters
 from ipoa_mission.items import Mission
@@ -59,7 +60,16 @@ def board(
     expect_known(parameters, mission.autopilot)
     values = mission.with_parameters(parameters).parameters
     flown_in = Conditions(wind, mission.ground, mission.vehicle)
-    autopilot = Autopilot(mission.autopilot, mission.home, values, nak_at=faults.nak_at, seed=seed, conditions=flown_in)
+    version = mission.firmware_version or firmware(mission.autopilot).version
+    autopilot = Autopilot(
+        mission.autopilot,
+        mission.home,
+        values,
+        nak_at=faults.nak_at,
+        seed=seed,
+        conditions=flown_in,
+        version=version,
+    )
     station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)

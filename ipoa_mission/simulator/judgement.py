@@ -1,71 +1,30 @@
 """What each firmware says to one item that is handed to it, and to a whole mission after it has stored it."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.autopilots.firmware import Firmware
+from ipoa_mission.autopilots.refusal import refused, refused_in_fence, refused_in_rally
+from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item
 from ipoa_mission.link.messages import MissionType, Result
+from ipoa_mission.mission.firmware import values_of
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-Judge = Callable[[Item, int, int], Result]
 
-_PARAM_RESULTS = (Result.INVALID_PARAM1, Result.INVALID_PARAM2, Result.INVALID_PARAM3, Result.INVALID_PARAM4)
-_FENCE_OR_RALLY = frozenset({5000, 5001, 5002, 5003, 5004, 5100})
-
-
-def judge_ardupilot(item: Item, kind: int, count: int) -> Result:
-    """ArduCopter's result for an item of a list of `count`; the order of its checks matters."""
-    facts = FIRMWARE[Autopilot.ARDUPILOT]
-    if kind != MissionType.MISSION:
-        commands = facts.fence if kind == MissionType.FENCE else facts.rally
-        return _position(item) if item.command in commands else Result.UNSUPPORTED
-    if item.command in (0, 1):
-        return Result.INVALID
-    if item.command not in facts.placed and item.command not in facts.plain:
-        return Result.UNSUPPORTED
-    takes_nan = 3 if item.command in (facts.takes_nan_param4 or ()) else None
-    for n, (value, result) in enumerate(zip(item.params, _PARAM_RESULTS, strict=True)):
-        if math.isinf(value) or (math.isnan(value) and n != takes_nan):
-            return result
-    if item.command == Command.DO_JUMP and not 0 < item.params[0] < count:
-        return Result.ERROR
-    if item.command not in facts.placed:
-        return Result.ACCEPTED
-    if item.frame not in facts.frames:
-        return Result.UNSUPPORTED_FRAME
-    return _position(item)
-
-
-def _position(item: Item) -> Result:
-    if not abs(item.latitude_deg) <= 90.0:
-        return Result.INVALID_PARAM5_X
-    if not abs(item.longitude_deg) <= 180.0:
-        return Result.INVALID_PARAM6_Y
-    return Result.ACCEPTED if item.altitude < FIRMWARE[Autopilot.ARDUPILOT].highest_altitude else Result.INVALID_PARAM7
-
-
-def judge_px4(item: Item, kind: int, count: int) -> Result:
-    """PX4's result for an item: commands and frames only, no position is ever looked at."""
-    facts = FIRMWARE[Autopilot.PX4]
-    if kind != MissionType.MISSION:
-        commands = facts.fence if kind == MissionType.FENCE else facts.rally
-        return Result.ACCEPTED if item.command in commands else Result.ERROR
-    if item.frame not in facts.frames:
-        return Result.UNSUPPORTED_FRAME
-    if item.command in _FENCE_OR_RALLY:
-        return Result.ERROR
-    table = facts.plain if item.frame == Frame.MISSION else facts.placed
-    return Result.ACCEPTED if item.command in table else Result.UNSUPPORTED
-
-
-JUDGES: Mapping[Autopilot, Judge] = {Autopilot.ARDUPILOT: judge_ardupilot, Autopilot.PX4: judge_px4}
-
-#: Commands that PX4 stores but that its mission check then finds no vehicle able to fly.
-_STORED_BUT_NOT_FLOWN = frozenset({400, 187, 112, 114, 241, 534, 2510})
+def judge(firmware: Firmware, item: Item, kind: int, count: int) -> Result:
+    """The firmware's result for an item of a list of `count`."""
+    about = firmware, item.command, item.frame, values_of(item)
+    match kind:
+        case MissionType.FENCE:
+            wrong = refused_in_fence(*about)
+        case MissionType.RALLY:
+            wrong = refused_in_rally(*about)
+        case _:
+            wrong = refused(*about, count)
+    return Result.ACCEPTED if wrong is None else Result[wrong.result]
 
 
 @dataclass(frozen=True)
@@ -77,14 +36,16 @@ class Infeasible:
     values: tuple[float, ...] = ()
 
 
-def infeasibility(items: Sequence[Item], home: Geodetic, parameters: Parameters) -> Infeasible | None:
+def infeasibility(
+    firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
+) -> Infeasible | None:
     """PX4's verdict after the Ack; None where the mission can be flown."""
     radius = parameters["NAV_ACC_RAD"]
     needs_takeoff = int(parameters.get("MIS_TKO_LAND_REQ", 0.0)) in (1, 3)
     first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)
     has_position = has_takeoff = False
     for seq, item in enumerate(items):
-        if item.command in _STORED_BUT_NOT_FLOWN:
+        if item.command in firmware.never_flown:
             words = f"Mission rejected: item {seq + 1}: unsupported cmd: {item.command}"
             return Infeasible(words, "unsup_cmd", (seq + 1, item.command))
         if seq == 0 and item.command == Command.NAV_LAND:

@@ -1,15 +1,17 @@
 """The measured habits of ArduCopter 4.7 and PX4 1.17 in the mission service, one field a habit, as data.
 
-What each firmware stores and drops is in `autopilots.firmware`; how it judges an item in `judgement`.
+What each version takes and stores is in `autopilots.firmware`, why it refuses an item in `autopilots.refusal`.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.autopilots.firmware import NO_VERSION, firmware
+from ipoa_mission.autopilots.firmware import Firmware as Tables
 from ipoa_mission.autopilots.modes import px4_mode
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.version import MEASURED, Version
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import CommandResult, Firmware, MissionType, Result
@@ -98,14 +100,19 @@ class Personality:
     no_such_interval: tuple[int, int]  # what MESSAGE_INTERVAL says of such a message, and the COMMAND_ACK with it
     base_mode: int  # HEARTBEAT.base_mode while disarmed
     capabilities: int  # AUTOPILOT_VERSION: what of MAV_PROTOCOL_CAPABILITY it has, and this stand-in does
-    version: int  # AUTOPILOT_VERSION.flight_sw_version: major, minor, patch, type
     protocol: tuple[int, int, int] | None  # PROTOCOL_VERSION: in use, least, most; None: it does not know the message
     stream_groups: Mapping[int, frozenset[str]]  # what each MAV_DATA_STREAM of REQUEST_DATA_STREAM turns on and off
+    version: Version = NO_VERSION  # what it says that it is
+
+    @property
+    def firmware(self) -> Tables:
+        """What it takes in a list, and what it keeps of it."""
+        return firmware(self.autopilot, self.version)
 
     @property
     def limits(self) -> Mapping[int, int]:
         """How many items each list holds."""
-        facts = FIRMWARE[self.autopilot]
+        facts = self.firmware
         return {
             MissionType.MISSION: facts.max_items,
             MissionType.FENCE: facts.max_fence_items,
@@ -115,7 +122,7 @@ class Personality:
     @property
     def home_is_item_0(self) -> bool:
         """Whether the list begins with home, as the vehicle knows it."""
-        return FIRMWARE[self.autopilot].home_is_item_0
+        return self.firmware.home_is_item_0
 
 
 def _asks_every(seconds: float, give_up_s: float) -> Patience:
@@ -177,7 +184,6 @@ ARDUCOPTER = Personality(
     no_such_interval=(0, CommandResult.FAILED),
     base_mode=81,
     capabilities=_SPOKEN | _FTP,
-    version=0x04070000,
     protocol=None,
     stream_groups={
         2: frozenset({"SYS_STATUS", "MISSION_CURRENT", "GPS_RAW_INT"}),
@@ -263,9 +269,13 @@ PX4 = Personality(
     no_such_interval=(-1, CommandResult.ACCEPTED),
     base_mode=29,
     capabilities=_SPOKEN | _BYTEWISE,
-    version=0x01110080,
     protocol=(200, 100, 203),
     stream_groups={},
 )
 
 PERSONALITIES: Mapping[Autopilot, Personality] = {Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4}
+
+
+def personality(autopilot: Autopilot, version: Version | None = None) -> Personality:
+    """The habits of a version: what it takes by its own tables, all else as measured; None: the version measured."""
+    return replace(PERSONALITIES[autopilot], version=version or MEASURED[autopilot])

@@ -19,6 +19,7 @@ from ipoa_mission.simulator.transfers import Transfers
 _NAMES: Mapping[int, str] = {
     Command.NAV_WAYPOINT: "WP",
     Command.NAV_SPLINE_WAYPOINT: "SplineWP",
+    Command.NAV_ARC_WAYPOINT: "ArcWP",
     Command.NAV_RETURN_TO_LAUNCH: "RTL",
     Command.NAV_LOITER_UNLIM: "LoitUnlim",
     Command.NAV_LOITER_TIME: "LoitTime",

@@ -1,6 +1,6 @@
 """One of the three lists that a vehicle keeps: replaced as a whole when a transfer is complete, or item by item."""
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.firmware import Firmware
 from ipoa_mission.items import Item
 from ipoa_mission.mission.firmware import as_stored
 
@@ -8,8 +8,8 @@ from ipoa_mission.mission.firmware import as_stored
 class Store:
     """A list; `truncating`: the old items go when a transfer begins, and a broken one leaves a mixture."""
 
-    def __init__(self, autopilot: Autopilot, truncating: bool) -> None:
-        self._autopilot = autopilot
+    def __init__(self, firmware: Firmware, truncating: bool) -> None:
+        self._firmware = firmware
         self._truncating = truncating
         self._incoming: list[Item] = []
         self.items: tuple[Item, ...] = ()
@@ -22,7 +22,7 @@ class Store:
 
     def keep(self, seq: int, item: Item) -> None:
         """Item `seq` has come; items come in order."""
-        (kept,) = as_stored((item,), self._autopilot)
+        (kept,) = as_stored((item,), self._firmware.autopilot, self._firmware.version)
         if self._truncating:
             self.items = (*self.items[:seq], kept, *self.items[seq + 1 :])
         else:

@@ -32,7 +32,7 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.firmware import home_item
-from ipoa_mission.simulator.judgement import JUDGES
+from ipoa_mission.simulator.judgement import judge
 from ipoa_mission.simulator.personality import Answer, Personality
 from ipoa_mission.simulator.store import Store
 from ipoa_mission.world.frame import Geodetic
@@ -68,7 +68,7 @@ class Transfers:
         nak_at: int | None = None,
     ) -> None:
         self.booted = False
-        self.stores = {kind: Store(personality.autopilot, kind in personality.truncating) for kind in KINDS}
+        self.stores = {kind: Store(personality.firmware, kind in personality.truncating) for kind in KINDS}
         self._habits = personality
         self._home = home
         self._say = say
@@ -135,8 +135,7 @@ class Transfers:
     def replace(self, items: tuple[Item, ...]) -> bool:
         """Take a whole mission at once, from a file: every item is judged before one is stored."""
         kind = MissionType.MISSION
-        judge = JUDGES[self._habits.autopilot]
-        results = [judge(item, kind, len(items)) for item in items]
+        results = [judge(self._habits.firmware, item, kind, len(items)) for item in items]
         if not self.booted or self._slot(kind) in self._incoming or len(items) > self._habits.limits[kind]:
             return False
         if any(result != Result.ACCEPTED for result in results):
@@ -200,10 +199,10 @@ class Transfers:
         self._flush(incoming)
 
     def _taker(self, kind: int, count: int) -> Callable[[int, ItemAt], int]:
-        judge = JUDGES[self._habits.autopilot]
+        firmware = self._habits.firmware
 
         def take(seq: int, heard: ItemAt) -> int:
-            result = Result.ERROR if seq == self._nak_at else judge(heard.item, kind, count)
+            result = Result.ERROR if seq == self._nak_at else judge(firmware, heard.item, kind, count)
             if result == Result.ACCEPTED:
                 self.stores[MissionType(kind)].keep(seq, heard.item)
                 self._incoming[self._slot(kind)].received += 1

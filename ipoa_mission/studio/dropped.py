@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.commands import Command
+from ipoa_mission.commands import WAYPOINTS, Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.items import FencePolygon, Item, Mission
@@ -17,7 +17,7 @@ from ipoa_mission.studio.requests import Change, Put, Shift
 LARGEST = 200_000_000  # of a file [bytes]
 MISSIONS = (".plan", ".waypoints")
 MODELS = (".tif", ".tiff", ".hgt")
-PLACES = (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_TAKEOFF, Command.NAV_LAND)
+PLACES = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
 
 
 def keep(name: str, content: bytes, folder: Path) -> Path:

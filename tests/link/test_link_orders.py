@@ -85,11 +85,11 @@ def test_home_is_asked_for_until_it_comes_or_is_unknown() -> None:
 
 
 def test_capabilities_are_nothing_where_they_are_not_told() -> None:
-    assert lead(orders.capabilities(), [BEAT, AutopilotVersion(36)]).result == 36
-    assert lead(orders.capabilities(), [CommandAck(512, 0), AutopilotVersion(36)]).result == 36
-    assert lead(orders.capabilities(), [CommandAck(512, 0)]).result == 0
-    assert lead(orders.capabilities(), [CommandAck(512, 3)]).result == 0
-    assert lead(orders.capabilities()).result == 0
+    assert lead(orders.about(), [BEAT, AutopilotVersion(36)]).result.capabilities == 36
+    assert lead(orders.about(), [CommandAck(512, 0), AutopilotVersion(36)]).result.capabilities == 36
+    assert lead(orders.about(), [CommandAck(512, 0)]).result.capabilities == 0
+    assert lead(orders.about(), [CommandAck(512, 3)]).result.capabilities == 0
+    assert lead(orders.about()).result.capabilities == 0
 
 
 def test_streams_are_asked_for_by_name() -> None:

@@ -52,16 +52,17 @@ SAID: dict[str, tuple[Mission, list[str]]] = {
     "nothing to do": (flight(), ["error: the mission: expected at least one item, but there is none"]),
     "spline on px4": (
         flight(UP, spline_waypoint(NORTH, 20.0), DOWN),
-        ["error: item 2 (NAV_SPLINE_WAYPOINT): PX4 does not take NAV_SPLINE_WAYPOINT"],
+        ["error: item 2 (NAV_SPLINE_WAYPOINT): PX4 1.18 does not take NAV_SPLINE_WAYPOINT"],
     ),
     "unknown command": (
         flight(UP, Item(31999, 2), DOWN, autopilot=ARDUPILOT),
-        ["error: item 2 (command 31999): ArduPilot does not take command 31999"],
+        ["error: item 2 (command 31999): ArduPilot 4.7 does not take command 31999"],
     ),
     "fence item in the mission": (
         flight(UP, Item(5001, 0), DOWN),
         [
-            "error: item 2 (NAV_FENCE_POLYGON_VERTEX_INCLUSION): PX4 does not take NAV_FENCE_POLYGON_VERTEX_INCLUSION "
+            "error: item 2 (NAV_FENCE_POLYGON_VERTEX_INCLUSION): PX4 1.18 does not take "
+            "NAV_FENCE_POLYGON_VERTEX_INCLUSION "
             "in a mission: it belongs into the fence or rally list"
         ],
     ),

@@ -37,6 +37,7 @@ from ipoa_mission.dynamics.copter.steps import SAMPLE_STEPS
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import LEVEL, Ground, Item
+from ipoa_mission.itinerary.copter_arc import turn_of
 from ipoa_mission.itinerary.program import Place, Program, is_passed
 from ipoa_mission.wind import CALM, Wind
 
@@ -61,13 +62,15 @@ SETTLED = 10.0  # a hold that lasts longer changes nothing more [s]
 class Stop(NamedTuple):
     """Where to fly: straight, or on a `spline` that leaves towards the place `after` it (True: by another spline).
 
-    `stays`: the copter is to stand there, and not only to have been there; before 4.0 that makes a difference.
+    A `turn` [rad], clockwise positive, makes the way an arc. `stays`: the copter is to stand there, and not only to
+    have been there; before 4.0 that makes a difference.
     """
 
     place: Place
     spline: bool = False
     after: tuple[Place, bool] | None = None
     stays: bool = True
+    turn: float = 0.0
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
@@ -75,7 +78,7 @@ def stop_at(program: Program, n: int, here: Place) -> Stop:
     place, spline = program.place(n, here), program.items[n].command == Command.NAV_SPLINE_WAYPOINT
     onward, stays = program.onward(n) if spline else None, not is_passed(program.items[n])
     if onward is None:
-        return Stop(place, spline, stays=stays)
+        return Stop(place, spline, stays=stays, turn=turn_of(program.items[n]))
     after = program.place(onward, place), program.items[onward].command == Command.NAV_SPLINE_WAYPOINT
     return Stop(place, spline, after, stays)
 
@@ -217,7 +220,7 @@ class Copter:
     def _leg(self, stop: Stop, origin: Place, previous: Leg) -> Leg:
         """The leg to `stop` from `origin`, flown into from `previous` unless that is nothing."""
         if not stop.spline or math.dist(origin, stop.place) < SAME_PLACE:
-            return straight_leg(origin, stop.place, self.speeds, self.limits)
+            return straight_leg(origin, stop.place, self.speeds, self.limits, turn=stop.turn)
         return spline_leg(origin, stop.place, previous, stop.after, self.speeds, self.limits)
 
     def _as_begun(self, planned: Leg) -> Leg:
@@ -226,7 +229,7 @@ class Copter:
         enter = self.state.speed if self._before is NO_LEG else 0.0  # out of a spline a leg starts at its speed
         if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
             return at_speeds(planned, self.speeds, elapsed, self.limits)
-        return straight_leg(planned.origin, planned.target, self.speeds, self.limits, enter=enter)
+        return straight_leg(planned.origin, planned.target, self.speeds, self.limits, enter=enter, turn=planned.turn)
 
     def _begin(self, this: Leg, following: Leg = NO_LEG) -> None:
         self.this, self.following, self.passed = this, following, False
@@ -247,7 +250,7 @@ class Copter:
         match item.command:
             case Command.NAV_LOITER_UNLIM:
                 return math.inf
-            case Command.NAV_LOITER_TO_ALT:  # only the way there is modeled
+            case Command.NAV_LOITER_TO_ALT | Command.NAV_ARC_WAYPOINT:  # of the one only the way there is modeled
                 return 0.0
             case Command.NAV_LOITER_TURNS:
                 radius = abs(item.params[2]) or self.limits.circle_radius

@@ -7,6 +7,7 @@ from ipoa_mission.autopilots.ardupilot import CopterLimits
 from ipoa_mission.dynamics.copter.motion import HOLD, SPLINE, STRAIGHT, ZERO, Bounds, Leg, Vector
 from ipoa_mission.dynamics.copter.scurve import AT_REST, Limits, change, profile
 from ipoa_mission.dynamics.copter.steps import along_limit, bend
+from ipoa_mission.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
 from ipoa_mission.itinerary.copter_spline import cubic, minus, spline_tangents
 from ipoa_mission.itinerary.program import Place
 
@@ -29,13 +30,31 @@ def limits_along(origin: Place, target: Place, speeds: Bounds, copter: CopterLim
 
 @lru_cache(maxsize=256)  # a route that is tried differs from the last in one waypoint
 def straight_leg(
-    origin: Place, target: Place, speeds: Bounds, copter: CopterLimits, enter: float = 0.0, leave: float = 0.0
+    origin: Place,
+    target: Place,
+    speeds: Bounds,
+    copter: CopterLimits,
+    enter: float = 0.0,
+    leave: float = 0.0,
+    turn: float = 0.0,
 ) -> Leg:
-    """A straight leg; it starts and ends at rest, or next to a spline at the speeds given."""
+    """A straight leg, or with a `turn` [rad] an arc; it begins and ends at rest, or next to a spline at a speed."""
     leg = _leg(STRAIGHT, origin, target, speeds)
     if leg.length <= ZERO_LENGTH:
         return leg
-    return leg._replace(profile=profile(leg.length, limits_along(origin, target, speeds, copter), enter, leave))
+    if is_arc(origin, target, turn):
+        center = Vector(*arc_center(origin, target, turn), 0.0)
+        leg = leg._replace(turn=turn, center=center, length=arc_length(origin, target, turn))
+    return leg._replace(profile=profile(leg.length, _limits_of(leg, copter), enter, leave))
+
+
+def _limits_of(leg: Leg, copter: CopterLimits) -> Limits:
+    """The limits along its chord; on an arc the corner acceleration bounds the level speed."""
+    speeds = leg.speeds
+    if leg.turn != 0.0:
+        radius = arc_radius(leg.origin, leg.target, leg.turn)
+        speeds = speeds._replace(level=min(speeds.level, math.sqrt(copter.corner_accel * radius)))
+    return limits_along(leg.origin, leg.target, speeds, copter)
 
 
 def spline_leg(
@@ -76,7 +95,7 @@ def joined(this: Leg, following: Leg, copter: CopterLimits) -> Leg:
     speed = _speed_at(following, 0.0)
     if this.kind == SPLINE:
         return this._replace(leave=min(speed, _speed_at(this, 1.0)))
-    return straight_leg(this.origin, this.target, this.speeds, copter, leave=speed)
+    return straight_leg(this.origin, this.target, this.speeds, copter, leave=speed, turn=this.turn)
 
 
 def at_speeds(leg: Leg, speeds: Bounds, elapsed: float, copter: CopterLimits) -> Leg:
@@ -86,8 +105,7 @@ def at_speeds(leg: Leg, speeds: Bounds, elapsed: float, copter: CopterLimits) ->
     changed = leg._replace(speeds=speeds)
     if leg.kind == SPLINE or leg.profile is AT_REST:
         return changed
-    limits = limits_along(leg.origin, leg.target, speeds, copter)
-    return changed._replace(profile=change(leg.profile, elapsed, leg.length, limits))
+    return changed._replace(profile=change(leg.profile, elapsed, leg.length, _limits_of(changed, copter)))
 
 
 def _leg(kind: float, origin: Place, target: Place, speeds: Bounds) -> Leg:

@@ -51,6 +51,7 @@ class Leg(NamedTuple):
     """From `origin` to `target` at up to `speeds`: straight with a `profile`, along a `cubic`, or straight up or down.
 
     A spline keeps `accel` and leaves at up to `leave` [m/s]; its `tangents` are those of its ends. A HOLD `lasts` [s].
+    A straight leg with a `turn` [rad] is an arc: by so much it turns around its `center`, clockwise positive.
     """
 
     kind: float
@@ -65,6 +66,8 @@ class Leg(NamedTuple):
     accel: Bounds = Bounds(0.0, 0.0, 0.0)
     leave: float = 0.0
     lasts: float = 0.0
+    turn: float = 0.0
+    center: Vector = ZERO
 
 
 NO_LEG = Leg(NOTHING, ZERO, ZERO, ZERO, 0.0, Bounds(0.0, 0.0, 0.0))
@@ -202,7 +205,7 @@ _VECTOR, _BOUNDS, _SEGMENT, _TUNING = (_numbers(*kind._fields) for kind in (Vect
 _STATE, _SAMPLE = (_numbers(*(field.name for field in fields(kind))) for kind in (State, Sample))
 _PROFILE = np.dtype([("segments", _SEGMENT, (MOST_SEGMENTS,)), *_numbers(*Profile._fields[1:]).descr])
 _OF_A_LEG = {
-    **dict.fromkeys(("origin", "target", "direction"), (_VECTOR,)),
+    **dict.fromkeys(("origin", "target", "direction", "center"), (_VECTOR,)),
     **dict.fromkeys(("speeds", "accel"), (_BOUNDS,)),
     "profile": (_PROFILE,),
     "cubic": (_VECTOR, (4,)),
@@ -224,7 +227,7 @@ def flat(leg: Leg) -> Numbers:
     missing = MOST_SEGMENTS - len(segments)
     numbers = [leg.kind, *leg.origin, *leg.target, *leg.direction, leg.length, *leg.speeds]
     numbers += [*chain(*segments, _NO_SEGMENT * missing), *rest, *chain(*leg.cubic, *leg.tangents)]
-    return np.array([*numbers, *leg.accel, leg.leave, leg.lasts])
+    return np.array([*numbers, *leg.accel, leg.leave, leg.lasts, leg.turn, *leg.center])
 
 
 def packed_legs(legs: Sequence[Numbers]) -> Any:

@@ -118,6 +118,14 @@ def clock_step(state: State, tuning: Tuning) -> float:
 def add_leg(state: State, leg: Leg, t: float, way_back: float) -> None:
     """Add the motion along a straight leg to the target's; `way_back` is where its way counts from [m]."""
     a, v, s = along(leg, t)
+    if leg.turn != 0.0:
+        (x, y, z), (vx, vy, vz), (ax, ay) = on_arc(leg, a, v, s)
+        if way_back > 0.0:
+            x, y, z = x - leg.target.x + leg.origin.x, y - leg.target.y + leg.origin.y, z - leg.target.z + leg.origin.z
+        state.target_x, state.aim_x, state.push_x = state.target_x + x, state.aim_x + vx, state.push_x + ax
+        state.target_y, state.aim_y, state.push_y = state.target_y + y, state.aim_y + vy, state.push_y + ay
+        state.target_z, state.aim_z = state.target_z + z, state.aim_z + vz
+        return
     s -= way_back
     way = leg.direction
     state.target_x, state.aim_x, state.push_x = (
@@ -134,11 +142,32 @@ def add_leg(state: State, leg: Leg, t: float, way_back: float) -> None:
 
 
 @jit
+def on_arc(leg: Leg, a: float, v: float, s: float) -> tuple[Triple, Triple, tuple[float, float]]:
+    """Way from the origin of an arc, velocity, and level acceleration, where a leg has these along its way."""
+    east, north = leg.origin.x - leg.center.x, leg.origin.y - leg.center.y
+    angle = leg.turn * s / leg.length
+    sine, cosine = math.sin(angle), math.cos(angle)
+    x, y = east * cosine + north * sine, north * cosine - east * sine
+    radius = math.sqrt(east * east + north * north)
+    side = 1.0 if leg.turn > 0.0 else -1.0
+    rise = (leg.target.z - leg.origin.z) / leg.length
+    share = side / (radius * math.sqrt(1.0 + rise * rise))
+    inward = (v / radius) ** 2
+    return (
+        (x - east, y - north, s * rise),
+        (v * share * y, -v * share * x, v * rise / math.sqrt(1.0 + rise * rise)),
+        (a * share * y - inward * x, -a * share * x - inward * y),
+    )
+
+
+@jit
 def turn_is_gentle(this: Leg, following: Leg, elapsed: float, tuning: Tuning) -> bool:
     """Whether the next leg may begin now: the middle of the overlap lies within radius and corner acceleration."""
     half = (this.profile.lasts - elapsed) / 2
-    a, _, s = along(this, elapsed + half)
-    a2, _, s2 = along(following, half)
+    a, v, s = along(this, elapsed + half)
+    a2, v2, s2 = along(following, half)
+    if this.turn != 0.0 or following.turn != 0.0:
+        return arcs_turn_gently(this, following, (a, v, s), (a2, v2, s2), tuning)
     s -= this.length
     one, two = this.direction, following.direction
     x, y, z = s * one.x + s2 * two.x, s * one.y + s2 * two.y, s * one.z + s2 * two.z
@@ -146,6 +175,30 @@ def turn_is_gentle(this: Leg, following: Leg, elapsed: float, tuning: Tuning) ->
         return False
     x, y, z = a * one.x + a2 * two.x, a * one.y + a2 * two.y, a * one.z + a2 * two.z
     return x * x + y * y < tuning.corner_accel**2 and abs(z) < tuning.accel_z
+
+
+@jit
+def arcs_turn_gently(this: Leg, following: Leg, here: Triple, there: Triple, tuning: Tuning) -> bool:
+    """The same where one of the two is an arc; `here` and `there`: acceleration, speed and way along them."""
+    (x, y, z), _, (ax, ay) = on_way(this, here)
+    (x2, y2, z2), _, (ax2, ay2) = on_way(following, there)
+    x, y, z = x + x2 + this.origin.x, y + y2 + this.origin.y, z + z2 + this.origin.z
+    x, y, z = x - this.target.x, y - this.target.y, z - this.target.z
+    if x * x + y * y + z * z >= tuning.radius**2:
+        return False
+    ax, ay = ax + ax2, ay + ay2
+    az = here[0] * this.direction.z + there[0] * following.direction.z
+    return ax * ax + ay * ay < tuning.corner_accel**2 and abs(az) < tuning.accel_z
+
+
+@jit
+def on_way(leg: Leg, along_it: Triple) -> tuple[Triple, Triple, tuple[float, float]]:
+    """As `on_arc`, of a straight leg too."""
+    a, v, s = along_it
+    if leg.turn != 0.0:
+        return on_arc(leg, a, v, s)
+    d = leg.direction
+    return (s * d.x, s * d.y, s * d.z), (v * d.x, v * d.y, v * d.z), (a * d.x, a * d.y)
 
 
 @jit
@@ -351,7 +404,13 @@ def step(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning) -
 def pass_over_cruise(state: State, this: Leg) -> None:
     """Pass over the middle of a long level leg, where all has settled and nothing changes until it brakes."""
     left = this.profile.falls - state.clock - SETTLED_S
-    if this.kind != STRAIGHT or left < SETTLED_S or state.clock < this.profile.risen + SETTLED_S or state.rate <= 0.0:
+    if (
+        this.kind != STRAIGHT
+        or this.turn != 0.0
+        or left < SETTLED_S
+        or state.clock < this.profile.risen + SETTLED_S
+        or state.rate <= 0.0
+    ):
         return
     if this.direction.z != 0.0 or abs(state.ax) + abs(state.ay) > STEADY:
         return

@@ -1,0 +1,82 @@
+"""What others measured on real PX4 and ArduCopter (hamishwillee/mavsdk_mavlink_tests, 2026): our tables say the same.
+
+Measured there on PX4 main and 1.18.0-beta (SIH), PX4 1.17.0, and ArduCopter 4.8.0-dev: one item of each frame in each
+of the three lists, and take-offs, gates and waypoints with odd values.
+"""
+
+import math
+
+import pytest
+
+from ipoa_mission.autopilots.firmware import firmware
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.version import Version
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Item
+from ipoa_mission.link.messages import MissionType, Result
+from ipoa_mission.simulator.judgement import judge
+
+PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
+PLACE = (37.6234, -122.0811, 20.0)
+ONE = {
+    MissionType.MISSION: (Command.NAV_WAYPOINT, 0.0),
+    MissionType.FENCE: (Command.NAV_FENCE_RETURN_POINT, 0.0),
+    MissionType.RALLY: (Command.NAV_RALLY_POINT, 0.0),
+}
+TAKEN_FRAMES = {PX4: {0, 3, 5, 6}, ARDUPILOT: {0, 3, 5, 6, 10, 11}}
+FRAMES = (0, 1, *range(3, 22))  # all but MAV_FRAME_MISSION
+LATER = Version(4, 8, 0, "dev")
+
+
+def verdict(autopilot: Autopilot, version: Version | None, item: Item, kind: int = MissionType.MISSION) -> Result:
+    return judge(firmware(autopilot, version), item, kind, 2)
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("kind", ONE)
+def test_frames_are_taken_as_they_took_them(autopilot: Autopilot, kind: MissionType) -> None:
+    command, first = ONE[kind]
+    taken = {
+        frame
+        for frame in FRAMES
+        if verdict(autopilot, None, Item(command, frame, (first, 0.0, 0.0, 0.0), *PLACE), kind) is Result.ACCEPTED
+    }
+    assert taken == TAKEN_FRAMES[autopilot]
+
+
+def given(command: Command, *params: float, place: tuple[float, float, float] = PLACE, frame: int = 6) -> Item:
+    first, second, third, fourth = (*params, *[0.0] * (4 - len(params)))
+    return Item(command, frame, (first, second, third, fourth), *place)
+
+
+TAKEOFF, GATE, NAN = Command.NAV_TAKEOFF, Command.CONDITION_GATE, math.nan
+BETA, RELEASED = Version(1, 18, 0, "beta"), Version(1, 17)
+ROWS = [
+    (PX4, BETA, given(TAKEOFF, 15.0, 0, 0, NAN), Result.ACCEPTED),
+    (PX4, BETA, given(TAKEOFF, 0, NAN, 0, NAN), Result.ACCEPTED),
+    (PX4, BETA, given(TAKEOFF, 0, 1.0, 0, NAN), Result.INVALID_PARAM2),
+    (PX4, BETA, given(TAKEOFF, 0, 0, 1.0, NAN), Result.INVALID_PARAM3),
+    (PX4, BETA, given(TAKEOFF, 0, 0, 2.0, NAN), Result.INVALID_PARAM3),
+    (PX4, BETA, given(TAKEOFF, 0, 0, 0, 450.0), Result.ACCEPTED),
+    (PX4, BETA, given(TAKEOFF, place=(NAN, NAN, 20.0)), Result.ACCEPTED),
+    (PX4, BETA, given(TAKEOFF, place=(*PLACE[:2], NAN)), Result.ACCEPTED),
+    (PX4, BETA, given(GATE), Result.INVALID_PARAM5_X),  # as released; they mended that in theirs
+    (PX4, RELEASED, given(TAKEOFF, 15.0, 1.0, 1.0, 137.0), Result.ACCEPTED),
+    (PX4, RELEASED, given(GATE, 7.0, 1.0), Result.ACCEPTED),
+    (PX4, RELEASED, given(Command.NAV_WAYPOINT, frame=2), Result.UNSUPPORTED),
+    (ARDUPILOT, LATER, given(TAKEOFF, 15.0), Result.ACCEPTED),
+    (ARDUPILOT, LATER, given(TAKEOFF, 0, NAN), Result.INVALID_PARAM2),
+    (ARDUPILOT, LATER, given(TAKEOFF, 0, 1.0), Result.ACCEPTED),
+    (ARDUPILOT, LATER, given(TAKEOFF, 0, 0, 2.0), Result.ACCEPTED),
+    (ARDUPILOT, LATER, given(TAKEOFF, 0, 0, 0, NAN), Result.ACCEPTED),
+    (ARDUPILOT, LATER, given(TAKEOFF, place=(NAN, NAN, 20.0)), Result.INVALID_PARAM5_X),
+    (ARDUPILOT, LATER, given(TAKEOFF, place=(*PLACE[:2], NAN)), Result.INVALID_PARAM7),
+    (ARDUPILOT, LATER, given(GATE), Result.UNSUPPORTED),
+    (ARDUPILOT, LATER, given(GATE, 0, 0, NAN, NAN), Result.INVALID_PARAM3),
+    (ARDUPILOT, LATER, given(Command.NAV_WAYPOINT, frame=2), Result.ACCEPTED),
+]
+
+
+@pytest.mark.parametrize(("autopilot", "version", "item", "result"), ROWS)
+def test_items_are_judged_as_they_were(autopilot: Autopilot, version: Version, item: Item, result: Result) -> None:
+    assert verdict(autopilot, version, item) is result

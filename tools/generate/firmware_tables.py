@@ -1,0 +1,55 @@
+"""Read what each version of ArduCopter and PX4 takes in a mission, out of their sources.
+
+python -m tools.generate.firmware_tables FIRMWARE VERSION GIT REF           print the table of one version
+python -m tools.generate.firmware_tables FIRMWARE VERSION GIT REF --write   put it into the package's tables
+
+FIRMWARE is ardupilot or px4, VERSION like 4.7, GIT a git directory of the firmware, and REF a commit, tag or branch.
+"""
+
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.autopilots.firmware import TABLES
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.commands import Command
+from tools.generate import copter_source, px4_source
+from tools.generate.sources import Source
+
+READERS = {Autopilot.ARDUPILOT: copter_source.facts, Autopilot.PX4: px4_source.facts}
+
+
+def table(autopilot: Autopilot, source: Source) -> dict[str, Any]:
+    """One version's facts as the package holds them: rows of a read-back, each with the commands that it is of."""
+    facts = READERS[autopilot](source)
+    for part in ("placed", "plain", "nan", "used"):
+        if part in facts:
+            facts[part] = _by_row(facts[part])
+    return {"ref": source.ref, **source.about(), **facts}
+
+
+def _by_row(rows: Mapping[str, str]) -> dict[str, str]:
+    """The commands of each row, in the order of their numbers."""
+    named = sorted(rows, key=lambda name: Command[name])
+    return {row: " ".join(name for name in named if rows[name] == row) for row in sorted(set(rows.values()))}
+
+
+def main() -> None:
+    given = [word for word in sys.argv[1:] if word != "--write"]
+    if len(given) != 4:
+        raise SystemExit(__doc__)
+    autopilot, version, git, ref = given
+    one = table(Autopilot(autopilot), Source(Path(git), ref))
+    if "--write" not in sys.argv[1:]:
+        print(json.dumps(one, indent=1))
+        return
+    tables = json.loads(TABLES.read_text(encoding="utf-8")) if TABLES.exists() else {}
+    versions = tables.get(autopilot, {}) | {version: one}
+    tables[autopilot] = {name: versions[name] for name in sorted(versions, key=lambda v: [*map(int, v.split("."))])}
+    TABLES.write_text(json.dumps(dict(sorted(tables.items())), indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
