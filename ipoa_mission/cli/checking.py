@@ -27,6 +27,7 @@ def check(
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.checks.check import Severity, check_mission
+    from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_with_parameters, read_world
 
     mission, remarks = read_with_parameters(file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle)
@@ -36,9 +37,8 @@ def check(
     world, promise = read_world(scenario, air), None
     if world is not None:
         from ipoa_mission.checks.clearance import promise_if_known
-        from ipoa_mission.tube.flown_in import flown_in
 
-        promise = promise_if_known(flown_in(mission, world), world)
+        promise = None if refusals(mission) else promise_if_known(mission, world)
     findings = check_mission(mission, world, promise)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in remarks if remark not in messages) + (() if world is None else world.remarks)
