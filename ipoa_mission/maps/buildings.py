@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.feature import Feature, Mistakes
-from ipoa_mission.maps.heights import foot_of, height_of, meters
+from ipoa_mission.maps.heights import Odd, foot_of, height_of, meters, width_of
 from ipoa_mission.maps.kinds import (
     CABLE,
     FLAT,
@@ -31,7 +31,7 @@ from ipoa_mission.maps.kinds import (
     tagged,
     why_passed_over,
 )
-from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
+from ipoa_mission.maps.passed import FAR, MOST_NAMED, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, to_plane
 from ipoa_mission.maps.wires import Wire, raise_span, spans, wire_of
 from ipoa_mission.world.frame import LocalFrame
@@ -99,18 +99,22 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], frame)
     every = rules.take is None and are_all_buildings(features, rules.height_key)
     counts: Counter[str] = Counter()
+    odd: list[str] = []
     mistakes = Mistakes()
     standing: list[Standing] = []
     passed: list[PassedOver] = []
     for feature, shape, counted in zip(features, shapes, near, strict=True):
         why = _why_passed_over(feature, rules, every) if counted else FAR
         if why is None:
-            standings = mistakes.attempt(_standings, feature, shape, rules, counts) or []
+            standings = mistakes.attempt(_standings, feature, shape, rules, counts, odd) or []
             standing += [_over_home(s, feature, frame) for s in standings]
         else:
             passed.append(passed_over(feature, shape, why, path))
     mistakes.tell()
-    remarks = (f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in counts.items())
+    remarks = [f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in counts.items()]
+    if odd:
+        of = f"{len(odd)} tag{'s' if len(odd) > 1 else ''} that cannot be read, taken as left out"
+        remarks.append(f"{of}: {', '.join(odd[:MOST_NAMED])}{', ...' if len(odd) > MOST_NAMED else ''}")
     return Buildings(tuple(standing), tuple(passed), tuple(remarks))
 
 
@@ -162,13 +166,18 @@ def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:
     return wire_of(feature.tags, rules.line_height, rules.aerialway_height)
 
 
-def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Counter[str]) -> list[Standing]:
-    """One obstacle for each part of the feature's shape."""
-    place = f"{feature.place}.properties"
-    height = height_of(feature.tags, place, rules.height_key, rules.storey_height)
+def _standings(
+    feature: Feature, shape: Any, rules: BuildingRules, counts: Counter[str], unread: list[str]
+) -> list[Standing]:
+    """One obstacle for each part of the feature's shape; tags that cannot be read are named in `unread`."""
+
+    def odd(key: str, value: str) -> None:
+        unread.append(f"{feature.name} ({key} {value[:20]!r})")
+
+    height = height_of(feature.tags, rules.height_key, rules.storey_height, odd)
     if TOP_AMSL in feature.tags:
         height = math.inf  # told by sea level
-    foot = foot_of(feature.tags, place, rules.storey_height)
+    foot = foot_of(feature.tags, rules.storey_height, odd)
     if height is not None and foot >= height:
         counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1
         foot = 0.0
@@ -176,7 +185,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
     if wire is not None and (hanging := list(spans(shape))):
         if height is None:
             counts[f"{wire.words} without a height, given {wire.height:g} m ({wire.key})"] += 1
-        top, reach = wire.height if height is None else height, _reach(feature, place, wire.reach)
+        top, reach = wire.height if height is None else height, _reach(feature, wire.reach, odd)
         return [Standing(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
     made = []
     building = bool(feature.tags.keys() & {"building", "building:part"})
@@ -193,7 +202,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
                     f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
                     hint="export whole outlines (`out geom` in Overpass turbo), not centers",
                 )
-            made.append(Standing(feature.name, part, _reach(feature, place, rules.point_radius), foot, top))
+            made.append(Standing(feature.name, part, _reach(feature, rules.point_radius, odd), foot, top))
             continue
         polygons, wrong = polygons_of(part, feature.place)
         if wrong is not None:
@@ -219,12 +228,10 @@ def _area(feature: Feature, rules: BuildingRules) -> tuple[str, float]:
     return ("wood(s)", float(rules.wood_height or 0.0)) if is_wood else ("building(s)", rules.default_height)
 
 
-def _reach(feature: Feature, place: str, usual: float) -> float:
+def _reach(feature: Feature, usual: float, odd: Odd) -> float:
     """Radius of a point, or half the width of a line [m]."""
-    for key in ("diameter", "diameter_crown", "width"):
-        if key in feature.tags:
-            return meters(feature.tags[key], f"{place}.{key}") / 2 or usual
-    return usual
+    width = width_of(feature.tags, odd)
+    return usual if width is None else width / 2
 
 
 def _outline(s: Standing) -> NDArray[np.float64]:
