@@ -13,11 +13,6 @@ from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg
 from ipoa_mission.scenario import Scenario
 
-REMEDY = (
-    'under [[maps]], take = "all" makes it an obstacle, with default_height where it has none; '
-    'take = "tagged" says that it is nothing'
-)
-
 
 def check_passed_over(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) -> Iterator[Finding]:
     """An error for each leg that comes nearer than an obstacle may be, and than the path may leave its legs."""
@@ -30,13 +25,9 @@ def check_passed_over(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...
         way = shapely.LineString(leg.points[:, :2])
         near = [things[i] for i in tree.query(way, "dwithin", required + leg.stray)]
         if near:
-            distances = [shapely.distance(way, thing.shape) for thing in near]
-            first = near[int(np.argmin(distances))]
-            others = f" (and {len(near) - 1} more)" if len(near) > 1 else ""
-            yield error(
-                leg.seq,
-                mission.items[leg.seq - 1],
-                f"passes {min(distances):.1f} m from {first.name} on {first.file}{others}, which is passed over: "
-                f"{first.reason}; nothing says that nothing stands there",
-                REMEDY,
-            )
+            distances = [float(shapely.distance(way, thing.shape)) for thing in near]
+            first, aside = near[int(np.argmin(distances))], min(distances)
+            others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
+            where = f"passes {aside:.1f} m from" if aside > 0 else "crosses"
+            words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
+            yield error(leg.seq, mission.items[leg.seq - 1], words, first.remedy)

@@ -42,7 +42,7 @@ def new(
 
     Example: `ipoa-mission new town.toml --buildings town.geojson --yes`
     """
-    from ipoa_mission.scenario.new import QUESTIONS, new_scenario, suggest_answers
+    from ipoa_mission.scenario.new import QUESTIONS, new_scenario, questions_about, suggest_answers, taken_heights
 
     if target.suffix.lower() != ".toml":
         raise BadInput(f'{target}: expected a name that ends in .toml, not in "{target.suffix}"')
@@ -57,7 +57,7 @@ def new(
         answers[key] = value
     if not yes:
         given = {key for key, _, _ in (text.partition("=") for text in answer or ())}
-        for question in QUESTIONS:
+        for question in (*QUESTIONS, *questions_about(buildings)):
             if question.key not in given:
                 answers[question.key] = _ask(question, answers)
     needed = [question.key for question in QUESTIONS if question.default is None and question.key not in answers]
@@ -67,6 +67,7 @@ def new(
             hint=f"--answer {needed[0]}=..., or --buildings FILE, or leave out --yes and be asked",
         )
     remarks = [] if "altitude" in answers or elevation is not None else [UNKNOWN_ALTITUDE]
+    remarks += taken_heights(answers, buildings)
     write_atomically(target, new_scenario(answers, target, buildings, elevation))
     if as_json:
         tell_json({"written": str(target), "answers": answers, "remarks": remarks})

@@ -27,9 +27,14 @@ class Stretch:
 
 
 def in_world(mission: Mission, scenario: "Scenario | None") -> "tuple[Mission, LocalFrame, Ground | None]":
-    """The mission with the parameters of the scenario's vehicle, its frame, and the ground, where that is known."""
+    """The mission with the parameters of the scenario's vehicle, its frame, and the ground, where that is known.
+
+    Raises:
+        BadInput: the mission is of another place than the scenario.
+    """
     if scenario is None:
         return mission, LocalFrame(mission.home), None
+    scenario.expect_here(mission.home)
     return mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame, scenario.airspace.ground
 
 

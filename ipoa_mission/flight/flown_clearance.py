@@ -11,7 +11,6 @@ from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.flown_in import flown_in
 from ipoa_mission.world.airspace import Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
@@ -63,11 +62,13 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     always count. What is promised is what the mission promises at the scenario's confidence.
 
     Raises:
+        BadInput: the flight is of another place than the scenario.
         BadInput, MissionError: as the scenario's maps.
     """
     if len(record.path) < 2:
         return None
     begins = Geodetic(record.path[0].latitude_deg, record.path[0].longitude_deg)
+    scenario.expect_here(begins)
     if apart(begins, scenario.frame.home) > SAME_PLACE:
         return None
     points, times = _flown(record, scenario), np.array([sample.time_s for sample in record.path])
@@ -82,7 +83,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         checks = prove_mission(mission, scenario).checks
         planned = min(check.nearest.distance for check in checks if check.limit in ("obstacles", "ground"))
         strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
-        promise = promise_if_known(flown_in(mission, scenario), scenario)
+        promise = promise_if_known(mission, scenario)
         kept = None if promise is None else promise.clearance
         promised = None if kept is None else kept.kept
     return FlownClearance(least, place, float(times[near]), required, planned, strayed, promised)

@@ -19,6 +19,7 @@ from ipoa_mission.world.frame import LocalFrame
 #: Of the words of ED-269 and ED-318, those that keep a flight out unless it is allowed, and all.
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL")
+OPEN = "close the line in the map, so that it is the edge of a zone, or take it out"
 NAMED_RESTRICTIONS = (*RESTRICTIONS, "NO_RESTRICTION")
 
 
@@ -105,7 +106,7 @@ def _why_no_zone(rest: Sequence[Any], near: bool) -> Reason:
     if not rest:
         return Reason("without a geometry", False)
     lines = any(part.geom_type != "Point" for part in rest)
-    return Reason("a line that encloses no area" if lines else "a point", lines)
+    return Reason("a line that encloses no area", True, OPEN) if lines else Reason("a point", False)
 
 
 def _outline(shape: Any) -> Any:

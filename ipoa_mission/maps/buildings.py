@@ -18,10 +18,22 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.feature import Feature, Mistakes
-from ipoa_mission.maps.heights import foot_of, height_of, meters
-from ipoa_mission.maps.kinds import TOP_AMSL, Reason, are_all_buildings, as_openstreetmap, why_passed_over
-from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
+from ipoa_mission.maps.heights import Odd, foot_of, height_of, meters, width_of
+from ipoa_mission.maps.kinds import (
+    CABLE,
+    FLAT,
+    TOP_AMSL,
+    WOOD,
+    WOODS,
+    Reason,
+    are_all_buildings,
+    as_openstreetmap,
+    tagged,
+    why_passed_over,
+)
+from ipoa_mission.maps.passed import FAR, MOST_NAMED, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, to_plane
+from ipoa_mission.maps.wires import Wire, raise_span, spans, wire_of
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
@@ -34,14 +46,19 @@ Ground: TypeAlias = Callable[[NDArray[np.float64]], Vector]  # height under poin
 class BuildingRules:
     """How features become obstacles where their tags leave it open, all in metres.
 
-    `height_key` is the property that holds the height. `take` is `all` for every feature whatever its tags, `tagged`
-    for what tags call a thing that stands, the rest being nothing; None takes a file of nothing but buildings whole.
+    `height_key` is the property that holds the height. `take` is `all` for every feature that its tags do not call
+    flat, `tagged` for what tags call a thing that stands, the rest being nothing; None takes a file of nothing but
+    buildings whole. A height of 0 says that such things are nothing; a `line_height` of None is by the voltage, and
+    without a `wood_height` a wood may stand.
     """
 
     default_height: float = 8.0
     storey_height: float = 3.0
     point_height: float = 20.0
     point_radius: float = 2.0
+    line_height: float | None = None
+    aerialway_height: float = 40.0
+    wood_height: float | None = None
     height_key: str = "height"
     take: Literal["tagged", "all"] | None = None
 
@@ -60,6 +77,7 @@ class Standing:
     foot: float
     height: float
     over_home: bool = False
+    hangs: bool = False  # `shape` is a span of a wire between two supports
 
 
 @dataclass(frozen=True)
@@ -81,35 +99,42 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], frame)
     every = rules.take is None and are_all_buildings(features, rules.height_key)
     counts: Counter[str] = Counter()
+    odd: list[str] = []
     mistakes = Mistakes()
     standing: list[Standing] = []
     passed: list[PassedOver] = []
     for feature, shape, counted in zip(features, shapes, near, strict=True):
         why = _why_passed_over(feature, rules, every) if counted else FAR
         if why is None:
-            standings = mistakes.attempt(_standings, feature, shape, rules, counts) or []
+            standings = mistakes.attempt(_standings, feature, shape, rules, counts, odd) or []
             standing += [_over_home(s, feature, frame) for s in standings]
         else:
             passed.append(passed_over(feature, shape, why, path))
     mistakes.tell()
-    remarks = (f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in counts.items())
+    remarks = [f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in counts.items()]
+    if odd:
+        of = f"{len(odd)} tag{'s' if len(odd) > 1 else ''} that cannot be read, taken as left out"
+        remarks.append(f"{of}: {', '.join(odd[:MOST_NAMED])}{', ...' if len(odd) > MOST_NAMED else ''}")
     return Buildings(tuple(standing), tuple(passed), tuple(remarks))
 
 
 def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
     """The obstacles themselves, standing on the ground."""
+    hanging = [prism for s in standing if s.hangs for prism in raise_span(s.name, s.shape, s.reach, s.height, ground)]
+    standing = [s for s in standing if not s.hangs]
     if not standing:
-        return ()
+        return tuple(hanging)
     outlines = [_outline(s) for s in standing]
     heights = ground(np.vstack(outlines))
     first = np.cumsum([0, *(len(outline) for outline in outlines)])[:-1]
     lowest, highest = np.minimum.reduceat(heights, first), np.maximum.reduceat(heights, first)
-    return tuple(
+    raised = (
         _obstacle(
             s, float(low) + s.foot, max(s.height if s.over_home else float(high) + s.height, float(low) + LEAST_HEIGHT)
         )
         for s, low, high in zip(standing, lowest, highest, strict=True)
     )
+    return (*raised, *hanging)
 
 
 def _over_home(standing: Standing, feature: Feature, frame: LocalFrame) -> Standing:
@@ -122,29 +147,54 @@ def _over_home(standing: Standing, feature: Feature, frame: LocalFrame) -> Stand
 
 def _why_passed_over(feature: Feature, rules: BuildingRules, every: bool) -> Reason | None:
     why = why_passed_over(feature, rules.height_key, every)
-    if why is None or (rules.take == "all" and not shapely.is_empty(feature.shape)):
+    if why is None:
+        wire = None if rules.height_key in feature.tags else _wire(feature, rules)
+        return (
+            Reason(f"{wire.key} = 0 says that it is nothing", False) if wire is not None and not wire.height else None
+        )
+    if why is CABLE and rules.line_height is not None:
+        return None if rules.line_height else Reason("line_height = 0 says that it is nothing", False)
+    if why is WOOD and rules.wood_height is not None:
+        return None if rules.wood_height else Reason("wood_height = 0 says that it is nothing", False)
+    if rules.take == "all" and why not in (FLAT, WOOD, CABLE) and not shapely.is_empty(feature.shape):
         return None
-    return Reason(why.words, why.may_stand and rules.take is None)
+    settled = rules.take == "tagged" or (rules.take == "all" and why not in (WOOD, CABLE))
+    return replace(why, may_stand=why.may_stand and not settled)
 
 
-def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Counter[str]) -> list[Standing]:
-    """One obstacle for each part of the feature's shape."""
-    place = f"{feature.place}.properties"
-    height = height_of(feature.tags, place, rules.height_key, rules.storey_height)
+def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:
+    return wire_of(feature.tags, rules.line_height, rules.aerialway_height)
+
+
+def _standings(
+    feature: Feature, shape: Any, rules: BuildingRules, counts: Counter[str], unread: list[str]
+) -> list[Standing]:
+    """One obstacle for each part of the feature's shape; tags that cannot be read are named in `unread`."""
+
+    def odd(key: str, value: str) -> None:
+        unread.append(f"{feature.name} ({key} {value[:20]!r})")
+
+    height = height_of(feature.tags, rules.height_key, rules.storey_height, odd)
     if TOP_AMSL in feature.tags:
         height = math.inf  # told by sea level
-    foot = foot_of(feature.tags, place, rules.storey_height)
+    foot = foot_of(feature.tags, rules.storey_height, odd)
     if height is not None and foot >= height:
         counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1
         foot = 0.0
+    wire = None if TOP_AMSL in feature.tags else _wire(feature, rules)
+    if wire is not None and (hanging := list(spans(shape))):
+        if height is None:
+            counts[f"{wire.words} without a height, given {wire.height:g} m ({wire.key})"] += 1
+        top, reach = wire.height if height is None else height, _reach(feature, wire.reach, odd)
+        return [Standing(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
     made = []
     building = bool(feature.tags.keys() & {"building", "building:part"})
     hollow = not building and feature.tags.keys() & {"barrier", "natural"}
     for part in _parts(shape, not hollow):
         thin = part.geom_type != "Polygon"
         if height is None:
-            default = rules.point_height if thin else rules.default_height
-            counts[f"{'point(s) or line(s)' if thin else 'building(s)'} without a height, given {default:g} m"] += 1
+            kind, default = ("point(s) or line(s)", rules.point_height) if thin else _area(feature, rules)
+            counts[f"{kind} without a height, given {default:g} m"] += 1
         top = height if height is not None else foot + default
         if thin:
             if building and rules.take != "all":
@@ -152,7 +202,7 @@ def _standings(feature: Feature, shape: Any, rules: BuildingRules, counts: Count
                     f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
                     hint="export whole outlines (`out geom` in Overpass turbo), not centers",
                 )
-            made.append(Standing(feature.name, part, _reach(feature, place, rules), foot, top))
+            made.append(Standing(feature.name, part, _reach(feature, rules.point_radius, odd), foot, top))
             continue
         polygons, wrong = polygons_of(part, feature.place)
         if wrong is not None:
@@ -172,12 +222,16 @@ def _parts(shape: Any, filled: bool) -> Iterator[Any]:
             yield part
 
 
-def _reach(feature: Feature, place: str, rules: BuildingRules) -> float:
+def _area(feature: Feature, rules: BuildingRules) -> tuple[str, float]:
+    """What an area of no height is called, and how high it is taken to be [m]."""
+    is_wood = rules.wood_height is not None and tagged(feature.tags, WOODS) and "building" not in feature.tags
+    return ("wood(s)", float(rules.wood_height or 0.0)) if is_wood else ("building(s)", rules.default_height)
+
+
+def _reach(feature: Feature, usual: float, odd: Odd) -> float:
     """Radius of a point, or half the width of a line [m]."""
-    for key in ("diameter", "diameter_crown", "width"):
-        if key in feature.tags:
-            return meters(feature.tags[key], f"{place}.{key}") / 2 or rules.point_radius
-    return rules.point_radius
+    width = width_of(feature.tags, odd)
+    return usual if width is None else width / 2
 
 
 def _outline(s: Standing) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from typing import Any
 import shapely
 
 from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
 #: Values of `building` and `building:part` that say that there is none.
 NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
@@ -27,8 +28,6 @@ TALL = {
     "highway": {"street_lamp"},
     "advertising": {"column", "totem"},
 }  # fmt: skip
-#: Lines in the air: no obstacle unless their height is known, but in the way.
-WIRES = {"power": {"line", "minor_line", "cable"}, "aerialway": {"cable_car", "gondola", "chair_lift", "zip_line"}}
 #: Trees over an area: no obstacle unless their height is known, but in the way.
 WOODS = {"natural": {"wood"}, "landuse": {"forest", "orchard"}, "landcover": {"trees"}}
 #: What lies on the ground, or is only an area: all values of these keys but those named.
@@ -65,10 +64,28 @@ NAMING = {"name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJE
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a feature is passed over; `may_stand`: it may be in the way all the same."""
+    """Why a feature is passed over; `may_stand`: it may be in the way all the same. `remedy`: what to do then."""
 
     words: str
     may_stand: bool
+    remedy: str = (
+        'what stands there the map does not say: under [[maps]], take = "all" makes it an obstacle (default_height); '
+        'take = "tagged" says that it is nothing'
+    )
+
+
+CABLE = Reason(
+    "a power cable that may hang or lie in the ground",
+    True,
+    "location=underground in the map says that it lies in the ground; under [[maps]], line_height = 15 lets all power "
+    "lines hang so high [m]",
+)
+WOOD = Reason(
+    "a wood of unknown height",
+    True,
+    "under [[maps]], wood_height = 35 gives woods that height [m]; wood_height = 0 says that nothing stands there",
+)
+FLAT = Reason("tagged as something flat", False)
 
 
 def as_openstreetmap(feature: Feature) -> Feature:
@@ -96,7 +113,7 @@ def why_passed_over(feature: Feature, height_key: str, all_buildings: bool) -> R
     tags, areal = feature.tags, is_areal(feature.shape)
     if shapely.is_empty(feature.shape):
         return Reason("without a geometry", False)
-    if tags.get("location") == "underground" or tags.get("tunnel", "no") != "no":
+    if _is_below(tags):
         return Reason("underground", False)
     values = [tags[key] for key in ("building", "building:part") if key in tags]
     if values:
@@ -104,18 +121,30 @@ def why_passed_over(feature: Feature, height_key: str, all_buildings: bool) -> R
         return Reason(f"tagged building={values[0]}", False) if gone else None
     if {height_key, TOP_AMSL, "building:levels"} & tags.keys() or tagged(tags, TALL):
         return None
+    if tags.get("power") == "cable" and tags.get("location") not in OVERGROUND:
+        return CABLE
     if tagged(tags, WIRES):
-        return Reason("an overhead line without a height", True)
+        return None
     if tagged(tags, WOODS):
-        return Reason("trees without a height", True)
+        return WOOD
     if _is_flat(tags):
-        return Reason("tagged as something flat", False)
+        return FLAT
     if areal and (all_buildings or (HEIGHTS | {height_key}) & feature.blank):
         return None
     unknown = "of a kind unknown" if tags.keys() - NAMING else "untagged"
     if areal:
         return Reason(f"an area {unknown}", True)
     return Reason(f"a point or line {unknown}", bool((HEIGHTS | {height_key}) & feature.blank))
+
+
+def key_of_height(feature: Feature) -> str | None:
+    """The key under [[maps]] that says how high a thing is of which the map does not say it; None for other things."""
+    tags = feature.tags
+    if {"height", TOP_AMSL, "building:levels", "building"} & tags.keys() or _is_below(tags):
+        return None
+    if tagged(tags, WIRES):
+        return "aerialway_height" if tags.get("aerialway") in WIRES["aerialway"] else "line_height"
+    return "wood_height" if tagged(tags, WOODS) else "point_height" if tagged(tags, TALL) else None
 
 
 def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
@@ -131,6 +160,10 @@ def is_areal(shape: Any) -> bool:
         or (part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3)
         for part in parts
     )
+
+
+def _is_below(tags: Mapping[str, str]) -> bool:
+    return tags.get("location") in ("underground", "underwater") or tags.get("tunnel", "no") != "no"
 
 
 def _has_kind(feature: Feature) -> bool:

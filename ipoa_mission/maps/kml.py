@@ -75,6 +75,8 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
     except ElementTree.ParseError as error:
         line = getattr(error, "position", (1, 0))[0]
         raise BadInput(f"{path}: line {line}: expected well-formed XML") from error
+    except (LookupError, ValueError) as error:  # of an encoding that nobody knows, or of several bytes
+        raise BadInput(f"{path}: expected XML in an encoding such as UTF-8: {error}") from error
     if _local(root) != "kml":
         raise BadInput(f"{path}: expected a kml document, not {_local(root)}")
     placemarks = list(_placemarks(root, path))
@@ -170,6 +172,8 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
             inner = [ring for side in element if _local(side) == "innerBoundaryIs" for ring in side]
             if len(outer) != 1:
                 raise BadInput(f"{place}.Polygon.outerBoundaryIs: expected one LinearRing, not {len(outer)}")
+            if wrong := next((each for each in (*outer, *inner) if _local(each) != "LinearRing"), None):
+                raise BadInput(f"{place}.Polygon: expected a LinearRing, not {_local(wrong):.40}")
             rings = [_corners(ring, f"{place}.Polygon") for ring in (*outer, *inner)]
             yield shapely.Polygon(rings[0], rings[1:])
 

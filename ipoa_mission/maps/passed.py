@@ -17,7 +17,7 @@ FAR = Reason("more than 100 km from home", False)
 class PassedOver:
     """One thing of the map `file` that is no obstacle, and why; `shape` is local, east, north [m], or empty.
 
-    `may_stand`: it may be in the way all the same, because nothing says that it is not.
+    `may_stand`: it may be in the way all the same, because nothing says that it is not; `remedy` says what to do then.
     """
 
     file: str
@@ -25,6 +25,7 @@ class PassedOver:
     reason: str
     shape: Any
     may_stand: bool
+    remedy: str = ""
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class PassedCount:
 
 def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> PassedOver:
     """A feature of the map `path`, `shape` in the local plane, that is not taken."""
-    return PassedOver(path.name, feature.name.removeprefix(f"{path}: "), why.words, shape, why.may_stand)
+    return PassedOver(path.name, feature.name.removeprefix(f"{path}: "), why.words, shape, why.may_stand, why.remedy)
 
 
 def count_passed_over(things: Iterable[PassedOver]) -> Iterator[PassedCount]:

@@ -28,7 +28,7 @@ def to_plane(shapes: Sequence[Any], places: Sequence[str], frame: LocalFrame) ->
         BadInput: none of them does.
     """
     height = frame.home.altitude
-    degrees = np.array(shapes, dtype=object)
+    degrees = _unwrapped(np.array(shapes, dtype=object))
     near = _near(shapely.bounds(degrees).reshape(-1, 4), frame) | shapely.is_empty(degrees)
     if len(near) and not (near & ~shapely.is_empty(degrees)).any() and not shapely.is_empty(degrees).all():
         raise _far(degrees, str(places[int(np.argmin(near))]), frame)
@@ -41,6 +41,41 @@ def to_plane(shapes: Sequence[Any], places: Sequence[str], frame: LocalFrame) ->
     long = sides > LONGEST_EDGE
     degrees[long] = shapely.segmentize(degrees[long], LONGEST_EDGE)
     return np.asarray(shapely.transform(degrees, convert)), near
+
+
+def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
+    """The same shapes, those with an edge of more than 180 degrees drawn the short way: beyond longitude 180.
+
+    RFC 7946 wants a shape cut in two there, but not all programs do so; nothing near home is half as wide as the Earth.
+    """
+    wide = np.flatnonzero(np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2)[:, :, 0], axis=1) > 180.0)
+    for i in wide.tolist():
+        degrees[i] = _short_way(degrees[i])
+    return degrees
+
+
+def _short_way(shape: Any) -> Any:
+    """A shape whose rings and lines each go on from where they are by less than half a turn."""
+    if hasattr(shape, "geoms"):
+        return type(shape)([_short_way(part) for part in shape.geoms])
+    if shape.geom_type == "Polygon":
+        outer = _turned(shape.exterior)
+        return shapely.Polygon(outer, [_beside(_turned(ring), outer) for ring in shape.interiors])
+    return shapely.LineString(_turned(shape)) if shape.geom_type == "LineString" else shape
+
+
+def _turned(line: Any) -> NDArray[np.float64]:
+    corners = shapely.get_coordinates(line)
+    steps = np.diff(corners[:, 0])
+    around = (np.abs(steps) > 180.0) & (np.abs(steps) < 360.0)  # an edge of 360 degrees bounds the whole Earth
+    corners[1:, 0] -= 360.0 * np.cumsum(np.where(around, np.round(steps / 360.0), 0.0))
+    return corners
+
+
+def _beside(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A hole on the same turn round the Earth as the outline that it is in."""
+    hole[:, 0] += 360.0 * np.round((outer[:, 0].mean() - hole[:, 0].mean()) / 360.0)
+    return hole
 
 
 def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pyproj import CRS, Transformer
+from pyproj.exceptions import ProjError
 
 from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.geometry import Vector
@@ -168,8 +169,14 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[Raster]:
             dataset = rasterio.open(path)
     except rasterio.errors.RasterioIOError as error:
         raise BadInput(f"{path}: expected an elevation model: {error}") from error
-    with dataset:
-        yield Raster(path, dataset, nodata)
+    try:
+        with dataset:
+            yield Raster(path, dataset, nodata)
+    except (rasterio.errors.RasterioError, ProjError, UnicodeDecodeError) as error:
+        raise BadInput(
+            f"{path}: expected an elevation model, but it is damaged: {str(error).splitlines()[0]:.200}",
+            hint="copy or download it again: files that were cut short look like this",
+        ) from error
 
 
 def _at_least_four(span: tuple[int, int], size: int) -> tuple[int, int]:

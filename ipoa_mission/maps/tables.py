@@ -38,7 +38,7 @@ def read_table(path: Path) -> tuple[Feature, ...]:
             warnings.simplefilter("ignore")  # what GDAL mends it says; what it makes of it is judged here
             layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
             features = [feature for layer in layers for feature in _rows(path, layer, pyogrio.raw, len(layers) > 1)]
-    except (RuntimeError, ValueError) as error:  # of pyogrio, PROJ, and of texts in no known encoding
+    except (RuntimeError, ValueError, UnboundLocalError) as error:  # of pyogrio (with a .prj that is none), PROJ, texts
         beside = "; the .shx and .dbf files must lie beside a .shp" if suffix == ".shp" else ""
         raise BadInput(f"{path}: cannot be read: {error}{beside}") from error
     if not features:

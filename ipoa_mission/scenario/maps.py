@@ -10,7 +10,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
 from ipoa_mission.maps.read import read_features
-from ipoa_mission.scenario.section import Positive, Section
+from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.terrain import Grid
 
@@ -33,9 +33,9 @@ class BuildingsMap(MapFile):
 
     kind: Literal["buildings"]
     take: Literal["tagged", "all"] | None = None
-    """`all`: every feature is an obstacle. `tagged`: what tags call a building, a mast, a tree, or give a height; the
-    rest is nothing. Left out: as `tagged`, but a file of nothing but buildings is taken whole, and a flight near what
-    is passed over and may stand there is refused."""
+    """`all`: every feature is an obstacle but roads, land use and the like without a height. `tagged`: what tags call a
+    building, a mast, a tree, a power line, or give a height; the rest is nothing. Left out: as `tagged`, but a file of
+    nothing but buildings is taken whole, and a flight near what is passed over and may stand there is refused."""
     height_key: str = "height"
     """The property that holds the height of the top above the ground [m, or feet if it says so]."""
     default_height: Positive = 8.0
@@ -46,6 +46,12 @@ class BuildingsMap(MapFile):
     """Height of a mast, tree or other point that has none [m]."""
     point_radius: Positive = 2.0
     """Radius of a mast, tree or other point; also half the width of a wall [m]."""
+    line_height: NotNegative | None = None
+    """Height of a power or telephone line that has none [m]; left out, by its voltage; 0: there are none."""
+    aerialway_height: NotNegative = 40.0
+    """Height of a cable car, lift or zip line that has none [m], of drag lifts 15 m at most; 0: there are none."""
+    wood_height: NotNegative | None = None
+    """Height of a wood or orchard that has none [m]; left out, no flight may be near one; 0: they are nothing."""
 
     def read(self, frame: LocalFrame) -> Buildings:
         """What stands in the way, what is passed over, and remarks on what was assumed."""

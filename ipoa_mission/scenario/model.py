@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AwareDatetime, ConfigDict, Field, model_validator
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
@@ -23,7 +24,7 @@ from ipoa_mission.scenario.surroundings import Surroundings, survey
 from ipoa_mission.scenario.vehicle import VehicleSection
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.frame import REACH, LocalFrame
+from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart
 
 EARTH = 40_000_000.0  # its circumference [m]
 #: The tables that the world is made from.
@@ -222,6 +223,30 @@ class Scenario(Section):
             speed=wind.speed, from_deg=wind.from_deg, exponent=wind.exponent, gradient_height=wind.gradient_height
         )
         return self.model_copy(update={"wind": given})
+
+    def why_elsewhere(self, home: Geodetic) -> BadInput | None:
+        """That a mission from `home` is of another place than this scenario; None where it is not.
+
+        A home that is no place is judged by those who look at positions.
+        """
+        if not (abs(home.latitude_deg) <= 90 and abs(home.longitude_deg) <= 360):
+            return None
+        away = apart(home, self.frame.home)
+        if away <= REACH:
+            return None
+        return BadInput(
+            f"home: it is {away / 1000:.0f} km from the scenario's, expected within {REACH / 1000:g} km",
+            hint="is it the scenario of another mission?",
+        )
+
+    def expect_here(self, home: Geodetic) -> None:
+        """Refuse a mission from `home` that is of another place.
+
+        Raises:
+            BadInput: saying how far it is.
+        """
+        if (elsewhere := self.why_elsewhere(home)) is not None:
+            raise elsewhere
 
     def survey(self) -> None:
         """Read the maps and make the world of them, now rather than when it is first asked for.

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 
@@ -15,6 +16,8 @@ import shapely
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings
+from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.kinds import key_of_height
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.read import parse_scenario
@@ -61,6 +64,14 @@ def _positive(key: str, answer: str) -> float:
     return float(answer)
 
 
+def _height(key: str, answer: str) -> float | None:
+    if key == "line_height" and answer.strip() == "voltage":
+        return None
+    if not _number(key, answer) >= 0:
+        raise BadInput(f"{key}: expected a number of at least 0, not {answer}")
+    return float(answer)
+
+
 def _one_of(*choices: str) -> Callable[[str, str], str]:
     def check(key: str, answer: str) -> str:
         if answer.strip() not in choices:
@@ -89,11 +100,54 @@ QUESTIONS = (
     ),
 )
 
+#: Of things whose height a map does not say, by the key under [[maps]].
+HEIGHTS = (
+    Question("line_height", "How high are power lines?", "metres, 0: there are none, or voltage", "voltage", _height),
+    Question("aerialway_height", "How high are cable cars and lifts?", "metres, 0: there are none", "40", _height),
+    Question("wood_height", "How high are woods?", "metres, 0: nothing stands there", "35", _height),
+    Question("point_height", "How high are masts, trees and rows of trees?", "metres", "20", _positive),
+)
+_OF = {
+    "line_height": "of power lines; left out, by their voltage; 0: there are none [m]",
+    "aerialway_height": "of cable cars and lifts; 0: there are none [m]",
+    "wood_height": "of woods; left out, no flight may be near one; 0: nothing stands there [m]",
+    "point_height": "of masts, trees and rows of trees [m]",
+}
+
+
+def questions_about(buildings: Path | None) -> tuple[Question, ...]:
+    """Those of `HEIGHTS` that a map leaves open.
+
+    Raises:
+        BadInput: the map cannot be read.
+    """
+    if buildings is None:
+        return ()
+    asked = {key for feature in _features(buildings) if (key := key_of_height(feature))}
+    return tuple(question for question in HEIGHTS if question.key in asked)
+
+
+def taken_heights(answers: Mapping[str, str], buildings: Path | None) -> tuple[str, ...]:
+    """What is taken, unasked, for heights that a map leaves open, in words."""
+    left = (question for question in questions_about(buildings) if question.key not in answers)
+    return tuple(
+        f"without a height on the map: {_OF[question.key].split(';')[0].removesuffix(' [m]').removeprefix('of ')}, "
+        f"taken {'by their voltage' if question.default == 'voltage' else f'as {question.default} m high'} "
+        f"({question.key})"
+        for question in left
+    )
+
+
+@lru_cache(maxsize=1)
+def _features(path: Path) -> tuple[Feature, ...]:
+    """What is on a map, which is large and asked for several times."""
+    return read_features(path)
+
 
 def new_scenario(
     answers: Mapping[str, str], target: Path, buildings: Path | None = None, elevation: Path | None = None
 ) -> str:
-    """The text of a scenario file, to be written to `target`; `answers` by the keys of `QUESTIONS`.
+    """The text of a scenario file for `target`; `answers` by the keys of `QUESTIONS` and of `questions_about` the map.
 
     `buildings` (GeoJSON or KML) and `elevation` (GeoTIFF, .hgt) are named in it, relative to `target`; the elevation
     model also answers for home's altitude if nobody else does.
@@ -101,7 +155,8 @@ def new_scenario(
     Raises:
         BadInput: an answer will not do, is missing, or answers no question.
     """
-    questions = {question.key: question for question in QUESTIONS}
+    of_map = questions_about(buildings)
+    questions = {question.key: question for question in (*QUESTIONS, *of_map)}
     for key in answers.keys() - questions.keys():
         raise BadInput(f"{key}: expected one of {', '.join(questions)}")
     given = {key: answers.get(key, question.default) for key, question in questions.items()}
@@ -127,7 +182,11 @@ def new_scenario(
             home=home,
             goal=goal,
             terrain=parts["flat"] if elevation is None else parts["elevation"].format(_quoted(elevation, target)),
-            maps=parts["no_maps"] if buildings is None else parts["buildings"].format(_quoted(buildings, target)),
+            maps=parts["no_maps"]
+            if buildings is None
+            else parts["buildings"].format(
+                _quoted(buildings, target), "\n".join(_height_line(question.key, texts) for question in of_map)
+            ),
             **{
                 key: texts[key]
                 for key in ("altitude", "height", "autopilot", "cruise_speed", "safety_distance", "ending")
@@ -137,6 +196,11 @@ def new_scenario(
     text = _aligned(text)
     parse_scenario(text, target)
     return text
+
+
+def _height_line(key: str, texts: Mapping[str, str]) -> str:
+    """The line that says how high things are of which the map does not say it."""
+    return f"# {key} = 30.0  # {_OF[key]}" if texts[key] == "voltage" else f"{key} = {texts[key]}  # {_OF[key]}"
 
 
 def _parts() -> dict[str, str]:
@@ -184,19 +248,20 @@ def _altitude(elevation: Path, home: tuple[float, float]) -> str:
 
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
     """Two places among the buildings (latitude, longitude), south-west and north-east of their middle."""
-    features = read_features(path)
+    features = _features(path)
     if not features:
         raise BadInput(f"{path}: expected buildings, but it has no features")
     west, south, east, north = shapely.total_bounds([feature.shape for feature in features])
     frame = LocalFrame(Geodetic((south + north) / 2, (west + east) / 2))
-    standing = find_buildings(features, BuildingRules(), frame, path).standing
-    if not standing:
-        standing = find_buildings(features, BuildingRules(take="all"), frame, path).standing
-    shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in standing]
+    found = find_buildings(features, BuildingRules(), frame, path)
+    if not found.standing:
+        found = find_buildings(features, BuildingRules(take="all"), frame, path)
+    shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in found.standing]
     reach = np.minimum(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0) / 2 + 2 * ROOM, APART)
     sides = [np.arange(-each, each + TRIED_SPACING, TRIED_SPACING) for each in reach]
     places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
-    near = shapely.STRtree(shapes).query(shapely.points(places), "dwithin", ROOM)[0]
+    in_doubt = [thing.shape for thing in found.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
+    near = shapely.STRtree([*shapes, *in_doubt]).query(shapely.points(places), "dwithin", ROOM)[0]
     free = np.delete(places, np.unique(near), axis=0)
     if len(free) < 2:
         raise BadInput(f"{path}: expected {ROOM:g} m of room for a take-off somewhere among the buildings")

@@ -13,8 +13,10 @@ from ipoa_mission.maps.read import READERS
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.studio.edits import parse_table
 from ipoa_mission.studio.requests import Change, Put, Shift
+from ipoa_mission.world.frame import REACH, Geodetic, apart
 
 LARGEST = 200_000_000  # of a file [bytes]
+LONGEST = 200  # of its name without the suffix [bytes]
 MISSIONS = (".plan", ".waypoints")
 MODELS = (".tif", ".tiff", ".hgt")
 PLACES = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
@@ -26,7 +28,7 @@ def keep(name: str, content: bytes, folder: Path) -> Path:
     Raises:
         BadInput: no such file can be used, or it cannot be written.
     """
-    plain = Path(name.replace("\\", "/")).name
+    plain = _plain(name)
     stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
     if not plain or plain.startswith(".") or suffix not in (*READERS, *MODELS, *MISSIONS):
         suffixes = ", ".join((*READERS, *MODELS, *MISSIONS))
@@ -38,6 +40,12 @@ def keep(name: str, content: bytes, folder: Path) -> Path:
     if not target.exists():
         write_atomically(target, content)
     return target
+
+
+def _plain(name: str) -> str:
+    """The bare name of a file as any system takes it: without folders and what cannot be printed, not too long."""
+    path = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))
+    return path.stem.encode()[:LONGEST].decode(errors="ignore") + path.suffix
 
 
 def use_of(file: Path, scenario: str) -> dict[str, Any]:
@@ -57,7 +65,7 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
     """What makes a scenario have a mission's home, places and fence; obstacles stay where they are on the map.
 
     Raises:
-        BadInput: the mission has fewer than two places.
+        BadInput: the mission has fewer than two places, or what is on the scenario's map is far from it.
     """
     items = [item for item in mission.items if item.has_position and item.command in PLACES]
     if len(items) > 1 and items[-1].command == Command.NAV_LAND and _same_place(items[-2], items[-1]):
@@ -67,6 +75,12 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
     table, home = parse_table(scenario), mission.home
     there = table["home"]
     taken = (float(there["longitude_deg"]), float(there["latitude_deg"]))
+    away = apart(home, Geodetic(taken[1], taken[0]))
+    if away > REACH and _stays(table):
+        raise BadInput(
+            f"home: it is {away / 1000:.0f} km from the scenario's, expected within {REACH / 1000:g} km",
+            hint="what stands on this map stays where it is: open a new scenario for this mission",
+        )
     changes: list[Change] = [
         Shift(path=("home",), taken=taken, put_down=(home.longitude_deg, home.latitude_deg)),
         Put(path=("home", "altitude_amsl"), value=round(home.altitude, 2)),
@@ -76,6 +90,11 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
     ]
     fences = list(_fences(mission))
     return [*changes, Put(path=("fence",), value=fences)] if fences else changes
+
+
+def _stays(table: dict[str, Any]) -> bool:
+    """Whether a scenario has something that does not move with home."""
+    return bool(table.get("obstacles") or table.get("maps")) or table.get("terrain", {}).get("kind", "flat") != "flat"
 
 
 def _place(item: Item, mission: Mission) -> dict[str, float]:

@@ -16,7 +16,11 @@ def flown_in(mission: Mission, scenario: "Scenario") -> Mission:
     """The mission over the scenario's ground, on a vehicle with those of its parameters that it does not name itself.
 
     What was learned of the vehicle comes with the mission, else with the scenario.
+
+    Raises:
+        BadInput: the mission is of another place than the scenario.
     """
+    scenario.expect_here(mission.home)
     flown = mission.assuming(scenario.vehicle.autopilot_parameters())
     return replace(flown, ground=ground_of(scenario), vehicle=mission.vehicle or scenario.vehicle.learned)
 

@@ -103,7 +103,10 @@ def test_what_is_drawn_is_a_scenario_again() -> None:
 @pytest.mark.parametrize("name", ["campus", "oldtown"])
 def test_a_mission_becomes_places_of_a_scenario(name: str) -> None:
     mission = read_mission(MISSIONS / f"{name}.plan")
-    text = changed(MEADOW.read_text(), [*changes_of(mission, MEADOW.read_text()), Take(path=("bounds",))])
+    with pytest.raises(BadInput, match="km from the scenario's"):  # barn and silo would stay where they are
+        changes_of(mission, MEADOW.read_text())
+    bare = changed(MEADOW.read_text(), [Take(path=("obstacles",)), Take(path=("bounds",))])
+    text = changed(bare, changes_of(mission, bare))
     scenario = parse_scenario(text, MEADOW)
     assert scenario.home.latitude_deg == pytest.approx(mission.home.latitude_deg, abs=1e-7)
     places = [item for item in mission.items if item.has_position]
@@ -120,6 +123,16 @@ def test_a_dropped_file_lands_beside_the_scenario_and_over_nothing(tmp_path: Pat
     assert keep(name, b"one", tmp_path) == tmp_path / "evil.geojson"
     assert keep(name, b"two", tmp_path) == tmp_path / "evil-2.geojson"
     assert sorted(file.read_bytes() for file in tmp_path.iterdir()) == [b"one", b"two"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["\x00m.geojson", "m\x1b\x9b.geojson", "m" * 300 + ".geojson", "\u2603" * 99 + ".geojson", "\ud800m.geojson"],
+)
+def test_a_name_that_no_folder_takes_is_made_one(tmp_path: Path, name: str) -> None:
+    file = keep(name, b"one", tmp_path)
+    assert file.read_bytes() == b"one"
+    assert file.name.isprintable()
 
 
 @pytest.mark.parametrize("name", ["x.toml", "x.exe", ".geojson", "", "..", "x.html"])

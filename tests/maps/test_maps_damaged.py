@@ -1,0 +1,99 @@
+"""Maps that were cut short or spoiled end in words, and a ring across longitude 180 stays where it is."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.planar import to_plane
+from ipoa_mission.maps.read import read_features
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+KML = """<?xml version="1.0" encoding="UTF-8"?><kml><Placemark><Polygon><outerBoundaryIs><LinearRing><coordinates>
+8.0,47.0 8.001,47.0 8.001,47.001 8.0,47.0</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></kml>"""
+
+
+@given(st.floats(-0.01, 0.01), st.floats(-60, 60), st.floats(0.001, 0.05), st.floats(0.001, 0.05), st.booleans())
+def test_a_ring_across_longitude_180_stays_where_it_is(
+    aside: float, latitude: float, width: float, depth: float, holed: bool
+) -> None:
+    """The same ring drawn with longitudes that go on beyond 180, of which no reader can be in doubt."""
+    home = LocalFrame(Geodetic(latitude, 179.995 if aside > 0 else -179.995))
+    box = shapely.box(180 + aside - width / 2, latitude, 180 + aside + width / 2, latitude + depth)
+    hole = shapely.box(180 + aside - width / 9, latitude + depth / 3, 180 + aside + width / 9, latitude + depth / 2)
+    sure = shapely.difference(box, hole) if holed else box
+
+    def wrapped(corners: np.ndarray) -> np.ndarray:
+        return np.column_stack([(corners[:, 0] + 180.0) % 360.0 - 180.0, corners[:, 1]])
+
+    drawn = shapely.transform(sure, wrapped)
+    for shape in (drawn, shapely.MultiPolygon([drawn])):
+        ((there,), (near,)) = to_plane([shape], ["here"], home)
+        ((truth,), _) = to_plane([sure], ["here"], home)
+        assert near
+        assert shapely.is_valid(there)
+        assert shapely.symmetric_difference(there, truth).area <= 1e-6 * truth.area
+
+
+def test_a_zone_round_the_whole_earth_stays_one() -> None:
+    world = shapely.box(-180.0, -80.0, 180.0, 80.0)
+    ((there,), (near,)) = to_plane([world], ["here"], LocalFrame(Geodetic(10.0, 20.0)))
+    assert near
+    assert not shapely.is_empty(there)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda text: text.replace("UTF-8", "UTFx"), "expected XML in an encoding"),
+        (lambda text: text.replace("UTF-8", "utf-7"), "expected XML in an encoding"),
+        (lambda text: text.replace("LinearRing", "LineString"), "expected a LinearRing, not LineString"),
+        (lambda text: text.replace("LinearRing", "Folder"), "expected a LinearRing, not Folder"),
+        (lambda text: text[: len(text) // 2], "well-formed"),
+    ],
+)
+def test_a_spoiled_kml_ends_in_words(tmp_path: Path, spoil: Callable[[str], str], words: str) -> None:
+    file = tmp_path / "m.kml"
+    file.write_text(spoil(KML))
+    with pytest.raises(BadInput, match=words):
+        read_features(file)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=40)
+@given(st.data())
+def test_a_damaged_elevation_model_ends_in_words(missions: Path, tmp_path: Path, data: st.DataObject) -> None:
+    pytest.importorskip("rasterio")
+    from ipoa_mission.maps.elevation import ElevationRules, ground_altitude, local_grid
+
+    whole = (missions / "oldtown.tif").read_bytes()
+    spoiled = bytearray(whole[: data.draw(st.integers(0, len(whole)))])
+    for _ in range(data.draw(st.integers(0, 6)) if spoiled else 0):
+        spoiled[data.draw(st.integers(0, min(len(spoiled), 800) - 1))] = data.draw(st.integers(0, 255))
+    file = tmp_path / "m.tif"
+    file.write_bytes(bytes(spoiled))
+    for read in (
+        lambda: ground_altitude(file, 46.442, 9.842),
+        lambda: local_grid(file, ElevationRules(), LocalFrame(Geodetic(46.442, 9.842, 1720.0)), (0, 0), (90, 90)),
+    ):
+        with suppress(BadInput):
+            read()
+
+
+def test_a_shapefile_with_a_prj_that_is_none_ends_in_words(tmp_path: Path) -> None:
+    pyogrio = pytest.importorskip("pyogrio")
+    file = tmp_path / "m.shp"
+    geometry = np.array([shapely.to_wkb(shapely.Point(8.0, 47.0))], dtype=object)
+    pyogrio.raw.write(
+        file, geometry, [np.array([9.0])], fields=np.array(["height"]), geometry_type="Point", crs="EPSG:4326"
+    )
+    assert len(read_features(file)) == 1
+    for text in ("GEOGCS[", 'GEOGCS["x",DATUM["y"', "\x00\xff" * 9, 'PROJCS["GCS_WGS_1984",GEOGCS["x"]]'):
+        file.with_suffix(".prj").write_text(text, encoding="latin-1")
+        with pytest.raises(BadInput, match=r"m\.shp"):
+            read_features(file)
