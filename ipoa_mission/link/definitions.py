@@ -1,4 +1,4 @@
-"""MAVLink's messages: number, name, fields, checksum. Their table is pymavlink's, and so are those of other dialects."""
+"""MAVLink's messages: number, name, fields, checksum. The tables are pymavlink's, of any dialect."""
 
 import struct
 from collections.abc import Iterator
