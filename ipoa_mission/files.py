@@ -3,8 +3,9 @@
 import errno
 import os
 import select
+import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
@@ -91,6 +92,18 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
             return file.read(most)
     except OSError as error:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def copies(part: str) -> Iterator[Path]:
+    """A file or folder of this package, like "compiled", in the other copies of it that Python finds.
+
+    In a clone the folder's own package stands before the one that was installed.
+    """
+    package = Path(__file__).parent
+    for place in sys.path:
+        there = Path(place) / package.name
+        if there.is_dir() and there.resolve() != package.resolve():
+            yield there / part
 
 
 def _read_pipe(path: Path) -> bytes:

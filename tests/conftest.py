@@ -2,9 +2,12 @@
 
 import gc
 import os
+import signal
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import FrameType
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: its threads take more than they give
 
@@ -16,6 +19,11 @@ REPOSITORY = Path(__file__).parent.parent
 
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every command that a test starts compiles the package anew
 sys.dont_write_bytecode = False  # and every worker rewrites the assertions of all tests
+
+#: A shell has its background jobs ignore Ctrl-C, and so would every command that a test starts and ends so.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+#: No test waits for ever for something that does not come: so long it may take [s].
+LONGEST_S = 600.0
 
 #: A file's tests are run by one worker, which begins these files first: no other is left with one of them at the end.
 LONGEST = (
@@ -49,6 +57,23 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The longest first."""
     places = {REPOSITORY / "tests" / name: place for place, name in enumerate(LONGEST)}
     items.sort(key=lambda item: places.get(item.path, len(LONGEST)))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """A test that waits without end fails, with all that pytest tells of it."""
+
+    def too_long(number: int, frame: FrameType | None) -> None:
+        raise TimeoutError(f"{item.nodeid} takes more than {LONGEST_S:g} s")
+
+    if hasattr(signal, "setitimer") and item.get_closest_marker("sitl") is None:
+        signal.signal(signal.SIGALRM, too_long)
+        signal.setitimer(signal.ITIMER_REAL, LONGEST_S, 10.0)  # again: what it waits for is waited for once more
+    try:
+        return (yield)
+    finally:
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ PARTS = ("pyproject.toml", "README.md", "LICENSE", ".gitignore", "ipoa_mission",
 
 def copy_sources(there: Path) -> Path:
     """Copy all that a wheel is built from, and the machine code that an editable install has made of it."""
-    leftovers = shutil.ignore_patterns("__pycache__", "node_modules")
+    leftovers = shutil.ignore_patterns("__pycache__", "node_modules", "dist")
     there.mkdir()
     for part in PARTS:
         source = REPOSITORY / part

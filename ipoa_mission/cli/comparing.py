@@ -65,6 +65,7 @@ def compare(
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.flown_clearance import flown_clearance
+    from ipoa_mission.flight.landed import landed_elsewhere
     from ipoa_mission.learn.vehicle_file import read_vehicle
     from ipoa_mission.link.flight_log import read_flights
     from ipoa_mission.report.compare import compare_logged
@@ -99,7 +100,10 @@ def compare(
         rows.append(_Row(n, flight, record, held, clearance))
     if picture is not None and rows[0].held is not None:
         _draw(rows[0].held, picture, (file or log).stem)
-    remarks = [*beside, *flown.remarks, *_remarks(rows, log, world)]
+    landed = (
+        words for row in rows if row.held for words in landed_elsewhere(row.held.mission, row.record, air or CALM)
+    )
+    remarks = [*beside, *flown.remarks, *_remarks(rows, log, world), *landed]
     beyond = beyond_the_model(flown.autopilot, flown.version)
     on = f"{flown.autopilot} {flown.version}".strip()
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"

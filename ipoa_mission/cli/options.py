@@ -75,6 +75,7 @@ ScenarioOption: TypeAlias = Annotated[
     typer.Option(
         "--scenario",
         metavar="SCENARIO",
+        callback=lambda path: None if path is None else or_packed(path),
         help="The world it flies in: terrain, obstacles, wind, and the vehicle's parameters.",
     ),
 ]

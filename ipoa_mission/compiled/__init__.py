@@ -8,7 +8,7 @@ CPU differ from those that it was made for, numba compiles, as it does in a chec
 from collections.abc import Callable
 from typing import Any
 
-from ipoa_mission.compiled.library import shipped
+from ipoa_mission.compiled.library import PACKAGE, shipped
 from ipoa_mission.errors import MissionError
 
 
@@ -27,8 +27,8 @@ def njit(**options: Any) -> Any:
             import numba
         except ImportError:
             raise MissionError(
-                "this copy of ipoa_mission has no machine code for this system, and numba is not installed",
-                hint="pip install numba",
+                f"{PACKAGE}: there is no machine code of these sources for this system, and numba is not installed",
+                hint="pip install numba; or, where sources were changed, pip install that folder again",
             ) from None
         try:
             return numba.njit(**options)(function)

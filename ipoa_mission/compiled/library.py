@@ -1,4 +1,8 @@
-"""The machine code that was shipped: which file is for this CPU, and whether it is of these sources."""
+"""The machine code that was shipped: which file is for this CPU, and whether it is of these sources.
+
+In a folder with the sources, as a clone, their package stands before the one that was installed. If it has no machine
+code of its own, that of the other is taken: it counts by the digest of the sources, wherever it lies.
+"""
 
 import ctypes
 import hashlib
@@ -11,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.compiled.native import Native
+from ipoa_mission.files import copies
 
 PACKAGE = Path(__file__).parent.parent
 #: What is compiled, and what it takes constants from.
@@ -40,14 +45,18 @@ NUMBA = "IPOA_MISSION_NUMBA"  # set to anything: compile with numba in any case
 @lru_cache(maxsize=1)
 def shipped() -> dict[str, Callable[..., Any]] | None:
     """The kernels by module and name, or None if there are none for this system and these sources."""
-    return None if os.environ.get(NUMBA) else load(Path(__file__).parent)
+    if os.environ.get(NUMBA):
+        return None
+    here = PACKAGE / "compiled"
+    return next((kernels for folder in (here, *copies("compiled")) if (kernels := load(folder)) is not None), None)
 
 
 def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
     """The kernels in a folder, or None if it has none for this system and these sources."""
-    if not (folder / INDEX).is_file():
+    try:
+        index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
         return None
-    index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
     files = [file for cpu in these_cpus() if (file := folder / file_name(cpu)).is_file()]
     if index["sources"] != sources_digest() or not files:
         return None

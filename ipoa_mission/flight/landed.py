@@ -22,6 +22,7 @@ def landed_elsewhere(mission: Mission, record: FlightRecord, wind: Wind) -> tupl
         return ()
     other = estimate(landing_on(mission, landed), wind=wind).total_s
     return (
-        f"it landed {landed:.1f} m above home, where the ground is {expected:.1f} m above home: "
-        f"a simulator whose ground is level? To where it landed {other:.1f} s are estimated",
+        f"it landed {landed:.1f} m above home, but the ground there is {abs(expected - landed):.1f} m "
+        f"{'higher' if expected > landed else 'lower'}: a simulator whose ground is level? `mock --scenario` has the "
+        f"scenario's. To where it landed {other:.1f} s are estimated",
     )

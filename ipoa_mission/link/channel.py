@@ -79,8 +79,8 @@ def _hint(error: Exception) -> str | None:
     return "is another ground station using it?" if "in use" in str(error) else None
 
 
-class _RealTime:
-    """The computer's clock."""
+class RealTime:
+    """The computer's clock, of channels that lead out of this process."""
 
     def __init__(self) -> None:
         self._epoch = time.time() - time.monotonic()
@@ -98,7 +98,7 @@ def _family(host: str) -> socket.AddressFamily:
     return socket.AF_INET6 if ":" in host else socket.AF_INET
 
 
-class UdpChannel(_RealTime):
+class UdpChannel(RealTime):
     """UDP: `udpin` waits at its port and answers where it was spoken to; `udpout` speaks to one address first."""
 
     datagrams = True
@@ -160,7 +160,7 @@ def _is_loopback(host: str) -> bool:
     return host.startswith("127.") or host == "::1"
 
 
-class TcpChannel(_RealTime):
+class TcpChannel(RealTime):
     """TCP: `tcp` connects, `tcpin` waits for those who connect; a peer is a connection."""
 
     datagrams = False
@@ -258,7 +258,7 @@ class TcpChannel(_RealTime):
             raise LinkDown("the other side closed the connection")
 
 
-class SerialChannel(_RealTime):
+class SerialChannel(RealTime):
     """A serial port: a telemetry radio, or USB."""
 
     datagrams = False

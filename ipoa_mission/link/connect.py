@@ -1,10 +1,14 @@
 """The vehicle on a link: found by its heartbeat, by its system id where there are several."""
 
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.borrowed import MavutilChannel
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
@@ -17,38 +21,50 @@ PRESENCE_S, OTHERS_S = 10.0, 1.2
 
 
 def connect(
-    url: str,
+    link: Any,
     system: int | None = None,
     log: str | Path | None = None,
     signer: Signer | None = None,
     patience: Patience = SPECIFIED,
     fast: bool = True,
     anyway: bool = False,
+    dialect: str | ModuleType | None = None,
 ) -> Vehicle:
     """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
 
+    `link` is a connection string, an open connection of pymavlink's mavutil, or a System of MAVSDK's, which stay open.
+    `dialect`, one of pymavlink's by its name or a module that it generated, adds messages: to the log, to `messages`.
+
     Raises:
-        BadInput, LinkDown: the link cannot be opened.
+        BadInput, LinkDown: the link cannot be opened; there is no such dialect.
         NoAnswer: there is no vehicle.
         MissionError: there are several, and `system` does not say which.
         Contested: there are two with this system id; `anyway` takes the first.
     """
-    line = open_line(url, log, signer)
+    if dialect is not None:
+        add_dialect(dialect)
+    if hasattr(link, "get_system_id"):
+        from ipoa_mission.link.mavsdk_backend import borrow
+
+        return borrow(link, log)
+    line = open_line(link, log, signer)
     try:
         return meet(line, system, patience, fast, anyway)
     except NoAnswer as silence:
         line.close()
         raise NoAnswer(
-            f"{url}: {silence}", hint="is the autopilot running, and does it send to this address?"
+            f"{link if isinstance(link, str) else 'connect'}: {silence}",
+            hint="is the autopilot running, and does it send to this address?",
         ) from None
     except BaseException:
         line.close()
         raise
 
 
-def open_line(url: str, log: str | Path | None = None, signer: Signer | None = None) -> Line:
-    """A ground station's end of the link that `url` names."""
-    return Line(open_channel(url), Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
+def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = None) -> Line:
+    """A ground station's end of a link: of the one that a connection string names, or that mavutil has opened."""
+    channel = open_channel(link) if isinstance(link, str) else MavutilChannel(link)
+    return Line(channel, Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
 
 
 def meet(

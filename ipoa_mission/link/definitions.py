@@ -1,22 +1,19 @@
-"""MAVLink's messages: number, name, fields, checksum.
+"""MAVLink's messages: number, name, fields, checksum. The tables are pymavlink's, of any dialect."""
 
-Their table is pymavlink's. A wheel carries it, made when that was built: pymavlink brings 50 dialects, and 105 MB with
-what it needs. A checkout takes it from pymavlink itself.
-"""
-
-import json
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from pathlib import Path
-from types import SimpleNamespace
+from importlib import import_module
+from pkgutil import iter_modules
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.link.layout import Fields
+from pymavlink.dialects import v20 as dialects
+from pymavlink.dialects.v20 import ardupilotmega
 
-TABLE = "messages.json"
-Row = list[Any]  # number, name, layout as `struct` has it, names of the fields, how many values each has, CRC_EXTRA
+from ipoa_mission.errors import BadInput
+from ipoa_mission.link.layout import Fields
 
 
 @dataclass(frozen=True)
@@ -108,42 +105,56 @@ def _extended(definition: Definition) -> Definition:
     )
 
 
-def _table() -> list[Row]:
-    made = Path(__file__).with_name(TABLE)
-    if made.is_file():
-        return json.loads(made.read_text(encoding="utf-8"))  # type: ignore[no-any-return]
-    return rows()
+def _definitions(dialect: ModuleType) -> Iterator[Definition]:
+    for kind in dialect.mavlink_map.values():
+        names, kinds = tuple(kind.ordered_fieldnames), dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
+        lengths = tuple(1 if kinds[name] == "char" else n for name, n in zip(names, kind.lengths, strict=True))
+        layout = struct.Struct(kind.unpacker.format)
+        yield _extended(Definition(kind.id, kind.msgname, layout, names, lengths, kind.crc_extra))
 
 
-def rows() -> list[Row]:
-    """The table as pymavlink has it.
+_IN_USE = [ardupilotmega]
+DEFINITIONS = {one.number: one for one in (*_OTHERS, *_definitions(ardupilotmega))}
+_NUMBERS = {definition.name: definition.number for definition in DEFINITIONS.values()}
+
+
+def add_dialect(dialect: str | ModuleType) -> None:
+    """Understand the messages of another dialect too: one of pymavlink's by its name, or a module that it generated.
 
     Raises:
-        MissionError: it is not installed.
+        BadInput: there is no such dialect, or it has another message under a number that is in use.
     """
+    module = _dialect(dialect) if isinstance(dialect, str) else dialect
+    new = {one.number: one for one in _definitions(module)}
+    for number, one in new.items():
+        known = DEFINITIONS.get(number)
+        if known is not None and (known.name, known.crc_extra) != (one.name, one.crc_extra):
+            raise BadInput(f"dialect: its message {number} is {one.name}, which is {known.name} here")
+    for number, one in new.items():
+        DEFINITIONS.setdefault(number, one)
+        _NUMBERS.setdefault(one.name, number)
+    if module not in _IN_USE:
+        _IN_USE.append(module)
+
+
+def dialect_of(number: int) -> Any:
+    """The module of pymavlink's that has this message.
+
+    Raises:
+        BadInput: none that is in use.
+    """
+    for module in _IN_USE:
+        if number in module.mavlink_map:
+            return module
+    raise BadInput(f"message {number}: expected one of a dialect that is in use")
+
+
+def _dialect(name: str) -> ModuleType:
     try:
-        from pymavlink.dialects.v20 import ardupilotmega as dialect
+        return import_module(f"pymavlink.dialects.v20.{name}")
     except ImportError:
-        raise MissionError(
-            "this copy of ipoa_mission has no table of MAVLink's messages, and pymavlink is not installed",
-            hint="pip install pymavlink",
-        ) from None
-    return [_row(kind) for kind in dialect.mavlink_map.values()]
-
-
-def _row(kind: Any) -> Row:
-    names, is_text = list(kind.ordered_fieldnames), dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
-    lengths = [1 if is_text[name] == "char" else length for name, length in zip(names, kind.lengths, strict=True)]
-    return [kind.id, kind.msgname, kind.unpacker.format, names, lengths, kind.crc_extra]
-
-
-def _definition(number: int, name: str, layout: str, names: list[str], lengths: list[int], crc: int) -> Definition:
-    return Definition(number, name, struct.Struct(layout), tuple(names), tuple(lengths), crc)
-
-
-DEFINITIONS = {row[0]: _extended(_definition(*row)) for row in _table()}
-DEFINITIONS = {one.number: one for one in _OTHERS} | DEFINITIONS
-_NUMBERS = {definition.name: definition.number for definition in DEFINITIONS.values()}
+        there = sorted(one.name for one in iter_modules(dialects.__path__))
+        raise BadInput(f"dialect: expected one of pymavlink's, not {name!r}", hint=", ".join(there)) from None
 
 
 def message_number(name: str) -> int:

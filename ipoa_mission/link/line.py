@@ -12,6 +12,7 @@ from typing import Protocol, TypeVar
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old
+from ipoa_mission.link.definitions import Definition
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, Patience, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.item_frames import ItemFrames
@@ -90,6 +91,8 @@ class Line:
         self._understands: set[Target] = set()
         self._next_heartbeat = channel.now()
         self._frames: ItemFrames | None = None
+        self.overhearing: Callable[[bytes], None] | None = None
+        """Told every whole frame of those whom we know."""
 
     def now(self) -> float:
         """See `Carrier`."""
@@ -101,6 +104,10 @@ class Line:
         if 0 not in target:
             self._routes.speak_to(target)
         self._send(frame, self._routes.to(target))
+
+    def say(self, definition: Definition, payload: bytes) -> None:
+        """Send a message that is known by its payload only; whom it is for are fields of that, if of anything."""
+        self._send(self.codec.frame(definition, payload, self.channel.unix_s()), self._routes.to(EVERYONE))
 
     def _send(self, frame: bytes, peers: Iterable[Peer]) -> None:
         if self._log:
@@ -163,6 +170,8 @@ class Line:
                 continue
             if self._log:
                 self._log.write(frame, self.channel.unix_s())
+            if self.overhearing:
+                self.overhearing(frame)
             if one.message is not None and one.is_for(self.codec.system, self.codec.component):
                 heard.append(one)
         return heard

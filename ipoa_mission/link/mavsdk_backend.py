@@ -81,6 +81,18 @@ def connect(url: str, system: int | None = None, log: str | Path | None = None) 
     raise NoAnswer(f"{url}: no autopilot is heard", hint="is it running, and does it send to this address?")
 
 
+def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
+    """The vehicle that is a System of a program's own MAVSDK, which stays open when this is closed.
+
+    Raises:
+        BadInput: MAVSDK keeps no `.tlog`.
+        NoAnswer: it is silent.
+    """
+    if log is not None:
+        raise BadInput("log: the mavsdk backend writes no .tlog; leave it out, or use the built-in backend")
+    return MavsdkVehicle(None, system)
+
+
 def _spelled(address: Address) -> str:
     if address.transport is Transport.SERIAL:
         return f"serial://{address.device}:{address.baud}"
@@ -140,7 +152,8 @@ class MavsdkLine:
     def close(self) -> None:
         """Let MAVSDK end its threads."""
         self._direct.unsubscribe_message(self._handle)
-        self._instance.destroy()
+        if self._instance is not None:
+            self._instance.destroy()
 
     def _read(self, raw: Any) -> Heard:
         target = Target(raw.target_system_id, raw.target_component_id)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ipoa_mission.autopilots.modes import mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -17,7 +17,7 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.commands import LAST_NAV
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
@@ -25,7 +25,7 @@ from ipoa_mission.link.departure import LIMITS, Departure, depart, expect_on_gro
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
 from ipoa_mission.link.hold import pause, resume, return_to_launch
 from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.line import Carrier, converse
+from ipoa_mission.link.line import Carrier, Line, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
@@ -254,6 +254,37 @@ class Vehicle:
         self._hold(orders.set_parameter(name, value, self.autopilot))
 
     # --- the rest ---------------------------------------------------------------------------------------------------
+
+    def send(self, message: Any) -> None:
+        """Say one of pymavlink's messages (`MAVLink_command_long_message`, ...), to whom its own fields name.
+
+        Raises:
+            BadInput: it is none, or of a dialect that `connect` was not given.
+        """
+        from ipoa_mission.link.borrowed import payload_of
+
+        self._own_line().say(*payload_of(message))
+
+    def messages(self, seconds: float, *names: str) -> list[Any]:
+        """What is heard from the vehicle in so many seconds, as pymavlink's messages; `names`: only those."""
+        from ipoa_mission.link.borrowed import as_pymavlink
+
+        line, frames = self._own_line(), list[bytes]()
+        line.overhearing, until = frames.append, line.now() + seconds
+        try:
+            while line.now() < until:
+                for heard in line.receive(until):
+                    if heard.system == self.system and heard.message is not None:
+                        self._overhear(heard.message)
+        finally:
+            line.overhearing = None
+        found = [message for frame in frames if (message := as_pymavlink(frame)).get_srcSystem() == self.system]
+        return [message for message in found if not names or message.get_type() in names]
+
+    def _own_line(self) -> Line:
+        if not isinstance(self.line, Line):
+            raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's")
+        return self.line
 
     def give_up_after(self, seconds: float) -> None:
         """Raise TimeUp in what is under way so many seconds from now; a flight that has begun is watched to its end."""

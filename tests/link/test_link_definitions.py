@@ -1,69 +1,67 @@
-"""The table of MAVLink's messages: as a wheel carries it, and as pymavlink has it."""
+"""The table of MAVLink's messages: pymavlink's, and more of them where a dialect is named."""
 
-import json
-import shutil
-import subprocess
-import sys
-from pathlib import Path
+from collections.abc import Iterator
+from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega, storm32
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
-from tools import REPOSITORY
-
-#: All that a definition says, in a process that has the package in its folder, with or without pymavlink.
-SAID = """
-import json, sys
-if sys.argv[1] == "without":
-    sys.modules["pymavlink"] = None
-from ipoa_mission.errors import MissionError
-try:
-    from ipoa_mission.link.definitions import DEFINITIONS
-except MissionError as error:
-    sys.exit(f"{error}; {error.hint}")
-print(json.dumps([[d.number, d.name, d.layout.format, d.names, d.lengths, d.crc_extra] for d in DEFINITIONS.values()]))
-"""
-
-
-def said(folder: Path, how: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", SAID, how]
-    return subprocess.run(command, cwd=folder, env={}, capture_output=True, text=True, check=False)
+from ipoa_mission.link.borrowed import as_pymavlink, payload_of
+from ipoa_mission.link.codec import Codec, frame_at
 
 
 @pytest.fixture
-def checkout(tmp_path: Path) -> Path:
-    leave_out = shutil.ignore_patterns(definitions.TABLE, "node_modules", "__pycache__", "*.bin")
-    shutil.copytree(REPOSITORY / "ipoa_mission", tmp_path / "ipoa_mission", ignore=leave_out)
-    return tmp_path
+def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What a test adds to the table is taken out again."""
+    monkeypatch.setattr(definitions, "_IN_USE", list(definitions._IN_USE))
+    tables: list[dict[Any, Any]] = [definitions.DEFINITIONS, definitions._NUMBERS]
+    before = [dict(table) for table in tables]
+    yield
+    for table, whole in zip(tables, before, strict=True):
+        table.clear()
+        table.update(whole)
 
 
-def test_the_table_of_a_wheel_says_what_pymavlink_says(checkout: Path) -> None:
-    pymavlink = said(checkout, "with")
-    (checkout / "ipoa_mission" / "link" / definitions.TABLE).write_text(json.dumps(definitions.rows()))
-    table = said(checkout, "without")
-    assert (pymavlink.returncode, table.returncode) == (0, 0), pymavlink.stderr + table.stderr
-    assert json.loads(table.stdout) == json.loads(pymavlink.stdout)
-    assert len(json.loads(table.stdout)) > 250
+def test_the_table_is_pymavlinks_with_what_the_stable_dialects_lack() -> None:
+    known = {definitions.DEFINITIONS[number].name for number in ardupilotmega.mavlink_map}
+    assert known == {kind.msgname for kind in ardupilotmega.mavlink_map.values()}
+    assert "opaque_id" in definitions.definition_of("MISSION_ACK").names
 
 
-def test_without_table_and_pymavlink_the_error_names_the_way_out(checkout: Path) -> None:
-    neither = said(checkout, "without")
-    assert neither.returncode == 1
-    assert "no table of MAVLink's messages, and pymavlink is not installed; pip install pymavlink" in neither.stderr
+@pytest.mark.usefixtures("_as_before")
+@pytest.mark.parametrize("dialect", ["storm32", storm32])
+def test_a_dialect_that_is_named_is_understood_and_spoken(dialect: str | ModuleType) -> None:
+    said = storm32.MAVLink_qshot_status_message(3, 7)
+    with pytest.raises(BadInput, match="expected one of pymavlink's"):
+        payload_of(said)
+    theirs = bytes(said.pack(storm32.MAVLink(None, srcSystem=9)))
+    assert frame_at(theirs, 0) is None
+    definitions.add_dialect(dialect)
+    assert frame_at(theirs, 0) == theirs
+    ours = Codec(9, 0).frame(*payload_of(said), 0.0)
+    assert as_pymavlink(ours).to_dict() == as_pymavlink(theirs).to_dict() == said.to_dict()
 
 
-def test_a_table_that_is_not_there_is_pymavlinks_or_an_error_that_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    table = json.loads(json.dumps(definitions._table()))
-    monkeypatch.setattr(definitions, "TABLE", "nowhere.json")
-    assert json.loads(json.dumps(definitions._table())) == table
-    monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20", None)
-    with pytest.raises(MissionError, match="no table of MAVLink's messages, and pymavlink is not installed"):
-        definitions.rows()
+def test_text_goes_there_and_back_as_pymavlink_has_it() -> None:
+    said = ardupilotmega.MAVLink_param_set_message(1, 1, b"RTL_ALT", 6500.0, 9)
+    assert Codec(255, 190).frame(*payload_of(said), 0.0) == bytes(said.pack(ardupilotmega.MAVLink(None, 255, 190)))
+    heard = as_pymavlink(bytes(said.pack(ardupilotmega.MAVLink(None, 255, 190))))
+    assert payload_of(heard) == payload_of(said)
 
 
-def test_a_table_that_is_there_is_taken_as_it_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    table = json.loads(json.dumps(definitions.rows()))[:3]
-    (tmp_path / definitions.TABLE).write_text(json.dumps(table))
-    monkeypatch.setattr(definitions, "__file__", str(tmp_path / "definitions.py"))
-    assert definitions._table() == table
+@pytest.mark.usefixtures("_as_before")
+def test_what_is_no_dialect_or_contradicts_ours_is_bad_input() -> None:
+    with pytest.raises(BadInput, match="dialect: expected one of pymavlink's, not 'martian'") as refused:
+        definitions.add_dialect("martian")
+    assert "common" in (refused.value.hint or "")
+    other = SimpleNamespace(
+        id=0, msgname="HEARTBEAT", crc_extra=1, ordered_fieldnames=["a"], fieldnames=["a"], fieldtypes=["uint8_t"],
+        lengths=[1], unpacker=SimpleNamespace(format="<B"),
+    )  # fmt: skip
+    with pytest.raises(BadInput, match="its message 0 is HEARTBEAT, which is HEARTBEAT here"):
+        definitions.add_dialect(SimpleNamespace(mavlink_map={0: other}))  # type: ignore[arg-type]
+    with pytest.raises(BadInput, match="of a dialect that is in use"):
+        definitions.dialect_of(65_000)

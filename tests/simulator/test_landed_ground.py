@@ -39,5 +39,5 @@ def test_a_flight_over_level_ground_says_what_was_to_be_expected_there() -> None
     uphill = landing_on(MISSION, 8.5)
     assert landed_elsewhere(uphill, api.fly(uphill), CALM) == ()
     (words,) = landed_elsewhere(uphill, level, CALM)
-    assert words.startswith("it landed 0.0 m above home, where the ground is 8.5 m above home: ")
+    assert words.startswith("it landed 0.0 m above home, but the ground there is 8.5 m higher: ")
     assert f"{api.estimate(MISSION).total_s:.1f} s are estimated" in words

@@ -37,6 +37,7 @@ def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, mo
     (tmp_path / "package" / "report" / "assets").mkdir(parents=True)
     (tmp_path / "package" / "report" / "assets" / "palette.css").write_text("")
     monkeypatch.setattr(bundle, "WEB", web)
+    monkeypatch.setattr(bundle, "copies", lambda part: ())
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
@@ -45,9 +46,18 @@ def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, mo
     assert "Node.js" in str(caught.value.hint)
 
 
-def test_an_installed_page_is_taken_as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = tmp_path / "dist" / "index.html"
-    page.parent.mkdir()
-    page.write_text("")
-    monkeypatch.setattr(bundle, "WEB", tmp_path)
-    assert bundle.built_page(lambda words: None) == page.parent
+def test_a_page_counts_by_the_sources_that_it_was_made_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    web, other = (tmp_path / one / "studio" / "web" for one in ("here", "there"))
+    for one in (web, other):
+        (one.parents[1] / "report" / "assets").mkdir(parents=True)
+        (one.parents[1] / "report" / "assets" / "palette.css").write_text("")
+        (one / "dist").mkdir(parents=True)
+        (one / "main.tsx").write_text("1")
+    (web / "dist" / bundle.DIGEST).write_text(bundle.sources_digest(web))
+    monkeypatch.setattr(bundle, "WEB", web)
+    assert bundle.built_page(lambda words: None) == web / "dist"
+    (web / "main.tsx").write_text("2")  # as one who works on it
+    assert not bundle.has_page(web)
+    (other / "dist" / bundle.DIGEST).write_text(bundle.sources_digest(web))  # installed beside
+    monkeypatch.setattr(bundle, "copies", lambda part: iter([other]))
+    assert bundle.built_page(lambda words: None) == other / "dist"

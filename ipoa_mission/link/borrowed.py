@@ -1,0 +1,72 @@
+"""What pymavlink's users bring along: an open connection of mavutil as our channel, its message classes as messages.
+
+Frames, checksums, signatures and logs stay ours.
+"""
+
+import select
+from typing import Any
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.link.channel import LONGEST_READ, LinkDown, Peer, RealTime
+from ipoa_mission.link.definitions import DEFINITIONS, Definition, dialect_of
+
+PEER = "mavutil"  # it answers where it was spoken to, and does not tell who spoke
+
+
+class MavutilChannel(RealTime):
+    """A connection that `mavutil.mavlink_connection` opened; it stays its owner's, who closes it.
+
+    While it is lent nobody else may read from it.
+    """
+
+    def __init__(self, connection: Any) -> None:
+        super().__init__()
+        if not hasattr(connection, "recv") or getattr(connection, "fd", None) is None:
+            raise BadInput(
+                f"connect: expected a connection string, an open connection of mavutil, or MAVSDK's System, "
+                f"not {type(connection).__name__}"
+            )
+        self._connection = connection
+        self.datagrams = type(connection).__name__ in ("mavudp", "mavmcast")
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        """See `Channel`."""
+        try:
+            ready, _, _ = select.select([self._connection.fd], [], [], max(0.0, until - self.now()))
+            data = self._connection.recv(LONGEST_READ) if ready else b""
+        except (OSError, ValueError) as error:
+            raise LinkDown(f"the link broke: {error}") from error
+        return [(bytes(data), PEER)] if data else []
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        """See `Channel`."""
+        try:
+            self._connection.write(data)
+        except (OSError, ValueError) as error:
+            raise LinkDown(f"the link broke: {error}") from error
+
+    def close(self) -> None:
+        """See `Channel`: nothing, it was only lent."""
+
+
+def payload_of(message: Any) -> tuple[Definition, bytes]:
+    """The definition and the payload of one of pymavlink's messages.
+
+    Raises:
+        BadInput: it is none, or of a dialect that is not in use.
+    """
+    number = getattr(message, "get_msgId", lambda: None)()
+    definition = DEFINITIONS.get(number)
+    if definition is None or definition.name != message.get_type():
+        raise BadInput(
+            f"message: expected one of pymavlink's, not {type(message).__name__}",
+            hint="connect(..., dialect=NAME) makes another dialect known",
+        )
+    fields = {name: getattr(message, name) for name in definition.names if hasattr(message, name)}
+    return definition, definition.pack({k: v.encode() if isinstance(v, str) else v for k, v in fields.items()})
+
+
+def as_pymavlink(frame: bytes) -> Any:
+    """A whole frame as one of pymavlink's messages."""
+    number = int.from_bytes(frame[7:10], "little") if frame[0] == 0xFD else frame[5]
+    return dialect_of(number).MAVLink(None).decode(bytearray(frame))

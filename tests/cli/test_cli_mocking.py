@@ -1,0 +1,45 @@
+"""`mock --scenario`: the built-in autopilot stands in a scenario's world, and lands on its ground."""
+
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission import Autopilot, BadInput, Geodetic, read_mission, read_scenario
+from ipoa_mission.cli.standing import ZURICH, stands
+from ipoa_mission.items import LEVEL
+from ipoa_mission.mission.landing_ground import landing_ground
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+def test_a_mock_stands_where_the_scenario_takes_off_over_its_ground(tmp_path: Path) -> None:
+    text = (MISSIONS / "campus.toml").read_text(encoding="utf-8") + "\n[wind]\nspeed = 3.0\nfrom_deg = 270.0\n"
+    (tmp_path / "campus.toml").write_text(text)
+    here, world = (
+        stands(tmp_path / "campus.toml", None, None, {"LAND_SPEED": 40.0}),
+        read_scenario(MISSIONS / "campus.toml"),
+    )
+    assert here.autopilot is Autopilot.ARDUPILOT
+    assert here.home == world.home.geodetic()
+    assert (here.wind.speed, here.wind.from_deg) == (3.0, 270.0)
+    assert here.parameters == {**world.vehicle.parameters, "LAND_SPEED": 40.0}
+    east, north, _ = world.goal_point
+    assert here.ground(east, north) == pytest.approx(landing_ground(read_mission(MISSIONS / "campus.plan")), abs=0.2)
+
+
+def test_another_autopilot_there_has_none_of_the_parameters() -> None:
+    here = stands(MISSIONS / "campus.toml", None, Autopilot.PX4, {})
+    assert (here.autopilot, here.parameters) == (Autopilot.PX4, {})
+
+
+def test_without_a_scenario_it_stands_in_zurich_on_level_ground() -> None:
+    here = stands(None, None, None, {})
+    assert (here.autopilot, here.home, here.ground) == (Autopilot.PX4, Geodetic(*ZURICH), LEVEL)
+    assert stands(None, (1.0, 2.0, 3.0), None, {}).home == Geodetic(1.0, 2.0, 3.0)
+
+
+def test_what_contradicts_itself_is_bad_input() -> None:
+    with pytest.raises(BadInput, match="--home: expected no --scenario beside it"):
+        stands(MISSIONS / "campus.toml", (1.0, 2.0, 3.0), None, {})
+    with pytest.raises(BadInput, match="--home: expected latitude and longitude"):
+        stands(None, (95.0, 2.0, 3.0), None, {})
