@@ -5,10 +5,9 @@ Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPil
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
 
+from ipoa_mission.autopilots.kinds import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.autopilots.parameters import expect_own
 from ipoa_mission.autopilots.renamed import overridden
@@ -17,21 +16,7 @@ from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.finding import Finding
 from ipoa_mission.world.frame import Geodetic
-
-QUADROTOR = 2  # MAV_TYPE
-#: MAV_TYPE of what hovers on rotors alone: quadrotor, coaxial, helicopter, hexa-, octo-, tri-, dodeca-, decarotor.
-MULTICOPTERS = frozenset({QUADROTOR, 3, 4, 13, 14, 15, 29, 35})
-
-OTHER_VEHICLES = {1: "a fixed wing", 10: "a rover", 11: "a boat", 12: "a submarine"}
-OTHER_VEHICLES |= dict.fromkeys(range(19, 26), "a VTOL")
-
-#: How high above home the ground is, east and north of it [m].
-Ground: TypeAlias = Callable[[float, float], float]
-
-
-def LEVEL(east: float, north: float) -> float:  # noqa: N802  # the constant among grounds
-    """The ground where nothing is known of it: as high as home."""
-    return 0.0
+from ipoa_mission.world.ground import LEVEL, Ground
 
 
 @dataclass(frozen=True)
@@ -119,10 +104,10 @@ class Mission:
 
     @property
     def other_vehicle(self) -> str | None:
-        """What it is for, in words, where that is no multicopter: "a fixed wing"; the time models do not know it."""
+        """What it is for, in words, where that is no multicopter: "a plane"; nobody here flies it."""
         if self.vehicle_type in MULTICOPTERS:
             return None
-        return OTHER_VEHICLES.get(self.vehicle_type, f"a vehicle of MAV_TYPE {self.vehicle_type}")
+        return with_article(class_name(self.vehicle_type))
 
     def with_parameters(self, parameters: Parameters) -> "Mission":
         """The same on a vehicle that has these parameters too; they go before those that it carries.

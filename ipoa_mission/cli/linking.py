@@ -149,7 +149,7 @@ def scan(
         rows = [
             {
                 "system": one.system,
-                "autopilot": str(one.autopilot),
+                "autopilot": str(one.kind.autopilot),
                 "armed": one.armed,
                 "contested": line.contested(one.system),
             }

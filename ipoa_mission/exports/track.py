@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipoa_mission.items import FenceCircle, FencePolygon, Mission
-from ipoa_mission.itinerary.legs import Ground, Leg, flown_legs
+from ipoa_mission.itinerary.legs import Leg, flown_legs
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario

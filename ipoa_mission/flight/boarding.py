@@ -4,8 +4,6 @@ import logging
 import math
 from dataclasses import replace
 
-import numpy as np
-
 from ipoa_mission.autopilots.said import vehicle_says
 from ipoa_mission.autopilots.slow_landing import DECIDED_BY, slow_stretch
 from ipoa_mission.checks.check import check_mission
@@ -14,12 +12,14 @@ from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.commands import Frame, plain_frame
 from ipoa_mission.errors import MissionError
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.items import LEVEL, Mission
+from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import flown_legs
-from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.departure import LIMITS
+from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.set_up import own_values
+from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
 FAR = 100.0  # [m] over the ground
@@ -87,21 +87,37 @@ def expect_slow_landing(mission: Mission, vehicle: Vehicle) -> None:
         FastLanding: naming the place, the ground there, and how fast.
     """
     planned = slow_stretch(mission.autopilot, mission.parameters)
-    if mission.autopilot is not vehicle.autopilot or planned is None or mission.ground is LEVEL:
+    if mission.autopilot is not vehicle.autopilot or planned is None or mission.ground.is_level:
         return
     own = slow_stretch(vehicle.autopilot, own_values(vehicle, DECIDED_BY[vehicle.autopilot]))
 
-    def ground(places: Points) -> Vector:
-        return np.array([mission.ground(east, north) for east, north in places[:, :2].tolist()])
-
     frame = LocalFrame(mission.home)
-    for landing in landings(mission, frame, flown_legs(mission, frame, ground)):
+    for landing in landings(mission, frame, flown_legs(mission, frame, mission.ground)):
         if own is not None and own.is_fast(landing.counted) and not planned.is_fast(landing.counted):
             raise FastLanding(
                 f"{landing.words}: with the vehicle's own parameters, {touches_down(own, landing)}",
                 hint="give it those that the mission was made for (NAME.params): `fly --set-params` does; "
                 "--anyway flies with its own",
             )
+
+
+def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
+    """Wait until a vehicle knows where it is; `progress` is told what it says meanwhile.
+
+    Raises:
+        NotReady, TimeUp: it does not come to know it in time.
+    """
+    state, until_s = vehicle.state, vehicle.line.now() + LIMITS.ready_s
+    hinders = ""
+    try:
+        while vehicle.home() is None:
+            hinders = "; ".join(("the vehicle does not know yet where it is", *dict.fromkeys(state.warnings)))
+            progress(0.0, hinders)
+            if vehicle.line.now() > until_s:
+                raise NotReady(f"not ready after {LIMITS.ready_s:.0f} s: {hinders}", hint="has it GPS reception?")
+            state.warnings.clear()
+    except TimeUp as late:
+        raise TimeUp(f"{late}: {hinders}" if hinders else str(late), late.hint) from None
 
 
 def expect_fit(mission: Mission, vehicle: Vehicle, anyway: bool = False) -> tuple[str, ...]:

@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 
 from ipoa_mission.commands import LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import LEVEL, Ground, Item, Mission
+from ipoa_mission.items import Item, Mission
 from ipoa_mission.itinerary.program import Program, as_flown
 from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.ground import LEVEL, Ground
 
 #: ArduPilot's own bound on what a mission may hold, taken here as a bound on what a loop may unroll to.
 MOST_VISITS = 20_000

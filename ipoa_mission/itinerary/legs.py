@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +25,8 @@ from ipoa_mission.itinerary.copter_arc import arc_chords, is_arc, turn_of
 from ipoa_mission.itinerary.copter_spline import spline_chords, spline_tangents
 from ipoa_mission.itinerary.program import Place, as_flown, onward
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-
-Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
+from ipoa_mission.world.ground import Ground
+from ipoa_mission.world.terrain import Flat
 
 CHORD = 0.005  # [m] by which a curve may leave its chords
 FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
@@ -106,7 +105,7 @@ class _Flight:
     def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None) -> None:
         self.mission, self.frame = mission, frame
         self.home = frame.local(mission.home)
-        self.ground: Ground = ground or (lambda points: np.full(len(points), self.home[2]))
+        self.ground = ground or Ground(Flat(float(self.home[2])))
         self.places = item_places(mission, frame, self.ground)
         self.parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
         self.at = self.home

@@ -14,6 +14,7 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
 from ipoa_mission.link.presence import Found, autopilots_in, round_trips_in
 from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.vehicle import Vehicle
 
 #: How long to wait for the first heartbeat, and for those of other vehicles after it [s].
@@ -29,15 +30,18 @@ def connect(
     fast: bool = True,
     anyway: bool = False,
     dialect: str | ModuleType | None = None,
+    reading: bool = False,
 ) -> Vehicle:
     """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
 
     `link` is a connection string, an open connection of pymavlink's mavutil, or a System of MAVSDK's, which stay open.
     `dialect`, one of pymavlink's by its name or a module that it generated, adds messages: to the log, to `messages`.
+    `reading`: any vehicle will do, and nothing can be changed on one that is no multicopter.
 
     Raises:
         BadInput, LinkDown: the link cannot be opened; there is no such dialect.
         NoAnswer: there is no vehicle.
+        NotFlown: it is no multicopter of ArduPilot or PX4; nothing but our presence was told to it.
         MissionError: there are several, and `system` does not say which.
         Contested: there are two with this system id; `anyway` takes the first.
     """
@@ -49,7 +53,7 @@ def connect(
         return borrow(link, log)
     line = open_line(link, log, signer)
     try:
-        return meet(line, system, patience, fast, anyway)
+        return meet(line, system, patience, fast, anyway, reading)
     except NoAnswer as silence:
         line.close()
         raise NoAnswer(
@@ -68,12 +72,18 @@ def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = 
 
 
 def meet(
-    line: Line, system: int | None = None, patience: Patience = SPECIFIED, fast: bool = True, anyway: bool = False
+    line: Line,
+    system: int | None = None,
+    patience: Patience = SPECIFIED,
+    fast: bool = True,
+    anyway: bool = False,
+    reading: bool = False,
 ) -> Vehicle:
     """The vehicle on a line: the one with this system id, or the only one.
 
     Raises:
         NoAnswer: there is none.
+        NotFlown: it is no multicopter of ArduPilot or PX4, and not only to be read from (`reading`).
         MissionError: there are several, and `system` does not say which.
         Contested: there are two with this system id; `anyway` takes the first.
 
@@ -90,7 +100,8 @@ def meet(
         if not is_met and (system in autopilots if system is not None else autopilots):
             is_met = True
             until = line.now() + OTHERS_S
-            line.send(Ping(round(line.now() * 1e6), 0))
+            if reading or all(one.kind.is_flown for one in autopilots.values()):
+                line.send(Ping(round(line.now() * 1e6), 0))
     if system is not None and system not in autopilots:
         others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
@@ -98,9 +109,16 @@ def meet(
         raise NoAnswer("no autopilot is heard")
     if system is None and len(autopilots) > 1:
         raise MissionError(
-            f"several vehicles are heard: {', '.join(map(str, sorted(autopilots)))}", hint="choose one by its system id"
+            f"several vehicles are heard: {', '.join(_named(autopilots[one]) for one in sorted(autopilots))}",
+            hint="choose one by its system id",
         )
     one = autopilots[system] if system is not None else autopilots.popitem()[1]
+    if not (reading or one.kind.is_flown):
+        raise NotFlown(one.kind, f"vehicle {one.system}")
     if not anyway:
         line.expect_alone(one.system)
     return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
+
+
+def _named(one: Found) -> str:
+    return f"{one.system} ({one.kind})"

@@ -1,7 +1,8 @@
 """From standing on the ground to flying a mission from a known item: the order that each firmware wants.
 
-Nothing turns before the vehicle tells that it stands disarmed, will begin at the right item, and could be armed in the
-mode in which it is armed; and what is refused after that disarms it again.
+Nothing turns before the vehicle tells that it stands disarmed, will begin at the right item, could be armed in the mode
+in which it is armed, and holds the very lists that it was given; and what is refused after that disarms it again,
+unless it may be in the air.
 """
 
 from dataclasses import dataclass
@@ -10,11 +11,12 @@ from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Order
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp, until, wait
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Remark, TimeUp, until, wait
 from ipoa_mission.link.hold import SHOWN_S, change_mode
-from ipoa_mission.link.messages import CommandResult, Current
+from ipoa_mission.link.holding import Holding, expect_unchanged, prove
+from ipoa_mission.link.messages import CommandLong, CommandResult, Current
 from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
-from ipoa_mission.link.state import NotReady, VehicleState
+from ipoa_mission.link.state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.progress import Progress, silent
 
@@ -28,13 +30,15 @@ STREAMS_S = {
 }
 NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
 ARMING = "arm"
+DISARMINGS = 3
+ASKINGS = 3  # for a stream that does not come: the answer heard may have been to an earlier request
 
 
 @dataclass(frozen=True)
 class DepartureLimits:
     """How long a vehicle is given for each step of its departure."""
 
-    stream_s: float = 8.0  # until a stream that was asked for is heard
+    stream_s: float = 4.0  # until a stream that was asked for is heard
     ready_s: float = 180.0  # until it could be armed,
     look_s: float = 3.0  # with so long between two looks at what hinders
     again_s: float = 1.0  # before the next look, and between two attempts to arm
@@ -52,13 +56,14 @@ class Departure:
 
     `moving`: the first item from there on that moves the vehicle, which ArduPilot calls current where others, done at
     once, stand before it. `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that
-    by itself.
+    by itself. `holdings`: the lists that it was seen to hold.
     """
 
     state: VehicleState
     first: int
     moving: int
     climb: float = 0.0
+    holdings: tuple[Holding, ...] = ()
     progress: Progress = silent
 
     @property
@@ -73,17 +78,17 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
     Raises:
         NotReady: something needed does not come.
     """
-    refused = []
-    for name, interval_s in STREAMS_S.items():
-        if not (yield from stream(name, interval_s)):
-            refused.append(name)
+    unheard, refused = list(STREAMS_S), set[str]()
     state.heard -= set(NEEDED.values())
-    if not (yield from until(lambda: state.heard >= set(NEEDED.values()), LIMITS.stream_s)):
+    for _ in range(ASKINGS):
+        for name in unheard:
+            is_refused = not (yield from stream(name, STREAMS_S[name]))
+            refused = refused | {name} if is_refused else refused - {name}
+        if (yield from until(lambda: state.heard >= set(NEEDED.values()), LIMITS.stream_s)):
+            return
         unheard = [name for name, kind in NEEDED.items() if kind not in state.heard]
-        refusal = f"; it refused to send {', '.join(refused)}" if refused else ""
-        raise NotReady(
-            f"the vehicle does not send {', '.join(unheard)}{refusal}", hint="without it no flight is watched"
-        )
+    refusal = f"; it refused to send {', '.join(name for name in unheard if name in refused)}" if refused else ""
+    raise NotReady(f"the vehicle does not send {', '.join(unheard)}{refusal}", hint="without it no flight is watched")
 
 
 def unsubscribe() -> Dialogue[None]:
@@ -105,48 +110,80 @@ def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[N
     position and says that it could be armed.
 
     Raises:
-        NotReady: armed already, or not ready in time; with the vehicle's own reasons.
+        NotReady, TimeUp: armed already, or not ready in time; with the vehicle's own reasons.
+        NotFlown: it is no multicopter.
         NoAnswer, CommandRefused: it does not take the order for its current item.
     """
     state = departure.state
-    yield from until(lambda: state.armed is not None, SHOWN_S)
+    yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
+    state.expect_flown()
     expect_on_ground(state)
     yield from subscribe(state)
     yield from _set_first(departure)
-    mode = ARMING_MODE[departure.autopilot]
-    waited_s = 0.0
-    while True:
-        state.warnings.clear()
-        hinders = yield from change_mode(state, mode)
-        if not hinders:
-            if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.look_s)):
-                break
-            yield from command(Order.RUN_PREARM_CHECKS)
-            yield from until(lambda: bool(state.warnings), 0.5)
-            hinders = "; ".join(dict.fromkeys(state.warnings)) or "its pre-arm checks do not pass, without a reason"
-        waited_s += LIMITS.look_s
-        departure.progress(0.0, hinders)
-        if waited_s > ready_s:
-            raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
-        yield from wait(LIMITS.again_s)
+    yield from _await_ready(departure, ready_s)
     expect_on_ground(state)
     yield from _set_first(departure)
 
 
+def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
+    state, mode = departure.state, ARMING_MODE[departure.autopilot]
+    waited_s, hinders = 0.0, ""
+    try:
+        while True:
+            state.warnings.clear()
+            hinders = (yield from change_mode(state, mode)) or hinders
+            if state.custom_mode == mode:
+                if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.look_s)):
+                    return
+                yield from command(Order.RUN_PREARM_CHECKS)
+                yield from until(lambda: bool(state.warnings), 0.5)
+                hinders = _hindrance(state)
+            waited_s += LIMITS.look_s
+            departure.progress(0.0, hinders)
+            if waited_s > ready_s:
+                raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
+            yield from wait(LIMITS.again_s)
+    except TimeUp as late:
+        why = hinders or _hindrance(state)
+        raise TimeUp(f"{late}: the vehicle is not ready: {why}", hint=str(state)) from None
+
+
+def _hindrance(state: VehicleState) -> str:
+    """Why it could not be armed, in its own words if it has any."""
+    if state.warnings:
+        return "; ".join(dict.fromkeys(state.warnings))
+    return "its pre-arm checks do not pass, without a reason" if _has_position(state) else "it has no position"
+
+
 def depart(departure: Departure) -> Dialogue[None]:
-    """Arm a prepared vehicle and let it fly its mission.
+    """Arm a prepared vehicle that is proved to hold our lists, and let it fly its mission.
 
     Raises:
+        Replaced, NotReady: it holds something else, or does not tell; it was not armed, or not started.
         CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
-            was still on the ground.
+            said that it was still on the ground.
     """
+    state = departure.state
+    may_be_armed = False
     try:
-        yield from _arm()
+        for attempt in range(1, LIMITS.arming_attempts + 1):
+            state.expect_flown()
+            yield from prove(departure.holdings, state)
+            may_be_armed = True
+            result, words = yield from command(Command.COMPONENT_ARM_DISARM, 1.0)
+            if result == CommandResult.ACCEPTED:
+                break
+            is_last = attempt == LIMITS.arming_attempts
+            if (yield from until(lambda: state.armed is True, SHOWN_S if is_last else LIMITS.again_s)):
+                break  # what was refused was an order given before
+            may_be_armed = False
+            if is_last:
+                raise CommandRefused(ARMING, result, words)
         yield from _begin(departure)
     except MissionError as broken_off:
-        if not (isinstance(broken_off, CommandRefused) and broken_off.what == ARMING):
-            yield from _disarm_on_ground(departure.state)
-        broken_off.hint = str(departure.state)
+        if may_be_armed:
+            yield from _disarm_on_ground(state)
+        broken_off.hint = str(state)
         raise
 
 
@@ -156,6 +193,9 @@ def _begin(departure: Departure) -> Dialogue[None]:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)
+        state.current = None  # what it says of its mission now that it is armed counts
+        yield from until(lambda: state.current is not None, LIMITS.again_s)
+        expect_unchanged(departure.holdings)
         yield from _order("start the mission", Order.MISSION_START)
     mode = MISSION_MODE[departure.autopilot]
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
@@ -188,20 +228,21 @@ def _order(what: str, number: int, *params: float) -> Dialogue[None]:
         raise CommandRefused(what, result, words)
 
 
-def _arm() -> Dialogue[None]:
-    for _ in range(LIMITS.arming_attempts - 1):
-        try:
-            return (yield from _order(ARMING, Command.COMPONENT_ARM_DISARM, 1.0))
-        except CommandRefused:
-            yield from wait(LIMITS.again_s)
-    yield from _order(ARMING, Command.COMPONENT_ARM_DISARM, 1.0)
-
-
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
-    """A vehicle in the air refuses this by itself; its state is heard once more either way."""
+    """Disarm a vehicle that stands: each order follows its own word, heard since, that it is on the ground.
+
+    One that flies, takes off, or does not tell, is left alone.
+    """
     try:
-        yield from command(Command.COMPONENT_ARM_DISARM, 0.0)
-        state.armed = None
+        for attempt in range(DISARMINGS):
+            if attempt > 0 and (yield from until(lambda: state.armed is False, SHOWN_S)):
+                return
+            state.landed_state = None
+            yield from until(lambda: state.landed_state is not None, SHOWN_S)
+            if state.landed_state != ON_GROUND:
+                return
+            yield Remark(CommandLong(Command.COMPONENT_ARM_DISARM))
+            state.armed = None
         yield from until(lambda: state.armed is not None, SHOWN_S)
     except (NoAnswer, Cancelled, TimeUp):
         return

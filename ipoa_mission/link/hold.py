@@ -73,6 +73,6 @@ def _enter(state: VehicleState, mode: int) -> Dialogue[None]:
 
 def _expect_flying(state: VehicleState) -> Dialogue[None]:
     """Only what its heartbeats tell is waited for: an order to stop must not wait for a stream that may not come."""
-    yield from until(lambda: state.armed is not None, SHOWN_S)
+    yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
     if not state.armed or state.in_air is False:
-        raise NotReady("expected a vehicle in the air", hint=str(state))
+        raise NotReady(f"expected a vehicle in the air: {state}", hint="`fly` begins a flight")

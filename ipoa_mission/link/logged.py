@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ipoa_mission.autopilots.kinds import QUADROTOR
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.autopilots.version import Version
 from ipoa_mission.geometry import Points, Vector
@@ -14,7 +15,6 @@ from ipoa_mission.link.measured import Measured
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Firmware, Heartbeat, Message
 from ipoa_mission.link.telemetry import Position, SystemTime
 
-MAV_TYPE_QUADROTOR = 2
 #: What ArduPilot says when an item begins: "Mission: 4 WP".
 ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
 
@@ -101,7 +101,7 @@ def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
     """The heartbeat of a vehicle in this state."""
     firmware = Firmware.ARDUPILOT if autopilot is Autopilot.ARDUPILOT else Firmware.PX4
     flags = CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0)
-    return Heartbeat(MAV_TYPE_QUADROTOR, firmware, flags, custom_mode)
+    return Heartbeat(QUADROTOR, firmware, flags, custom_mode)
 
 
 def item_begun(text: str) -> Current | None:

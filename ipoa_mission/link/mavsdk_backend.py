@@ -14,8 +14,9 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from ipoa_mission.autopilots.kinds import QUADROTOR, Kind
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.items import Item
 from ipoa_mission.link import wire
 from ipoa_mission.link.address import Address, Transport, parse_address
@@ -23,9 +24,11 @@ from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import EVERYONE, Heard, Target
 from ipoa_mission.link.conversations import MissionRefused, list_name
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
+from ipoa_mission.link.holding import Holding
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.item_run import ItemRun
 from ipoa_mission.link.messages import (
+    NO_MISSION,
     STATION_COMPONENT,
     STATION_SYSTEM,
     Firmware,
@@ -35,7 +38,8 @@ from ipoa_mission.link.messages import (
     Result,
 )
 from ipoa_mission.link.presence import Found
-from ipoa_mission.link.upload import NO_MISSION, ReadBackDiffers, Unflyable
+from ipoa_mission.link.state import NotFlown
+from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import compare
@@ -55,12 +59,15 @@ _RESULTS = {
 }
 
 
-def connect(url: str, system: int | None = None, log: str | Path | None = None) -> "MavsdkVehicle":
-    """Find the vehicle on a link, through MAVSDK.
+def connect(
+    url: str, system: int | None = None, log: str | Path | None = None, reading: bool = False
+) -> "MavsdkVehicle":
+    """Find the vehicle on a link, through MAVSDK; `reading`: any will do, and nothing is changed on it.
 
     Raises:
         BadInput: MAVSDK keeps no `.tlog`, or the link is no connection string.
         LinkDown, NoAnswer: there is no such link, or no vehicle on it.
+        NotFlown: it is no multicopter of ArduPilot or PX4.
     """
     if log is not None:
         raise BadInput("log: the mavsdk backend writes no .tlog; leave it out, or use the built-in backend")
@@ -75,7 +82,11 @@ def connect(url: str, system: int | None = None, log: str | Path | None = None) 
     while time.monotonic() < until:
         for candidate in instance.get_systems():
             if candidate.has_autopilot() and candidate.is_connected() and system in (None, candidate.get_system_id()):
-                return MavsdkVehicle(instance, candidate)
+                try:
+                    return MavsdkVehicle(instance, candidate, reading)
+                except MissionError:
+                    instance.destroy()
+                    raise
         time.sleep(POLL_S)
     instance.destroy()
     raise NoAnswer(f"{url}: no autopilot is heard", hint="is it running, and does it send to this address?")
@@ -178,7 +189,7 @@ def _from_json(value: Any) -> Any:
 class MavsdkVehicle(Vehicle):
     """One vehicle, its lists carried by MAVSDK; the other verbs are our own dialogues, held over MAVSDK's link."""
 
-    def __init__(self, instance: Any, system: Any) -> None:
+    def __init__(self, instance: Any, system: Any, reading: bool = False) -> None:
         plugins = "mavsdk.plugins"
         mission_raw = import_module(f"{plugins}.mission_raw")
         self._raw, self._broken_off = mission_raw.MissionRaw(system), mission_raw.MissionRawError
@@ -187,12 +198,18 @@ class MavsdkVehicle(Vehicle):
         line = MavsdkLine(instance, system)
         is_ardupilot = system.autopilot_type().name == "ARDUPILOT"
         firmware = Firmware.ARDUPILOT if is_ardupilot else Firmware.PX4
-        super().__init__(line, Found(int(system.get_system_id()), firmware, armed=False, is_ready=True))
-        self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S))
+        kind = Kind(firmware, QUADROTOR)  # until its heartbeat is heard
+        super().__init__(line, Found(int(system.get_system_id()), kind, armed=False, is_ready=True))
+        if not self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S)):
+            raise NoAnswer(f"vehicle {self.system}: no heartbeat is heard")
+        if not reading and self.state.kind is not None and not self.state.kind.is_flown:
+            raise NotFlown(self.state.kind, f"vehicle {self.system}")
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
         """Put one list on the vehicle as it stands on the wire, and verify it."""
         name = list_name(kind)
+        self.state.expect_flown()
+        self._holdings.pop(kind, None)
         with noted_interrupts() as interrupt:
             rows = [self._spell(seq, item, kind) for seq, item in enumerate(items)]
             self._listen()
@@ -211,6 +228,10 @@ class MavsdkVehicle(Vehicle):
                 raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}")
         if self.autopilot is Autopilot.PX4 and kind == MissionType.MISSION and items:
             self._expect_flyable()
+            again = compare(items, self.download_items(kind), self.autopilot)
+            if again is not None:
+                raise Replaced(kind, again)
+        self._holdings[kind] = Holding(Upload(items, self.autopilot, kind))
 
     def _expect_flyable(self) -> None:
         """PX4 judges a mission after it has taken it, and tells in MISSION_CURRENT; before that it has none."""

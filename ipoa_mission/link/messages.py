@@ -63,6 +63,8 @@ class Firmware(IntEnum):
     PX4 = 12
 
 
+#: MISSION_STATE: there is no mission that could be flown.
+NO_MISSION = 1
 #: MAV_STATE_STANDBY: below it an autopilot is still starting up.
 STANDBY = 3
 #: MAV_MODE_FLAG_SAFETY_ARMED in HEARTBEAT.base_mode.

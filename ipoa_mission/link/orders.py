@@ -10,7 +10,7 @@ from ipoa_mission.commands import Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
 from ipoa_mission.link.messages import (
     CommandAck,
     CommandLong,
@@ -33,6 +33,12 @@ FILE_TRANSFER = 32
 INT_TYPES = frozenset({1, 2, 3, 4, 5, 6})
 #: A parameter that does not exist is met with silence: how often one asks, and how long one listens each time [s].
 PARAMETER_ROUNDS, PARAMETER_ROUND_S = 6, 0.7
+#: The rounds that follow where nothing at all was heard: a slow link, or a vehicle that is busy.
+SLOW_ROUNDS, SLOW_ROUND_S = 5, 2.0
+#: How long one listens each time that a parameter is set, before another value is believed to be kept [s].
+SETTING_S = (1.0, 2.0, 4.0)
+#: A message that is asked for by REQUEST_MESSAGE: how often, and the pause after a refusal [s].
+ASKINGS, REFUSED_S = 5, 0.3
 
 
 class CommandRefused(MissionError):
@@ -96,42 +102,47 @@ def stream(name: str, interval_s: float) -> Dialogue[bool]:
     return result == CommandResult.ACCEPTED
 
 
-def _requested(name: str, kind: type[M], pause_s: float, again: bool) -> Dialogue[M | None]:
+def _requested(name: str, kind: type[M], pause_s: float, askings: int = ASKINGS) -> Dialogue[M | None]:
     """A message that the vehicle is asked for; None where it will not send it, or does not although it would.
 
-    `again`: where it accepts to send it, and in `pause_s` does not, it is asked once more.
+    It is asked so often before that is believed: what is heard may be the answer to an earlier request.
     """
     request = CommandLong(Order.REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     step: Step = Ask(request)
+    has_answered = False
     while True:
-        heard = yield step
+        try:
+            heard = yield step
+        except NoAnswer:
+            if has_answered:
+                return None
+            raise
         step = None
         match heard:
-            case CommandAck(Order.REQUEST_MESSAGE, CommandResult.ACCEPTED):
-                step = Pause(pause_s)
-            case CommandAck(Order.REQUEST_MESSAGE):
-                return None
-            case None if again:
-                step = Tell(request)
+            case CommandAck(Order.REQUEST_MESSAGE, result):
+                has_answered = True
+                step = Pause(pause_s if result == CommandResult.ACCEPTED else REFUSED_S)
             case None:
-                return None
+                askings -= 1
+                if askings == 0:
+                    return None
+                step = Ask(request)
             case _ if isinstance(heard, kind):
                 return heard
 
 
 def home() -> Dialogue[Geodetic | None]:
     """Where the vehicle's home is; None while it does not know."""
-    at = yield from _requested("HOME_POSITION", HomePosition, 2.0, again=True)
+    at = yield from _requested("HOME_POSITION", HomePosition, 2.0)
     return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
 
 
-def about() -> Dialogue[AutopilotVersion]:
-    """What the autopilot says that it is and can do; zeros where it does not say."""
+def about() -> Dialogue[AutopilotVersion | None]:
+    """What the autopilot says of itself: its version, and what it can do; None where it does not say."""
     try:
-        version = yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, again=False)
+        return (yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, askings=2))
     except NoAnswer:
-        version = None
-    return AutopilotVersion(0) if version is None else version
+        return None
 
 
 def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:
@@ -143,14 +154,16 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
         NoAnswer: it answers to none.
     """
     values: dict[str, ParamValue] = {}
-    for _ in range(PARAMETER_ROUNDS):
+    for n in range(PARAMETER_ROUNDS + SLOW_ROUNDS):
+        if n >= PARAMETER_ROUNDS and values:
+            break
         missing = [names for names in wanted if not any(name in values for name in names)]
         if not missing:
             break
         for names in missing:
             for name in names:
                 yield Remark(ParamRequestRead(name))
-        heard = yield Pause(PARAMETER_ROUND_S)
+        heard = yield Pause(PARAMETER_ROUND_S if n < PARAMETER_ROUNDS else SLOW_ROUND_S)
         while heard is not None:
             if isinstance(heard, ParamValue):
                 values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
@@ -165,20 +178,27 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
 def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[None]:
     """Give a parameter another value, in the type that the vehicle has it in, and see that it took it.
 
+    What is heard first may be the late answer to a question from before: only what it keeps to the end is told.
+
     Raises:
-        NoAnswer: there is no such parameter.
+        NoAnswer: there is no such parameter, or nothing is heard of it any more.
         MissionError: it keeps another value.
     """
     kind = (yield from parameters([(name,)], autopilot))[name].param_type
-    step: Step = Ask(ParamSet(name, spelled_parameter(value, kind, autopilot), kind))
-    while True:
-        heard = yield step
-        step = None
-        match heard:
-            case ParamValue(told) if told == name:
-                if abs((now := parameter_value(heard, autopilot)) - value) > 1e-6 * max(1.0, abs(value)):
-                    raise MissionError(f"{name}: the vehicle was to have {value:g}, and keeps {now:g}")
-                return
+    order = ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
+    kept: float | None = None
+    for seconds in SETTING_S:
+        yield Remark(order)
+        heard = yield Pause(seconds)
+        while heard is not None:
+            if isinstance(heard, ParamValue) and heard.param_id == name:
+                kept = parameter_value(heard, autopilot)
+                if abs(kept - value) <= 1e-6 * max(1.0, abs(value)):
+                    return
+            heard = yield None
+    if kept is None:
+        raise NoAnswer(f"the vehicle does not answer when {name} is to be {value:g}")
+    raise MissionError(f"{name}: the vehicle was to have {value:g}, and keeps {kept:g}")
 
 
 def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.autopilots.kinds import Kind
 from ipoa_mission.link.codec import Heard
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, Firmware, Heartbeat, Ping
@@ -14,14 +14,9 @@ class Found:
     """An autopilot that was heard on a link."""
 
     system: int
-    firmware: int
+    kind: Kind
     armed: bool
     is_ready: bool
-
-    @property
-    def autopilot(self) -> Autopilot:
-        """Its family; any other firmware is spoken to as PX4 is, which keeps closest to the specification."""
-        return Autopilot.ARDUPILOT if self.firmware == Firmware.ARDUPILOT else Autopilot.PX4
 
 
 def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
@@ -36,7 +31,7 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, Found]:
     """The autopilots whose heartbeats are among what was heard, by system id."""
     return {
-        one.system: Found(one.system, beat.autopilot, beat.armed, beat.system_status >= STANDBY)
+        one.system: Found(one.system, Kind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY)
         for one in heard
         if isinstance(beat := one.message, Heartbeat)
         and one.component == AUTOPILOT_COMPONENT

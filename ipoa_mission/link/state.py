@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from ipoa_mission.autopilots.kinds import Kind, with_article
 from ipoa_mission.autopilots.modes import does_next, mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
@@ -19,11 +20,23 @@ class NotReady(MissionError):
     """The vehicle is not in a state for what it is told to do; the message says what hinders."""
 
 
+class NotFlown(MissionError):
+    """What is on the link is no multicopter of a firmware that the package knows: nothing is changed on it."""
+
+    def __init__(self, kind: Kind, name: str = "the vehicle") -> None:
+        self.kind = kind
+        super().__init__(
+            f"{name} is {with_article(str(kind))}; missions and orders are for multicopters of ArduPilot and PX4",
+            hint="`scan` and `download` read from any vehicle",
+        )
+
+
 @dataclass
 class VehicleState:
     """Hears everything that one vehicle says; None is what it has not said yet."""
 
     autopilot: Autopilot
+    kind: Kind | None = None
     booted: bool = False
     armed: bool | None = None
     custom_mode: int | None = None
@@ -39,6 +52,7 @@ class VehicleState:
         self.heard.add(type(message))
         match message:
             case Heartbeat():
+                self.kind = Kind(message.autopilot, message.type)
                 self.booted = message.system_status >= STANDBY
                 self.armed, self.custom_mode = message.armed, message.custom_mode
             case ExtendedState(landed_state) if landed_state:
@@ -52,6 +66,11 @@ class VehicleState:
             case Text(severity, text) if severity <= WARNING:
                 self.warnings = [*self.warnings[1 - MOST_WORDS :], text.rstrip("\t ")]
 
+    def expect_flown(self) -> None:
+        """Raise NotFlown unless its last heartbeat was that of a vehicle whose flight the package knows."""
+        if self.kind is not None and not self.kind.is_flown:
+            raise NotFlown(self.kind)
+
     @property
     def in_air(self) -> bool | None:
         """Whether it flies, as far as it tells."""
@@ -63,8 +82,10 @@ class VehicleState:
 
     def __str__(self) -> str:
         """Armed or not, in the air or not, and what it does next."""
-        if self.armed is None or self.custom_mode is None:
+        if self.armed is None:
             return "the vehicle has told nothing of its state"
+        if self.custom_mode is None:
+            return f"the vehicle is {'armed' if self.armed else 'disarmed'}"
         mode = mode_name(self.autopilot, self.custom_mode)
         if not self.armed:
             return f"the vehicle is disarmed, in {mode}"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilots.kinds import MULTICOPTERS, Kind, with_article
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput
@@ -50,7 +51,6 @@ ARMING = ("Arming motors", "Armed by", "ARMED by")
 DISARMING = ("Disarming motors", "Disarmed by", "DISARMED by")
 #: PX4's events commander_armed_by and commander_disarmed_by: of component 1, and 24 bits of the FNV-1a of the name.
 ARMED_BY, DISARMED_BY = 0x190CAF3, 0x1F46777
-MULTICOPTERS = frozenset({2, 3, 4, 13, 14, 15, 29, 35})  # MAV_TYPE, helicopters among them
 KEPT = (Position, Reached, Current, HomePosition, ParamValue, Text)
 NO_CLOCK = "nothing in the log tells the vehicle's clock: its times are those of the ground station"
 
@@ -88,9 +88,10 @@ def read_telemetry_log(path: Path) -> Log:
             beat = heard.message
             assert isinstance(beat, Heartbeat)
             system = heard.system
-            autopilot = Autopilot.ARDUPILOT if beat.autopilot == Firmware.ARDUPILOT else Autopilot.PX4
+            kind = Kind(beat.autopilot, beat.type)
+            autopilot = kind.autopilot
             if beat.type not in MULTICOPTERS:
-                raise BadInput(f"{path}: expected the log of a multicopter, not of a vehicle of MAV_TYPE {beat.type}")
+                raise BadInput(f"{path}: expected the log of a multicopter, not of {with_article(str(kind))}")
         if system is None:
             continue
         number = len(stamps)

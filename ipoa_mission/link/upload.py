@@ -20,7 +20,7 @@ from ipoa_mission.link.conversations import (
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
 from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
-from ipoa_mission.link.messages import WARNING, Ack, Current, Message, MissionType, Request, Result
+from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.mission.firmware import Difference
 from ipoa_mission.progress import Progress, count, silent
 
@@ -30,9 +30,9 @@ ATTEMPTS = 12
 #: thoughts when it has called the mission flyable.
 VERDICT_S = 1.5
 SECOND_THOUGHTS_S = 0.4
+READINGS = 5  # of a list that the vehicle does not name, or beside which it speaks of another
 #: Refusals that concern the moment and not the items.
 PASSING = frozenset({*DOUBTFUL, Result.DENIED, Result.OPERATION_CANCELLED})
-NO_MISSION = 1  # MISSION_STATE: there is none that could be flown
 
 
 class ReadBackDiffers(MissionError):
@@ -54,12 +54,30 @@ class Replaced(MissionError):
         )
 
 
+class Unsettled(MissionError):
+    """The vehicle holds what it was sent, and keeps speaking of another list."""
+
+    def __init__(self, kind: int) -> None:
+        super().__init__(
+            f"the vehicle speaks of another {list_name(kind)} each time that the one on it is read",
+            hint="is another station sending it one? upload again when it is done",
+        )
+
+
 class Unflyable(MissionError):
     """The vehicle took the mission and then found that it cannot fly it; `why` in its words, if it has said so."""
 
     def __init__(self, why: str) -> None:
-        why = why or "no reason was heard"
-        super().__init__(f"the vehicle stored the mission but finds it unflyable: {why}")
+        self.why = why
+        super().__init__(f"the vehicle stored the mission but finds it unflyable: {why or 'no reason was heard'}")
+
+
+class Unplaced(Unflyable):
+    """The vehicle has no position, and without one it finds every mission unflyable (PX4)."""
+
+    def __init__(self) -> None:
+        super().__init__("it has no position yet, and so judges none")
+        self.hint = "wait until it knows where it is (GPS), and upload again"
 
 
 @dataclass(frozen=True)
@@ -102,25 +120,49 @@ class MissionReports(VehicleTexts):
     """The vehicle's words, and what it says of the mission that it holds."""
 
     faintest: int = WARNING
-    stored_as: int = 0  # the id that it gave to what we sent; 0: not told
+    stored_as: int = 0  # the id that it gave to what we sent: the first after our COUNT; 0: not told
+    is_disputed: bool = False  # it has stored a mission under another id too: one of the two is somebody else's
+    is_read: bool = False  # reading back has begun: what is stored from here on is not ours
+    ids: frozenset[int] = frozenset()  # of the missions that it has spoken of since,
+    latest: int = 0  # and of that which it spoke of last
     total: int | None = None
-    mission_id: int = 0
+
+    def offered(self) -> None:
+        """We begin to send our list: what was told before is of others."""
+        self.stored_as, self.is_disputed, self.is_read = 0, False, False
+
+    def read(self) -> None:
+        """The list is read from here on."""
+        self.ids, self.latest, self.total, self.is_read = frozenset(), 0, None, True
+
+    def read_again(self) -> None:
+        """The list is read once more; what it last said of it still counts."""
+        self.ids, self.total, self.is_disputed = frozenset({self.latest} - {0}), None, False
 
     def note(self, message: Message | None) -> None:
-        """Keep what it says; of its mission, the last word counts."""
+        """Keep what it says of its mission."""
         match message:
-            case Ack(Result.ACCEPTED, opaque_id=number) if number:
-                self.stored_as = number
+            case Ack(Result.ACCEPTED, MissionType.MISSION, number) if number:
+                if not self.is_read:
+                    self.stored_as = self.stored_as or number
+                self.is_disputed |= number != self.stored_as
             case Current(total=total, mission_state=state, mission_id=number):
                 if total or state == NO_MISSION:
                     self.total = total
-                self.mission_id = number
+                self.ids |= {number} - {0}
+                self.latest = number
         super().note(message)
 
-    def doubts(self, job: Upload) -> bool:
-        """Whether the vehicle last spoke of another mission than was sent: an older one, or somebody else's."""
-        is_other = self.mission_id and self.stored_as and self.mission_id != self.stored_as
-        return bool(is_other) or self.total not in (None, len(job.items))
+    def proves(self, job: Upload) -> bool:
+        """Whether all that it said since the list was read is of that list, and it has named it."""
+        return self.stored_as != 0 and self.ids == {self.stored_as} and not self._is_another(job)
+
+    def agrees(self, job: Upload) -> bool:
+        """Whether nothing that it said since the list was read is of another one."""
+        return len(self.ids) <= 1 and not self._is_another(job)
+
+    def _is_another(self, job: Upload) -> bool:
+        return self.is_disputed or self.total not in (None, len(job.items))
 
 
 @dataclass
@@ -134,14 +176,14 @@ class Course:
     reports: MissionReports = field(default_factory=MissionReports)
 
 
-def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
-    """Put a list on the vehicle and see that it is there, item by item.
+def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
+    """Put a list on the vehicle and see that it is there, item by item; the id that it has there, where that is known.
 
     Cancelled in mid-transfer, the vehicle keeps its old list where it can (PX4), else the new one is completed.
 
     Raises:
         MissionRefused, NoAnswer, TimeUp: with what the vehicle holds now as the hint.
-        ReadBackDiffers, Replaced, Unflyable, Cancelled.
+        ReadBackDiffers, Replaced, Unsettled, Unflyable, Cancelled.
     """
     course = Course()
     try:
@@ -161,19 +203,36 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[None]:
                 f"{broken_off}: the vehicle holds the whole new {list_name(job.kind)}, verified",
                 hint="whether it finds it flyable was not waited for",
             ) from None
-        if course.reports.doubts(job):
-            yield from _expect_unchanged(job)
+        is_named = course.reports.proves(job)
+        if not (state == NO_MISSION and course.reports.agrees(job)):
+            yield from _settle(job, course.reports)
         if state == NO_MISSION:
             raise Unflyable(str(course.reports))
+        return course.reports.stored_as if is_named else 0
+    return 0
 
 
-def _expect_unchanged(job: Upload) -> Dialogue[None]:
-    """Read the list again: the vehicle has spoken of another one since it was verified."""
+def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
+    """Read the list again until nothing that the vehicle says of it leaves a doubt."""
+    is_settled = reports.proves(job)
+    for _ in range(READINGS):
+        if is_settled:
+            return
+        reports.read_again()
+        yield from _expect_unchanged(job, reports)
+        is_settled = reports.agrees(job)
+    if not is_settled:
+        raise Unsettled(job.kind)
+
+
+def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
     try:
-        stored = yield from read_list(job.kind)
+        stored = yield from noting_texts(read_list(job.kind), reports)
     except (Cancelled, TimeUp, NoAnswer) as broken_off:
         words = f"{broken_off}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
-        raise type(broken_off)(words, hint="it spoke of another one after it was verified") from None
+        raise type(broken_off)(
+            words, hint="it was verified, and not heard to speak of it since, or of another one"
+        ) from None
     if (difference := job.difference(stored)) is not None:
         raise Replaced(job.kind, difference)
 
@@ -220,7 +279,9 @@ def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
         course.attempt += 1
         course.before, course.furthest = course.furthest, -1
         try:
+            course.reports.offered()
             ending = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
+            course.reports.read()
             stored = yield from read_list(job.kind)
         except NoAnswer as silence:
             if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:

@@ -3,6 +3,7 @@
 Each verb is one dialogue, held by `converse`; nothing here knows about bytes or timers.
 """
 
+import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -22,22 +23,25 @@ from ipoa_mission.items import Item, Mission
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.departure import LIMITS, Departure, depart, expect_on_ground, prepare, unsubscribe
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo
-from ipoa_mission.link.hold import pause, resume, return_to_launch
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
+from ipoa_mission.link.hold import SHOWN_S, pause, resume, return_to_launch
+from ipoa_mission.link.holding import Holding, ReplacedSince, prove
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier, Line, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
+from ipoa_mission.link.logged import version_name
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
 from ipoa_mission.link.presence import Found, autopilots_in
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
-from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
+from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic
 
+log = logging.getLogger(__name__)
 T = TypeVar("T")
 STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
@@ -57,8 +61,8 @@ class Vehicle:
     ) -> None:
         self.line = line
         self.system = heard.system
-        self.autopilot = heard.autopilot
-        self.state = VehicleState(heard.autopilot, heard.is_ready, heard.armed)
+        self.autopilot = heard.kind.autopilot
+        self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
         self._fast = fast
         self._anyway = anyway
         self._about: AutopilotVersion | None = None
@@ -69,7 +73,8 @@ class Vehicle:
         self.overhearing: Callable[[Message], None] = lambda message: None
         """Told everything that the vehicle says while something is done with it."""
         self._mission: Mission | None = None
-        self._logbook = Logbook((), heard.autopilot)
+        self._holdings: dict[int, Holding] = {}
+        self._logbook = Logbook((), self.autopilot)
         self._until = math.inf
 
     # --- missions ---------------------------------------------------------------------------------------------------
@@ -80,15 +85,26 @@ class Vehicle:
         `checked`: first it is checked as this vehicle's firmware would meet it.
 
         Raises:
+            NotFlown: the vehicle is no multicopter.
+            BadInput: the mission is for none.
             Unsafe: the check found errors, and nothing was sent.
-            MissionRefused, NoAnswer, ReadBackDiffers, Unflyable, TimeUp, Cancelled: it is not on the vehicle.
+            MissionRefused, NoAnswer, ReadBackDiffers, Replaced, Unflyable, TimeUp, Cancelled: it is not on the vehicle,
+                or cannot be flown.
         """
+        self.state.expect_flown()
+        if mission.other_vehicle:
+            raise BadInput(f"the mission is for {mission.other_vehicle}, and the vehicle is a multicopter")
         suited = replace(mission, autopilot=self.autopilot)
         if checked:
             suited = replace(suited, firmware_version=self.firmware_version())
             refuse_errors(check_mission(suited))
         with noted_interrupts() as interrupt, self._in_time():
-            self.upload_items(to_wire(suited), MissionType.MISSION, progress)
+            try:
+                self.upload_items(to_wire(suited), MissionType.MISSION, progress)
+            except Unflyable as unflyable:
+                if unflyable.why or self.home() is not None:
+                    raise
+                raise Unplaced from None
             try:
                 if mission.fence:
                     self.upload_items(fence_to_wire(mission.fence), MissionType.FENCE)
@@ -105,8 +121,9 @@ class Vehicle:
         with noted_interrupts(), self._in_time():
             self._await_ready()
             job = Upload(items, self.autopilot, kind)
-            if not (self._takes_file(job) and self._upload_by_file(job, progress)):
-                self._hold(upload(job, progress))
+            self._holdings.pop(kind, None)
+            by_file = self._takes_file(job) and self._upload_by_file(job, progress)
+            self._holdings[kind] = Holding(job, 0 if by_file else self._tell(upload(job, progress)))
 
     def download(self, progress: Progress = silent) -> Mission:
         """The mission on the vehicle, with its fence and rally points.
@@ -115,10 +132,11 @@ class Vehicle:
             MissionRefused, NoAnswer, TimeUp: it did not come whole.
         """
         with self._in_time():
-            items = self.download_items(MissionType.MISSION, progress)
-            fence = fence_from_wire(self.download_items(MissionType.FENCE))
-            rally = rally_from_wire(self.download_items(MissionType.RALLY))
+            lists = {kind: self.download_items(kind, progress if kind == 0 else silent) for kind in LISTS}
+            items, fenced, rallied = (lists[kind] for kind in LISTS)
+            fence, rally = fence_from_wire(fenced), rally_from_wire(rallied)
             mission = from_wire(items, self.autopilot, self.home())
+        self._holdings = {kind: Holding(Upload(lists[kind], self.autopilot, kind)) for kind in LISTS}
         self._expect(mission)
         return replace(mission, fence=fence, rally=rally)
 
@@ -133,14 +151,16 @@ class Vehicle:
         kinds = LISTS if kind == MissionType.ALL else (kind,)
         with self._in_time():
             for one in kinds:
-                self._hold(conversations.clear(one))
+                self._holdings.pop(one, None)
+                self._tell(conversations.clear(one))
 
     # --- flying -----------------------------------------------------------------------------------------------------
 
     def set_current(self, index: int) -> None:
-        """Go on with item `index` of `Mission.items`."""
+        """Make item `index` of `Mission.items` the one to go on with; `state` tells whether the vehicle does."""
         with self._in_time():
-            self._hold(orders.set_current(index + self._first))
+            self._tell(orders.set_current(index + self._first))
+            self._hold(until(lambda: self.state.custom_mode is not None, SHOWN_S))
 
     def pause(self) -> None:
         """Have the flying vehicle stop and hold its place; `resume` or `return_to_launch` ends that.
@@ -161,7 +181,7 @@ class Vehicle:
     def firmware_version(self) -> Version | None:
         """The version that the vehicle says of its firmware, AUTOPILOT_VERSION; None where it does not say."""
         with self._in_time():
-            return Version.said(self._asked().flight_sw_version)
+            return Version.said(self._told().flight_sw_version)
 
     @property
     def version_heard(self) -> Version | None:
@@ -182,6 +202,7 @@ class Vehicle:
 
         Raises:
             NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
+            NotFlown: it is no multicopter.
             Contested: another vehicle has come that uses its system id.
             CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled: it is not to be armed.
         """
@@ -189,11 +210,12 @@ class Vehicle:
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
-        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, progress)
+        holdings = tuple(self._holdings.values())
+        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, holdings, progress)
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
-            self._hold(prepare(self._departure, min(LIMITS.ready_s, self._patience.total_s)))
+            self._tell(prepare(self._departure, min(LIMITS.ready_s, self._patience.total_s)))
         if permit is None and mission is not None:
             permit = partial(check_start, mission, first, scenario=None)
         if permit is not None and (at := self.state.position) is not None:
@@ -202,13 +224,16 @@ class Vehicle:
     def start(self) -> None:
         """Arm a prepared vehicle and let it fly its mission; time zero of the flight is the vehicle's arming.
 
+        Directly before the arming the vehicle is proved to hold the lists that were uploaded to it, or downloaded.
+
         Raises:
+            Replaced, ReplacedSince: it holds others.
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
-                disarmed again if it was still on the ground.
+                disarmed again if it said that it was still on the ground.
         """
         self._until = math.inf
         with self._known_state():
-            self._hold(depart(self._departure))
+            self._tell(depart(self._departure))
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over; `progress` is told of items done.
@@ -217,19 +242,33 @@ class Vehicle:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
         """
         with self._known_state():
-            record = self._hold(watch(self._logbook, progress))
+            self._hold(watch(self._logbook, progress))
         with suppress(MissionError):  # the flight is over and known; a stream too many hurts nobody
             self._hold(unsubscribe())
-        return record
+        self._read_after_flight()
+        return self.record()
 
     def record(self) -> FlightRecord:
-        """The flight so far."""
-        return self._logbook.record()
+        """The flight so far; one on which the vehicle came to hold another mission is not complete."""
+        record = self._logbook.record()
+        changed = self.changed
+        return replace(record, completed=False, why_not=changed) if changed else record
+
+    @property
+    def changed(self) -> str:
+        """What the vehicle has said of another mission since it was proved to hold ours, in words; else nothing."""
+        holding = self._holdings.get(MissionType.MISSION)
+        return "" if holding is None or not holding.changed else str(ReplacedSince(holding))
 
     @property
     def mode(self) -> str:
         """The mode that it was last heard in, by the autopilot's name."""
         return "no mode" if self.state.custom_mode is None else mode_name(self.autopilot, self.state.custom_mode)
+
+    @property
+    def version(self) -> str:
+        """The version of its firmware in its own numbers, like 4.7.0-dev; empty where it does not say."""
+        return version_name(self._told().flight_sw_version)
 
     def home(self) -> Geodetic | None:
         """Where the vehicle's home is; None while it does not know."""
@@ -251,7 +290,7 @@ class Vehicle:
             NoAnswer: there is no such parameter.
             MissionError: it keeps another value.
         """
-        self._hold(orders.set_parameter(name, value, self.autopilot))
+        self._tell(orders.set_parameter(name, value, self.autopilot))
 
     # --- the rest ---------------------------------------------------------------------------------------------------
 
@@ -305,9 +344,26 @@ class Vehicle:
         """The sequence number of the first thing done: ArduPilot counts its home."""
         return 1 if self.autopilot is Autopilot.ARDUPILOT else 0
 
+    def _read_after_flight(self) -> None:
+        """A mission without an id may have been replaced by one of the same length, which nothing tells of."""
+        holding = self._holdings.get(MissionType.MISSION)
+        if holding is None or holding.list_id or holding.changed:
+            return
+        try:
+            self._hold(prove([holding], self.state))
+        except Replaced as replaced:
+            holding.changed = f"when it was read after the flight, {replaced.difference}"
+        except MissionError:
+            return  # it does not tell
+
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
         with self._in_time(), self._known_state():
-            self._hold(order(self.state))
+            self._tell(order(self.state))
+
+    def _tell(self, dialogue: Dialogue[T]) -> T:
+        """Hold a dialogue that changes something, with a vehicle on which it is known to mean what is meant."""
+        self.state.expect_flown()
+        return self._hold(dialogue)
 
     def _hold(self, dialogue: Dialogue[T]) -> T:
         target = Target(self.system, AUTOPILOT_COMPONENT)
@@ -326,6 +382,11 @@ class Vehicle:
     def _overhear(self, message: Message) -> None:
         self._logbook.note(message)
         self.state.note(message)
+        for holding in self._holdings.values():
+            was_changed = bool(holding.changed)
+            holding.note(message)
+            if holding.changed and not was_changed and self._logbook.armed:
+                log.warning("%s", ReplacedSince(holding))
         self.overhearing(message)
 
     @contextmanager
@@ -341,18 +402,18 @@ class Vehicle:
         """Whether the vehicle offers the fast path for this list; it is asked once."""
         if not self._fast or self.autopilot is not Autopilot.ARDUPILOT or job.kind != MissionType.MISSION:
             return False
-        return bool(self._asked().capabilities & orders.FILE_TRANSFER)
+        return bool(self._told().capabilities & orders.FILE_TRANSFER)
 
-    def _asked(self) -> AutopilotVersion:
-        """What the vehicle says that it is; it is asked once."""
+    def _told(self) -> AutopilotVersion:
+        """What the autopilot says of itself; it is asked once."""
         if self._about is None:
-            self._about = self._hold(orders.about())
+            self._about = self._hold(orders.about()) or AutopilotVersion(0)
         return self._about
 
     def _upload_by_file(self, job: Upload, progress: Progress) -> bool:
         """Try the fast path; what goes wrong there is left to the ordinary transfer, which says why."""
         try:
-            self._hold(upload_by_file(job, progress))
+            self._tell(upload_by_file(job, progress))
         except (FileRefused, NoAnswer, ReadBackDiffers):
             return False
         return True

@@ -6,17 +6,16 @@ is kept with its place and reason.
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.heights import Odd, foot_of, height_of, meters, width_of
 from ipoa_mission.maps.kinds import (
@@ -35,11 +34,11 @@ from ipoa_mission.maps.passed import FAR, MOST_NAMED, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, to_plane
 from ipoa_mission.maps.wires import Wire, raise_span, spans, wire_of
 from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
 
 LEAST_HEIGHT = 0.1  # what stands is at least so high [m]
-Ground: TypeAlias = Callable[[NDArray[np.float64]], Vector]  # height under points (n, 2), (n,) [m]
 
 
 @dataclass(frozen=True)

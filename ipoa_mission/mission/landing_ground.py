@@ -9,8 +9,9 @@ from pathlib import Path
 from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.items import LEVEL, Mission
+from ipoa_mission.items import Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground, HighPlace
 
 KEY = "landing_ground_m"
 LARGEST = 10_000_000  # of a NAME.json; a larger one is somebody's map [bytes]
@@ -29,7 +30,7 @@ def written_with(about: Path) -> dict[str, str]:
 def landing_ground(mission: Mission) -> float | None:
     """How high above home the ground is where it lands [m]; None where it does not land, or nothing is known of it."""
     place = _landing_place(mission)
-    return None if place is None or mission.ground is LEVEL else float(mission.ground(*place))
+    return None if place is None or mission.ground.is_level else mission.ground.at(*place)
 
 
 def over_known_ground(mission: Mission, path: Path, text: str) -> Mission:
@@ -44,13 +45,7 @@ def over_known_ground(mission: Mission, path: Path, text: str) -> Mission:
 def landing_on(mission: Mission, height: float) -> Mission:
     """The mission where the ground is so high above home [m] where it lands, and as high as home elsewhere."""
     place = _landing_place(mission)
-    if place is None:
-        return mission
-
-    def ground(east: float, north: float) -> float:
-        return height if math.dist((east, north), place) < math.hypot(east, north) else 0.0
-
-    return replace(mission, ground=ground)
+    return mission if place is None else replace(mission, ground=Ground(HighPlace(place, height)))
 
 
 def _landing_place(mission: Mission) -> tuple[float, float] | None:

@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilots.kinds import QUADROTOR
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, command_name
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.finding import Severity
-from ipoa_mission.items import QUADROTOR, FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
 from ipoa_mission.mission.parameter_file import write_with_parameters

@@ -328,7 +328,7 @@ class Scenario(Section):
         return Limits(distance, least, planning.max_height_above_ground or np.inf, climb, descent, zones)
 
     def _point(self, place: Place) -> Vector:
-        return place.point(self.frame, self.airspace.terrain.height)
+        return place.point(self.frame, self.airspace.ground)
 
     def _points(self, places: tuple[Place, ...]) -> Points:
         return np.array([self._point(place) for place in places]).reshape(-1, 3)

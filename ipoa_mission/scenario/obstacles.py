@@ -10,9 +10,10 @@ import shapely
 from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.scenario.places import Ground, Horizontal, Ring
+from ipoa_mission.scenario.places import Horizontal, Ring
 from ipoa_mission.scenario.section import Positive, Section
 from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 
 

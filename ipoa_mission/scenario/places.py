@@ -4,20 +4,19 @@ Positions are local (`east`, `north`, `up`: metres from home) or geodetic (`lati
 `altitude_amsl`). What stands on the ground leaves its height out (`up`, `altitude_amsl`, `base`).
 """
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Vector
 from ipoa_mission.scenario.maps import ElevationTerrain
 from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
-Ground: TypeAlias = Callable[[Points], Vector]  # height of the ground under points (n, 2 or 3), (n,) [m]
 LEAST_DROP = 0.01  # flat ground that falls below home's plane by less than this is a plane [m]
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
 

@@ -21,6 +21,7 @@ from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.places import BoundsSection, FenceSection, FlatTerrain, Place, TerrainSection
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.ground import LEVEL, Ground
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.obstacles import Zone as NoFly
 from ipoa_mission.world.polygon import Polygon, rings_of
@@ -94,7 +95,7 @@ def survey(scenario: Layout) -> Surroundings:
     near, beyond = _near(maps, (lower, upper))
     terrain, terrain_remarks = _terrain(scenario, lower, upper)
     drawn = _drawn(scenario, terrain)
-    raised = raise_buildings(near, terrain.height)
+    raised = raise_buildings(near, Ground(terrain))
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
     below, above = min(up[0], 0.0) - MARGIN, up[1] + MARGIN
     prisms = _no_fly_prisms(maps, (lower, upper), up, terrain, scenario.frame)
@@ -166,7 +167,7 @@ def _horizontal_bounds(scenario: Layout, maps: _Maps, allowed: Any | None) -> Bo
     """Lower and upper corner (2,) of the bounds."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = np.array([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places)])
-    drawn = [o.build("", scenario.frame, _level) for o in scenario.obstacles]
+    drawn = [o.build("", scenario.frame, LEVEL) for o in scenario.obstacles]
     things = np.vstack([ends, *(obstacle.bounds[:, :2] for obstacle in drawn)])
     margin = scenario.bounds.margin
     if maps.area is not None:
@@ -249,14 +250,14 @@ def _expect_cover(grid: Grid, corners: Box) -> None:
 def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
     """The obstacles that stand in the scenario itself."""
     return tuple(
-        o.build(o.name or f"{o.kind} {i}", scenario.frame, terrain.height) for i, o in enumerate(scenario.obstacles)
+        o.build(o.name or f"{o.kind} {i}", scenario.frame, Ground(terrain)) for i, o in enumerate(scenario.obstacles)
     )
 
 
 def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
     """From below all ground, ends and obstacles inside the bounds to above them."""
     places = (scenario.start, scenario.goal, *scenario.via)
-    ends = [0.0, *(place.point(scenario.frame, terrain.height)[2] for place in places)]
+    ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = _on_lines(terrain, corners)
     boxes = [obstacle.bounds for obstacle in obstacles]
     heights = [box[:, 2] for box in boxes if _meets(box[:, :2].reshape(1, 4), corners, 0.0)[0]]
@@ -333,7 +334,3 @@ def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:
 
 def _zone_near(zone: Zone, corners: Box) -> bool:
     return bool(_meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])
-
-
-def _level(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.zeros(len(points))

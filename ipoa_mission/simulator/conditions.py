@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from ipoa_mission.autopilots.learned import LearnedVehicle
-from ipoa_mission.items import LEVEL, Ground
 from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.ground import LEVEL, Ground
 
 
 @dataclass(frozen=True)

@@ -111,7 +111,7 @@ class PX4Pilot:
     def _fall(self) -> None:
         """No thrust: on the ground it stays there, above it it falls."""
         state, place = self._state, self._state.body.place
-        if place.up > (ground := self._ground(place.east, place.north)):
+        if place.up > (ground := self._ground.at(place.east, place.north)):
             state = state._replace(body=carried(state, NO_THRUST, self._law, stands=False), time=self._now.time_s)
         elif not state.body.on_ground or state.contact.stands:
             state = at_rest(place._replace(up=ground), self._now.time_s, state.nose.yaw, state.errors, True)
@@ -172,7 +172,7 @@ class PX4Pilot:
 
     def _down(self, place: Enu) -> Enu:
         """The ground below a place."""
-        return place._replace(up=self._ground(place.east, place.north))
+        return place._replace(up=self._ground.at(place.east, place.north))
 
     def _over_home(self) -> Enu:
         """Where it is, its height over where it believes home to be."""

@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 
+from ipoa_mission.autopilots.kinds import QUADROTOR
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import LAST_NAV, WAYPOINTS, Command
-from ipoa_mission.items import QUADROTOR, Item
+from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.items import LEVEL, Ground, Mission
+from ipoa_mission.items import Mission
 from ipoa_mission.timing.estimate import EARTH_RADIUS
+from ipoa_mission.world.ground import LEVEL, Ground
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
@@ -32,10 +33,4 @@ def ground_of(scenario: "Scenario") -> Ground:
     if isinstance(scenario.terrain, FlatTerrain):
         return LEVEL
     terrain = scenario.airspace.terrain
-    at_home = float(terrain.height(np.zeros((1, 2)))[0])
-
-    def height(east: float, north: float) -> float:
-        up = float(terrain.height(np.array([[east, north]]))[0])
-        return up - at_home + (east * east + north * north) / (2 * EARTH_RADIUS)
-
-    return height
+    return Ground(terrain, float(terrain.height(np.zeros((1, 2)))[0]), EARTH_RADIUS)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector, leg_lengths
+from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle, straightened
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Terrain
@@ -87,9 +88,10 @@ class Airspace:
     terrain: Terrain
     obstacles: tuple[Obstacle, ...] = ()
 
-    def ground(self, points: NDArray[np.float64]) -> Vector:
-        """Height of the ground under points (n, 2 or 3), (n,) [m]."""
-        return self.terrain.height(points)
+    @cached_property
+    def ground(self) -> Ground:
+        """The ground: called with points (n, 2 or 3), its height under them, (n,) [m]."""
+        return Ground(self.terrain)
 
     def clearance(self, points: Points) -> Vector:
         """Distance of points (n, 3) to the nearest obstacle, or height above ground if that is less, (n,) [m]."""

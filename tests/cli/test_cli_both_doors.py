@@ -12,7 +12,6 @@ import pytest
 
 import ipoa_mission as api
 from ipoa_mission.checks.failsafe_return import check_failsafe_return
-from ipoa_mission.items import LEVEL
 from ipoa_mission.routing.seek import plan_with_room
 from tests.cli.conftest import Run
 from tests.quick_search import search_quickly
@@ -106,7 +105,7 @@ def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(r
     total = flight.estimate.total_s
     usual = api.estimate(replace(flight.mission, parameters={})).total_s
     assert total > usual + 3.0
-    near = 1e-3 if flight.mission.ground is LEVEL else SLOPE_S
+    near = 1e-3 if flight.mission.ground.is_level else SLOPE_S
     for file in ("api/slow.plan", "cli/slow.waypoints"):
         again = api.read_mission(file, flight.mission.autopilot)
         assert dict(again.parameters) == dict(flight.mission.parameters)

@@ -1,14 +1,19 @@
 """From the ground into the mission: nothing is armed too early, and what fails after the arming disarms again."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from ipoa_mission.autopilots.kinds import Kind
 from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import MissionError
 from ipoa_mission.link.departure import Departure, depart, prepare
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, TimeUp
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
     CommandAck,
@@ -20,8 +25,8 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.orders import CommandRefused
-from ipoa_mission.link.state import PREARM_CHECK, NotReady, VehicleState
-from ipoa_mission.link.telemetry import Position, SystemStatus
+from ipoa_mission.link.state import ON_GROUND, PREARM_CHECK, NotFlown, NotReady, VehicleState
+from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, STREAM = 22, 176, 224, 300, 400, 511
@@ -35,12 +40,19 @@ class Scripted:
         self.first = first
         self.mode, self.armed, self.height, self.current = 0, False, 0.0, 5
         self.ready_s, self.streams = 0.0, True
+        self.landed: int | None = ON_GROUND  # None: it does not tell
         self.refuses: dict[int, tuple[int, str]] = {}
         self.told: list[tuple[int, ...]] = []
         self.state = VehicleState(autopilot)
         self.now = 0.0
 
-    def hold(self, make: Callable[[Departure], Dialogue[None]], climb: float = 0.0, cancel_s: float = 1e9) -> None:
+    def hold(
+        self,
+        make: Callable[[Departure], Dialogue[None]],
+        climb: float = 0.0,
+        cancel_s: float = 1e9,
+        cancel: MissionError | None = None,
+    ) -> None:
         """A dialogue with it, on a virtual clock; it streams four times a second."""
         exchange = Exchange(make(Departure(self.state, self.first, self.first + 1, climb)), self.now, SPECIFIED)
         while not exchange.finished:
@@ -52,15 +64,19 @@ class Scripted:
             exchange.tick(self.now)
             if self.now >= cancel_s:
                 cancel_s = 1e9
-                exchange.interrupt(Cancelled("cancelled"), self.now)
+                exchange.interrupt(cancel or Cancelled("cancelled"), self.now)
 
     def stream(self) -> list[Message]:
         beat = Heartbeat(2, 3, ARMED_FLAG if self.armed else 0, self.mode)
         if not self.streams:
             return [beat]
-        position = Position(self.now, 47.4 * (self.now >= self.ready_s), 8.5, 400.0, self.height)
-        ready = PREARM_CHECK * (self.now >= self.ready_s)
-        return [beat, position, Current(self.current), SystemStatus(PREARM_CHECK, PREARM_CHECK, ready)]
+        placed = self.now >= self.ready_s
+        position = Position(self.now, 47.4 * placed, 8.5 * placed, 400.0, self.height)
+        ready = PREARM_CHECK * placed
+        told: list[Message] = [beat, position, Current(self.current)]
+        if self.landed is not None:
+            told.append(ExtendedState(self.landed))
+        return [*told, SystemStatus(PREARM_CHECK, PREARM_CHECK, ready)]
 
     def answer(self, message: Message) -> list[Message]:
         if isinstance(message, SetCurrent):
@@ -199,6 +215,132 @@ def test_an_arming_that_is_refused_for_good_is_an_error() -> None:
     assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)] * 5
 
 
+@pytest.mark.parametrize("landed", [None, 2, 3, 4], ids=["untold", "in the air", "taking off", "landing"])
+def test_what_fails_is_not_disarmed_where_it_may_be_in_the_air(landed: int | None) -> None:
+    """A plane that was taken for a copter went off into the air, and five seconds later was told to disarm."""
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
+    obey = vehicle.obey
+
+    def into_the_air(number: int, params: tuple[float, ...]) -> None:
+        if number == START:
+            vehicle.landed = landed
+        else:
+            obey(number, params)
+
+    vehicle.obey = into_the_air  # type: ignore[method-assign]
+    with pytest.raises(NotReady, match="did not begin its mission"):
+        vehicle.hold(depart)
+    assert (ARM, 0, 0, 0) not in vehicle.told
+    assert vehicle.armed
+
+
+STATES: list[int | None] = [None, 0, ON_GROUND, 2, 3, 4]
+
+
+@settings(deadline=None, max_examples=300)
+@given(
+    st.sampled_from(Autopilot),
+    st.lists(st.sampled_from(STATES), min_size=1, max_size=30),
+    st.lists(st.sampled_from([0, 1, 2, 4]), max_size=8),
+    st.floats(0.5, 30.0),
+    st.floats(0.0, 4.0),
+)
+def test_a_disarm_follows_the_vehicle_s_own_word_that_it_stands_on_the_ground(
+    autopilot: Autopilot, landed: list[int | None], results: list[int], cancel_s: float, climb: float
+) -> None:
+    """Whatever it answers, and wherever it says that it is, second by second: never a disarm in the air."""
+    vehicle = Scripted(autopilot, first=0 if autopilot is PX4 else 1)
+    vehicle.hold(prepare)
+    begun, script = vehicle.now, iter(results)
+    answer = vehicle.answer
+
+    def fitful(message: Message) -> list[Message]:
+        if isinstance(message, CommandLong) and message.command == ARM and message.params[0] == 0.0:
+            assert vehicle.state.landed_state == ON_GROUND
+            assert vehicle.landed == ON_GROUND  # that was its last word
+        vehicle.refuses = {n: (result, "no") for n in (ARM, START) if (result := next(script, 0)) != 0}
+        return answer(message)
+
+    def wandering() -> list[Message]:
+        vehicle.landed = landed[int((vehicle.now - begun) / 0.75) % len(landed)]
+        vehicle.armed |= vehicle.landed in (2, 3)
+        return Scripted.stream(vehicle)
+
+    vehicle.answer, vehicle.stream = fitful, wandering  # type: ignore[method-assign]
+    with suppress(MissionError):
+        vehicle.hold(depart, climb, cancel_s=vehicle.now + cancel_s)
+
+
+def test_what_was_refused_late_and_is_armed_all_the_same_is_begun() -> None:
+    """The answer heard is that to an order given before; the last one was taken."""
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
+    answer = vehicle.answer
+
+    def late(message: Message) -> list[Message]:
+        if isinstance(message, CommandLong) and message.command == ARM:
+            vehicle.obey(ARM, message.params)
+            return [CommandAck(ARM, 1)]
+        return answer(message)
+
+    vehicle.answer = late  # type: ignore[method-assign]
+    vehicle.hold(depart)
+    assert vehicle.mode == MISSION_MODE[ARDUPILOT]
+
+
+@pytest.mark.parametrize("mav_type", [1, 10, 12, 20])
+def test_what_is_no_multicopter_is_neither_prepared_nor_armed(mav_type: int) -> None:
+    vehicle = Scripted(ARDUPILOT)
+    told_by = vehicle.stream
+
+    def stream() -> list[Message]:
+        return [replace(one, type=mav_type) if isinstance(one, Heartbeat) else one for one in told_by()]
+
+    vehicle.stream = stream  # type: ignore[method-assign]
+    with pytest.raises(NotFlown, match="the vehicle is an ArduPilot"):
+        vehicle.hold(prepare)
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
+    vehicle.state.kind = Kind(3, mav_type)
+    told = len(vehicle.told)
+    with pytest.raises(NotFlown):
+        vehicle.hold(depart)
+    assert len(vehicle.told) == told
+
+
+def test_time_that_is_up_before_it_is_ready_says_what_hinders() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.refuses[SET_MODE] = (4, "Battery 1 below minimum arming voltage")
+    exchange_ends = TimeUp("the time is up")
+    with pytest.raises(TimeUp, match="the time is up: the vehicle is not ready: Battery 1 below minimum"):
+        vehicle.hold(prepare, cancel_s=20.0, cancel=exchange_ends)
+    placeless = Scripted(ARDUPILOT)
+    placeless.ready_s = 1e9
+    with pytest.raises(TimeUp, match="the vehicle is not ready: it has no position"):
+        placeless.hold(prepare, cancel_s=4.0, cancel=exchange_ends)
+    with pytest.raises(NotReady, match="it has no position"):
+        placeless.hold(prepare)
+
+
+def test_a_stream_that_does_not_come_is_asked_for_again() -> None:
+    """The answer that was heard was to another request: the vehicle never heard this one."""
+    vehicle = Scripted(ARDUPILOT)
+    answer, asked = vehicle.answer, 0
+    vehicle.streams = False
+
+    def deaf(message: Message) -> list[Message]:
+        nonlocal asked
+        if isinstance(message, CommandLong) and message.command == STREAM:
+            asked += 1
+            vehicle.streams = asked > 5
+        return answer(message)
+
+    vehicle.answer = deaf  # type: ignore[method-assign]
+    vehicle.hold(prepare)
+    assert asked > 5
+
+
 def test_ctrl_c_between_arming_and_start_disarms() -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
@@ -232,8 +374,9 @@ def test_a_vehicle_that_answers_nothing_after_the_arming_is_told_to_disarm_all_t
     vehicle.answer = until_armed  # type: ignore[method-assign]
     with pytest.raises(NoAnswer) as silence:
         vehicle.hold(depart)
-    told = list(dict.fromkeys((one.command, one.params[0]) for one in lost if isinstance(one, CommandLong)))
-    assert told == [(START, 0.0), (ARM, 0.0)]
+    told = [(one.command, one.params[0]) for one in lost if isinstance(one, CommandLong)]
+    assert list(dict.fromkeys(told)) == [(START, 0.0), (ARM, 0.0)]
+    assert told.count((ARM, 0.0)) == 3
     assert silence.value.hint == "the vehicle is armed, on the ground, in GUIDED"
 
 

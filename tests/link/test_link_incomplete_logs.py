@@ -156,7 +156,7 @@ def test_what_is_heard_before_the_first_heartbeat_and_what_is_no_frame_is_passed
 
 
 def test_a_log_of_no_multicopter_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BadInput, match="expected the log of a multicopter, not of a vehicle of MAV_TYPE 1"):
+    with pytest.raises(BadInput, match="expected the log of a multicopter, not of a PX4 plane"):
         read_telemetry_log(written(tmp_path, (0.0, heartbeat(False, kind=1))))
 
 

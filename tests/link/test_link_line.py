@@ -172,7 +172,7 @@ def flock(*systems: int) -> Line:
 
 
 def test_a_scan_finds_every_vehicle_on_the_link() -> None:
-    assert [(one.system, one.autopilot) for one in scan(flock(3, 1, 7))] == [
+    assert [(one.system, one.kind.autopilot) for one in scan(flock(3, 1, 7))] == [
         (1, Autopilot.ARDUPILOT),
         (3, Autopilot.PX4),
         (7, Autopilot.PX4),
@@ -180,7 +180,9 @@ def test_a_scan_finds_every_vehicle_on_the_link() -> None:
 
 
 def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
-    with pytest.raises(MissionError, match="several vehicles are heard: 1, 2"):
+    with pytest.raises(
+        MissionError, match=r"several vehicles are heard: 1 \(PX4 multicopter\), 2 \(ArduPilot multicopter\)"
+    ):
         meet(flock(1, 2))
     with pytest.raises(NoAnswer, match="system id 9 is heard; heard: 1, 2"):
         meet(flock(1, 2), system=9)

@@ -84,12 +84,24 @@ def test_home_is_asked_for_until_it_comes_or_is_unknown() -> None:
     assert lead(orders.home(), [CommandAck(512, 2)]).result is None
 
 
-def test_capabilities_are_nothing_where_they_are_not_told() -> None:
-    assert lead(orders.about(), [BEAT, AutopilotVersion(36)]).result.capabilities == 36
-    assert lead(orders.about(), [CommandAck(512, 0), AutopilotVersion(36)]).result.capabilities == 36
-    assert lead(orders.about(), [CommandAck(512, 0)]).result.capabilities == 0
-    assert lead(orders.about(), [CommandAck(512, 3)]).result.capabilities == 0
-    assert lead(orders.about()).result.capabilities == 0
+def test_a_vehicle_that_knows_no_home_is_asked_some_seconds_and_not_for_ever() -> None:
+    """ArduPilot without GPS accepts every request for HOME_POSITION, and sends none."""
+    patient = lead(orders.home(), *([CommandAck(512, 0)] for _ in range(99)))
+    assert patient.result is None
+
+
+def test_a_refusal_of_an_earlier_request_is_no_refusal_of_this_one() -> None:
+    place = HomePosition(47.0, 8.0, 400.0)
+    assert lead(orders.home(), [CommandAck(512, 3)], [place]).result == Geodetic(47.0, 8.0, 400.0)
+
+
+def test_an_autopilot_tells_what_it_is_or_nothing() -> None:
+    version = AutopilotVersion(36, 0x04070000)
+    assert lead(orders.about(), [BEAT, version]).result == version
+    assert lead(orders.about(), [CommandAck(512, 0), version]).result == version
+    assert lead(orders.about(), [CommandAck(512, 0)]).result is None
+    assert lead(orders.about(), [CommandAck(512, 3)]).result is None
+    assert lead(orders.about()).result is None
 
 
 def test_streams_are_asked_for_by_name() -> None:

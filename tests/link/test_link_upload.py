@@ -1,5 +1,7 @@
 """An upload ends when the vehicle is known to hold what was sent, or with an error that says what it holds."""
 
+from typing import TypeVar
+
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -21,10 +23,11 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
-from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload, upload
+from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Unsettled, Upload, upload
 from ipoa_mission.mission.firmware import compare
 from tests.link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
 
+T = TypeVar("T")
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 RALLY = tuple(Item(5100, 3, (0.0,) * 4, 47.4 + 0.001 * n, 8.5, 20.0) for n in range(3))
 FENCE = (Item(5003, 3, (250.0, 0.0, 0.0, 0.0), 47.4, 8.5),)
@@ -34,7 +37,7 @@ def interrupt_at(moment: float) -> dict[float, MissionError]:
     return {moment: Cancelled("cancelled")}
 
 
-def lead(dialogue: Dialogue[None], answers: dict[type[Message], list[list[Message]]]) -> Exchange[None]:
+def lead(dialogue: Dialogue[T], answers: dict[type[Message], list[list[Message]]]) -> Exchange[T]:
     """Answer each kind of message from a script, then with silence."""
     exchange, now = Exchange(dialogue, 0.0, SPECIFIED), 0.0
     while not exchange.finished:
@@ -252,13 +255,13 @@ def test_a_download_that_takes_too_long_says_how_much_had_come() -> None:
 # --- the verdict ----------------------------------------------------------------------------------------------------
 
 
-def judged(*words: Message) -> dict[type[Message], list[list[Message]]]:
+def judged(*words: Message, readings: int = 2) -> dict[type[Message], list[list[Message]]]:
     items = items_of(PX4, 1)
     return {
         Count: [[Request(0)]],
         ItemAt: [[Ack(0)]],
-        RequestList: [[Count(1)]],
-        Request: [[ItemAt(0, items[0])]],
+        RequestList: [[Count(1)]] * readings,
+        Request: [[ItemAt(0, items[0])]] * readings,
         Ack: [list(words)],
     }
 
@@ -315,9 +318,12 @@ def test_a_mission_that_is_replaced_while_the_verdict_is_awaited_is_an_error(
 @pytest.mark.parametrize(
     ("words", "readings"),
     [
-        ((Current(0, 5, 2), Current(0, 1, 2)), 1),  # the first was said before the upload
-        ((Current(0, 1, 2, 2, 5), Current(0, 1, 2, 2, 77)), 1),
+        ((Current(0, 5, 2), Current(0, 1, 2, 2, 77)), 1),  # the first was said before the upload
         ((Current(0, 1, 2, 2, 77),), 1),
+        ((Current(0, 1, 2),), 2),  # it does not name the mission
+        ((Current(0, 1, 2, 2, 5), Current(0, 1, 2, 2, 77)), 2),
+        ((Current(0, 1, 2, 2, 77), Ack(0, 0, 77)), 1),  # what comes twice says nothing new
+        ((Ack(0, 0, 78), Current(0, 1, 2, 2, 77)), 2),
         ((Current(0, 5, 2),), 2),  # said before the upload, and came late: it is read again to be sure
         ((Current(0, 1, 2, 2, 5),), 2),
     ],
@@ -332,9 +338,36 @@ def test_what_was_said_before_the_upload_is_no_replacement(words: tuple[Message,
     assert len(script[RequestList]) == 2 - readings
 
 
+def test_the_first_id_after_our_count_is_ours_and_a_later_one_is_a_doubt() -> None:
+    """A second station with our ids: its Ack comes to us too, and the mission is its own from there on."""
+    theirs = items_of(PX4, 2)[1:]
+    script = judged(Ack(0, 0, 78), Current(0, 1, 2, 2, 78)) | {
+        ItemAt: [[Ack(0, 0, 77)]],
+        Request: [[ItemAt(0, ONE[0])], [ItemAt(0, theirs[0])]],
+    }
+    with pytest.raises(Replaced, match="no longer what was sent"):
+        lead(upload(Upload(ONE, PX4)), script)  # type: ignore[arg-type]
+
+
+def test_an_upload_names_the_mission_only_where_nothing_else_was_heard() -> None:
+    named = lead(upload(Upload(ONE, PX4)), judged(Current(0, 1, 2, 2, 77)) | {ItemAt: [[Ack(0, 0, 77)]]})
+    disputed = judged(Ack(0, 0, 78), Current(0, 1, 2, 2, 77)) | {ItemAt: [[Ack(0, 0, 77)]]}
+    assert named.result == 77
+    assert lead(upload(Upload(ONE, PX4)), disputed).result == 0
+    assert lead(upload(Upload(ONE, PX4)), judged()).result == 0
+
+
+def test_a_vehicle_that_speaks_of_another_mission_at_every_reading_is_no_success() -> None:
+    script = judged(Current(0, 2, 2), readings=9)
+    script[Ack] = [[Current(0, 2, 2)]] * 9
+    script[RequestList] = [[Count(1), Current(0, 2, 2)]] * 9
+    with pytest.raises(Unsettled, match="each time that the one on it is read"):
+        lead(upload(Upload(ONE, PX4)), script)
+
+
 def test_a_vehicle_that_spoke_of_another_mission_and_fell_silent_is_not_taken_for_verified() -> None:
     with pytest.raises(NoAnswer, match="the vehicle may no longer hold the mission that was sent"):
-        lead(upload(Upload(ONE, PX4)), judged(Current(0, 2, 2)))
+        lead(upload(Upload(ONE, PX4)), judged(Current(0, 2, 2), readings=1))
 
 
 def test_what_an_event_says_has_its_numbers_in_it() -> None:

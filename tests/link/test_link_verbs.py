@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link import connect as connecting
 from ipoa_mission.link import orders
@@ -16,10 +16,10 @@ from ipoa_mission.link import vehicle as verbs
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import connect, meet
-from ipoa_mission.link.dialogue import Ask, NoAnswer, Pause, TimeUp
+from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause, Remark, Step, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import Message, MissionType, ParamValue, Request
+from ipoa_mission.link.messages import Message, MissionType, ParamSet, ParamValue, Request
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MOST_SIGNERS, persistent_signer
 from ipoa_mission.link.state import NotReady
@@ -118,13 +118,48 @@ def test_whatever_ends_the_search_for_a_vehicle_closes_the_line(monkeypatch: pyt
 
 def test_the_other_values_that_a_vehicle_tells_meanwhile_are_no_answer() -> None:
     """A ParamValue of another name comes between the order and its answer."""
-    dialogue = orders.set_parameter("MPC_XY_CRUISE", 3.0, Autopilot.PX4)
-    step = next(dialogue)
-    while not isinstance(step, Ask):
-        step = dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0) if isinstance(step, Pause) else None)
+    dialogue = setting(5.0)
     assert dialogue.send(ParamValue("MPC_Z_P", 1.0, 9, 1, 0)) is None
     with pytest.raises(StopIteration):
         dialogue.send(ParamValue("MPC_XY_CRUISE", 3.0, 9, 1, 0))
+
+
+def setting(value: float) -> Dialogue[None]:
+    """A parameter that was read as this is set to 3: the dialogue where it waits for what becomes of it."""
+    dialogue = orders.set_parameter("MPC_XY_CRUISE", 3.0, Autopilot.PX4)
+    step = next(dialogue)
+    while not (isinstance(step, Remark) and isinstance(step.message, ParamSet)):
+        step = dialogue.send(ParamValue("MPC_XY_CRUISE", value, 9, 1, 0) if isinstance(step, Pause) else None)
+    assert isinstance(dialogue.send(None), Pause)
+    return dialogue
+
+
+def hear_nothing(dialogue: Dialogue[None], said: list[Step]) -> None:
+    while True:
+        said.append(dialogue.send(None))
+
+
+def test_a_late_answer_to_a_question_from_before_is_not_what_the_vehicle_keeps() -> None:
+    """Over a slow link the parameter is read twice before it is set: the second answer comes after the order."""
+    dialogue = setting(5.0)
+    for _ in range(6):
+        assert dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0)) is None
+    with pytest.raises(StopIteration):
+        dialogue.send(ParamValue("MPC_XY_CRUISE", 3.0, 9, 1, 0))
+
+
+def test_a_vehicle_that_keeps_a_value_is_asked_again_before_that_is_said() -> None:
+    dialogue, said = setting(5.0), list[Step]()
+    dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0))
+    with pytest.raises(MissionError, match="was to have 3, and keeps 5"):
+        hear_nothing(dialogue, said)
+    assert sum(isinstance(step, Remark) for step in said) == len(orders.SETTING_S) - 1
+
+
+def test_a_vehicle_that_says_nothing_of_a_parameter_that_is_set_is_silent() -> None:
+    dialogue = setting(5.0)
+    with pytest.raises(NoAnswer, match="does not answer when MPC_XY_CRUISE is to be 3"):
+        hear_nothing(dialogue, [])
 
 
 def test_two_ends_that_wait_for_each_other_for_ever_are_an_error() -> None:

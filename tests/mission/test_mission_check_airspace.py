@@ -12,12 +12,15 @@ from hypothesis import strategies as st
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.commands import Command
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item, Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.world.ground import Ground
+from ipoa_mission.world.terrain import Flat
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 WORLD = """
@@ -150,16 +153,21 @@ def test_a_landing_is_flown_level_and_then_down_to_the_ground() -> None:
     scenario = world()
     mission = flight(scenario, (60.0, 0.0, 30.0))
     mission = replace(mission, items=(*mission.items[:2], land(place(scenario, 80.0, 0.0))))
-    level, down = flown_legs(mission, scenario.frame, ground=lambda points: np.full(len(points), 7.0))[-2:]
+    level, down = flown_legs(mission, scenario.frame, ground=Ground(Flat(7.0)))[-2:]
     assert corners(level) == [[60, 0, 30], [80, 0, 30]]
     assert corners(down) == [[80, 0, 30], [80, 0, 7]]
+
+
+class Slope:
+    def height(self, points: Points) -> Vector:
+        return 0.1 * points[:, 0]
 
 
 def test_a_leg_above_terrain_follows_the_ground() -> None:
     scenario = world()
     mission = flight(scenario, (0.0, 0.0, 20.0), (60.0, 0.0, 10.0), autopilot=ARDUPILOT)
     mission = replace(mission, items=(*mission.items[:2], replace(mission.items[2], frame=10)))
-    leg = flown_legs(mission, scenario.frame, ground=lambda points: 0.1 * points[:, 0])[-1]
+    leg = flown_legs(mission, scenario.frame, ground=Ground(Slope()))[-1]
     assert len(leg.points) == 13
     assert np.allclose(leg.points[:, 2] - 0.1 * leg.points[:, 0], np.linspace(20.0, 10.0, 13), atol=0.01)
 

@@ -19,6 +19,8 @@ from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.tube.flown_in import ground_of
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground
+from ipoa_mission.world.terrain import Flat
 from tests.mission.test_mission_check_ground import ARDUPILOT, PX4, slope
 from tests.quick_search import search_quickly
 
@@ -139,7 +141,7 @@ def test_arducopters_land_counts_from_its_own_altitude(
     """Flown on ArduCopter 4.7.0-dev from 45 m to ground 12 m above home; touched down at 1.50, 0.50, 0.50 m/s."""
     there = LocalFrame(HOME).geodetic(np.array([0.0, 60.0, 0.0]))
     items = (takeoff(HOME, 20.0), waypoint(there, 45.0), replace(land(there), altitude=altitude))
-    mission = Mission(HOME, items, ARDUPILOT, parameters=parameters, ground=lambda east, north: 12.0)
+    mission = Mission(HOME, items, ARDUPILOT, parameters=parameters, ground=Ground(Flat(12.0)))
     assert estimate(mission).items[-1].duration_s == pytest.approx(flown_s, rel=0.035)
 
 

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import ipoa_mission as api
 from ipoa_mission.flight.landed import landed_elsewhere
-from ipoa_mission.items import LEVEL, land, takeoff, waypoint
+from ipoa_mission.items import land, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import KEY, digest, landing_ground, landing_on
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.world.ground import LEVEL
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 GOAL = Geodetic(47.398642, 8.545594, 488.0)
@@ -29,9 +30,9 @@ def test_a_file_is_read_over_the_ground_that_was_written_beside_it(tmp_path: Pat
     assert again.ground(0.0, 0.0) == 0.0
     assert api.estimate(again).total_s == api.estimate(uphill).total_s < api.estimate(MISSION).total_s - 3.0
     about.write_text("[" * 100_000, encoding="utf-8")
-    assert api.read_mission(path).ground is LEVEL
+    assert api.read_mission(path).ground.is_level
     path.write_text(text.replace('"groundStation"', ' "groundStation"'), encoding="utf-8")  # changed by somebody
-    assert api.read_mission(path).ground is LEVEL
+    assert api.read_mission(path).ground.is_level
 
 
 def test_a_flight_over_level_ground_says_what_was_to_be_expected_there() -> None:

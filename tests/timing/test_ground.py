@@ -14,6 +14,8 @@ from ipoa_mission.items import Mission, land, return_to_launch, takeoff, waypoin
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground, HighPlace
+from ipoa_mission.world.terrain import Flat
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 BLIND = {"SIH_DISTSNSR_OVR": 20_000.0}
@@ -34,9 +36,7 @@ FLOWN = [
 def mission(autopilot: Autopilot, ground: float, parameters: dict[str, float]) -> Mission:
     there = LocalFrame(HOME).geodetic(np.array([0.0, 60.0, 0.0]))
     items = (takeoff(HOME, 20.0), waypoint(there, 25.0), land(there))
-    return Mission(
-        HOME, items, autopilot, parameters=parameters, ground=lambda east, north: ground if north > 30.0 else 0.0
-    )
+    return Mission(HOME, items, autopilot, parameters=parameters, ground=Ground(HighPlace((0.0, 60.0), ground)))
 
 
 @pytest.mark.parametrize(("autopilot", "parameters", "ground", "flown", "near"), FLOWN)
@@ -63,7 +63,7 @@ def test_a_range_finder_lets_arducopter_slow_down_over_the_ground() -> None:
 def test_it_returns_to_the_ground_at_home_and_takes_off_from_where_it_stands(autopilot: Autopilot) -> None:
     ending = mission(autopilot, -40.0, {})
     home = replace(ending, items=(*ending.items[:2], return_to_launch()))
-    level = replace(home, ground=lambda east, north: 0.0)
+    level = replace(home, ground=Ground(Flat(0.0)))
     assert estimate(home).total_s == estimate(level).total_s
     there = ending.items[1]
     again = replace(ending, items=(*ending.items, ending.items[0], there, ending.items[2]))

@@ -36,10 +36,11 @@ from ipoa_mission.dynamics.copter.motion import (
 from ipoa_mission.dynamics.copter.steps import SAMPLE_STEPS
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import LEVEL, Ground, Item
+from ipoa_mission.items import Item
 from ipoa_mission.itinerary.copter_arc import turn_of
 from ipoa_mission.itinerary.program import Place, Program, is_passed
 from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.ground import LEVEL, Ground
 
 JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
 SAME_PLACE = 1e-3  # [m]
@@ -125,7 +126,7 @@ class Copter:
         share = way / speed if speed > STANDING else 0.0
         up = state.vz * abs(state.vz) / (2 * limits.accel_z)
         east, north = state.x + state.vx * share, state.y + state.vy * share
-        return east, north, max(state.z + up, self._ground(east, north))
+        return east, north, max(state.z + up, self._ground.at(east, north))
 
     # --- time passes ------------------------------------------------------------------------------------------------
 
@@ -180,7 +181,7 @@ class Copter:
     def stand(self, seconds: float) -> None:
         """Let time pass on the ground, without any motion."""
         x, y, z = self.place
-        yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, self._ground(x, y))), self.state.time + seconds)
+        yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, self._ground.at(x, y))), self.state.time + seconds)
         self.face(yaw)
 
     def face(self, yaw: float) -> None:
@@ -282,7 +283,7 @@ class Copter:
         LAND_ALT_LOW is over the ground where a range finder sees that, else over the height `counted_from` [m above
         home], wherever the ground is.
         """
-        ground = self._ground(*self.here[:2])
+        ground = self._ground.at(*self.here[:2])
         low = self.limits.land_low + (ground if self.limits.sees_ground else counted_from)
         self._tuning = self._tuning._replace(land_low=low)
         self._begin_over(upright_leg(DESCENT, self.here, ground, self.speeds))

@@ -161,7 +161,7 @@ class _Navigator:
 
     def ground(self, place: Enu) -> Enu:
         """The ground below a place."""
-        return place._replace(up=self.route.ground(place.east, place.north))
+        return place._replace(up=self.route.ground.at(place.east, place.north))
 
     def target(self, n: int) -> Enu:
         """Where visit n leads: what it leaves open is that of the place last bound for."""

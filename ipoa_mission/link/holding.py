@@ -1,0 +1,88 @@
+"""What a vehicle was seen to hold, and whether it still does: proved before the arming, heard of afterwards."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.conversations import MissionRefused, list_name, read_list
+from ipoa_mission.link.dialogue import Dialogue, NoAnswer, until
+from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
+from ipoa_mission.link.state import NotReady, VehicleState
+from ipoa_mission.link.upload import Replaced, Upload
+
+NO_TOTAL = 65535  # MISSION_CURRENT.total where there is no mission
+TOLD_S = 1.5  # how long MISSION_CURRENT is waited for
+
+
+@dataclass
+class Holding:
+    """A list that a vehicle was seen to hold, and the id under which it keeps it (0: it does not tell one).
+
+    `changed`: what it has since said of another list, in words.
+    """
+
+    job: Upload
+    list_id: int = 0
+    changed: str = ""
+
+    def note(self, message: Message) -> None:
+        """Hear the vehicle: a mission with another id, or with another number of items, is somebody else's."""
+        if self.job.kind == MissionType.MISSION and isinstance(message, Current):
+            self.changed = self.changed or self._other(message)
+
+    def is_told_by(self, current: Current | None) -> bool:
+        """Whether this message says that it is the very list that was sent."""
+        is_ours = current is not None and self.list_id != 0 and current.mission_id == self.list_id
+        return is_ours and current is not None and not self._other(current)
+
+    def _other(self, current: Current) -> str:
+        if self.list_id and current.mission_id not in (0, self.list_id):
+            return f"it has the id {current.mission_id}, and ours has {self.list_id}"
+        total = current.total
+        sent = len(self.job.items) - int(FIRMWARE[self.job.autopilot].home_is_item_0)
+        if total in (0, NO_TOTAL) and current.mission_state == NO_MISSION:
+            return "there is none any more"
+        return f"it has {total} items, and ours has {sent}" if total not in (0, NO_TOTAL, sent) else ""
+
+
+class ReplacedSince(MissionError):
+    """The vehicle holds another list than that which it was proved to hold before it was armed."""
+
+    def __init__(self, holding: Holding) -> None:
+        super().__init__(f"the {list_name(holding.job.kind)} on the vehicle is no longer ours: {holding.changed}")
+
+
+def prove(holdings: Iterable[Holding], state: VehicleState) -> Dialogue[None]:
+    """See that the vehicle holds each of these lists now: by the id that it gave, else item by item.
+
+    Raises:
+        Replaced: it does not.
+        NotReady: it does not tell.
+    """
+    for holding in holdings:
+        if holding.list_id:
+            state.current = None
+            yield from until(lambda: state.current is not None, TOLD_S)
+        if not (holding.list_id and holding.is_told_by(state.current)):
+            yield from _read_again(holding.job)
+        holding.changed = ""
+
+
+def expect_unchanged(holdings: Iterable[Holding]) -> None:
+    """Raise ReplacedSince where the vehicle has spoken of another list since it was proved to hold ours."""
+    for holding in holdings:
+        if holding.changed:
+            raise ReplacedSince(holding)
+
+
+def _read_again(job: Upload) -> Dialogue[None]:
+    try:
+        stored = yield from read_list(job.kind)
+    except (MissionRefused, NoAnswer) as nothing:
+        raise NotReady(
+            f"nobody knows whether the vehicle still holds the {list_name(job.kind)} that was sent: {nothing}",
+            hint="is another station sending it one?",
+        ) from None
+    if (difference := job.difference(stored)) is not None:
+        raise Replaced(job.kind, difference)

@@ -1,0 +1,211 @@
+"""Directly before the arming the list on the vehicle is ours; afterwards another one is told of at once."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.items import Item, Mission, land, takeoff, waypoint
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.connect import meet
+from ipoa_mission.link.holding import Holding, ReplacedSince, expect_unchanged
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import NO_MISSION, CommandLong, Count, Current, ItemAt, Message, MissionType
+from ipoa_mission.link.state import NotReady
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.upload import Replaced, Upload
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import far_end, items_of, line_of
+
+PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
+HOME = Geodetic(47.4, 8.5, 400.0)
+THERE = Geodetic(47.4004, 8.5, 400.0)
+MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(THERE, 20.0), land(THERE)))
+STRANGER = Target(254, 190)
+
+
+def vehicle_of(family: Autopilot, **habits: object) -> Vehicle:
+    return meet(Line(Loopback(Station(Mock(family, HOME, **habits))), Codec(245, 190)))  # type: ignore[arg-type]
+
+
+def mock_of(vehicle: Vehicle) -> Mock:
+    mock: Mock = far_end(line_of(vehicle)).autopilot
+    return mock
+
+
+def replaced_by(vehicle: Vehicle, mission: Mission) -> None:
+    """Another station puts its mission on the vehicle."""
+    mock = mock_of(vehicle)
+    items = to_wire(replace(mission, autopilot=vehicle.autopilot))
+    mock.receive(Count(len(items)), STRANGER, vehicle.line.now())
+    for seq, item in enumerate(items):
+        mock.receive(ItemAt(seq, item), STRANGER, vehicle.line.now())
+
+
+OTHERS: dict[str, Callable[[Mission], Mission]] = {
+    "shorter": lambda mission: replace(mission, items=(mission.items[0], mission.items[2])),
+    "as long": lambda mission: replace(mission, items=(mission.items[0], waypoint(HOME, 50.0), mission.items[2])),
+}
+
+
+@pytest.mark.parametrize("other", OTHERS)
+@pytest.mark.parametrize("family", Autopilot)
+def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilot, other: str) -> None:
+    vehicle = vehicle_of(family)
+    vehicle.upload(MISSION)
+    vehicle.prepare()
+    replaced_by(vehicle, OTHERS[other](MISSION))
+    with pytest.raises(Replaced, match="the mission on the vehicle is no longer what was sent"):
+        vehicle.start()
+    assert not mock_of(vehicle).flight.armed
+    assert not vehicle.record().armed
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_a_list_that_another_station_is_just_sending_is_not_flown(family: Autopilot) -> None:
+    vehicle = vehicle_of(family)
+    vehicle.upload(MISSION)
+    vehicle.prepare()
+    items = to_wire(replace(MISSION, autopilot=family))
+    mock = mock_of(vehicle)
+    begun_s = vehicle.line.now()
+    receive = mock.receive
+
+    def sending(message: Message, client: Target, now: float) -> None:
+        if now - begun_s < 60.0:
+            receive(Count(len(items) + 5), STRANGER, now)
+        receive(message, client, now)
+
+    mock.receive = sending  # type: ignore[method-assign]
+    with pytest.raises((NotReady, Replaced)):
+        vehicle.start()
+    assert not mock.flight.armed
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_a_fence_is_proved_too_and_what_was_downloaded_is_ours(family: Autopilot) -> None:
+    vehicle = vehicle_of(family)
+    vehicle.upload(replace(MISSION, rally=(THERE,)))
+    vehicle.prepare()
+    mock_of(vehicle).transfers.stores[MissionType.RALLY].clear()
+    with pytest.raises(Replaced, match="the rally points on the vehicle"):
+        vehicle.start()
+    vehicle.download()
+    vehicle.prepare()
+    vehicle.start()
+    assert vehicle.watch().completed
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_what_nobody_touches_is_flown_to_the_end(family: Autopilot) -> None:
+    vehicle = vehicle_of(family)
+    vehicle.upload(MISSION)
+    vehicle.prepare()
+    vehicle.start()
+    assert vehicle.watch().completed
+    assert vehicle.changed == ""
+
+
+@pytest.mark.parametrize("other", OTHERS)
+@pytest.mark.parametrize("family", Autopilot)
+def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_complete(
+    family: Autopilot, other: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    vehicle = vehicle_of(family)
+    vehicle.upload(MISSION)
+    vehicle.prepare()
+    vehicle.start()
+    told: list[float] = []
+
+    def overhear(message: Message) -> None:
+        if isinstance(message, Position) and message.height > 5.0 and not told:
+            told.append(vehicle.line.now())
+            replaced_by(vehicle, OTHERS[other](MISSION))
+        if vehicle.changed and len(told) == 1:
+            told.append(vehicle.line.now())
+
+    vehicle.overhearing = overhear
+    record = vehicle.watch()
+    assert not record.completed
+    assert "the mission on the vehicle is no longer ours: " in record.why_not
+    if family is PX4 or other == "shorter":  # ArduPilot names no id: one of the same length shows at the end
+        assert told[1] - told[0] < 1.0
+        assert "no longer ours" in caplog.text
+    else:
+        assert "when it was read after the flight, item 2" in record.why_not
+
+
+def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:
+    vehicle = vehicle_of(ARDUPILOT)
+    vehicle.upload(MISSION)
+    vehicle.prepare()
+    mock = mock_of(vehicle)
+    receive = mock.receive
+
+    def arming(message: Message, client: Target, now: float) -> None:
+        receive(message, client, now)
+        if isinstance(message, CommandLong) and message.command == 400 and message.params[0] == 1.0:
+            replaced_by(vehicle, OTHERS["shorter"](MISSION))
+            mock._say(Current(0, 2, 3), Target(0, 0))
+
+    mock.receive = arming  # type: ignore[method-assign]
+    with pytest.raises(ReplacedSince, match="it has 2 items, and ours has 3"):
+        vehicle.start()
+    assert not mock.flight.armed
+
+
+@pytest.mark.parametrize("family", Autopilot)
+def test_a_vehicle_that_does_not_tell_what_it_holds_after_a_flight_is_taken_at_its_word(family: Autopilot) -> None:
+    vehicle = vehicle_of(family)
+    vehicle.upload(MISSION)
+    vehicle.prepare()
+    vehicle.start()
+    mock = mock_of(vehicle)
+    transfers = mock.transfers
+    transfers.receive = lambda *_: False  # type: ignore[method-assign,assignment]
+    assert vehicle.watch().completed
+
+
+# --- what it says ---------------------------------------------------------------------------------------------------
+
+
+def holding(family: Autopilot, list_id: int = 0, count: int = 4) -> Holding:
+    items: tuple[Item, ...] = items_of(family, count)
+    return Holding(Upload(items, family), list_id)
+
+
+@pytest.mark.parametrize(
+    ("held", "said", "words"),
+    [
+        (holding(PX4, 77), Current(0, 4, 2, 0, 77), ""),
+        (holding(PX4, 77), Current(0, 4, 2, 0, 78), "it has the id 78, and ours has 77"),
+        (holding(PX4, 77), Current(0, 4, 2, 0, 0), ""),
+        (holding(PX4), Current(0, 4, 2, 0, 78), ""),
+        (holding(PX4), Current(0, 5, 2), "it has 5 items, and ours has 4"),
+        (holding(PX4), Current(0, 65535, NO_MISSION), "there is none any more"),
+        (holding(ARDUPILOT), Current(0, 3, 2), ""),
+        (holding(ARDUPILOT), Current(0, 0, NO_MISSION), "there is none any more"),
+        (holding(ARDUPILOT), Current(0), ""),  # an old one tells neither
+    ],
+)
+def test_what_it_says_of_another_mission(held: Holding, said: Current, words: str) -> None:
+    held.note(said)
+    assert held.changed == words
+    assert held.is_told_by(said) is (said.mission_id == 77)
+    assert not held.is_told_by(None)
+    held.note(Current(0, 9, 2))
+    assert held.changed.startswith(words)
+    with pytest.raises(ReplacedSince):
+        expect_unchanged([held])
+
+
+def test_a_fence_is_not_what_the_current_mission_is_about() -> None:
+    fence = Holding(Upload((), PX4, MissionType.FENCE))
+    fence.note(Current(0, 9, 2))
+    expect_unchanged([fence])

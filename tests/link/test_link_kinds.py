@@ -1,0 +1,157 @@
+"""What is no multicopter of a known firmware is named at its first heartbeat, and nothing but our presence is sent."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from ipoa_mission.autopilots.kinds import MULTICOPTERS, Kind
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.items import Mission, takeoff, waypoint
+from ipoa_mission.link.codec import Codec, frames
+from ipoa_mission.link.connect import meet
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import Heartbeat, Message
+from ipoa_mission.link.presence import scan
+from ipoa_mission.link.state import NotFlown
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 30.0)), Autopilot.ARDUPILOT)
+OTHERS = [(3, 1), (3, 10), (3, 12), (3, 5), (12, 1), (12, 20), (0, 7), (0, 2), (4, 2)]
+CHANGES: dict[str, Callable[[Vehicle], object]] = {
+    "upload": lambda vehicle: vehicle.upload(MISSION),
+    "upload_items": lambda vehicle: vehicle.upload_items((), 0),
+    "clear": lambda vehicle: vehicle.clear(),
+    "set_current": lambda vehicle: vehicle.set_current(0),
+    "pause": lambda vehicle: vehicle.pause(),
+    "resume": lambda vehicle: vehicle.resume(),
+    "return_to_launch": lambda vehicle: vehicle.return_to_launch(),
+    "prepare": lambda vehicle: vehicle.prepare(),
+    "set_parameter": lambda vehicle: vehicle.set_parameter("FENCE_ENABLE", 0.0),
+}
+
+
+class Disguised(Mock):
+    """An autopilot whose heartbeats say another kind."""
+
+    def __init__(self, family: Autopilot, firmware: int, mav_type: int) -> None:
+        super().__init__(family, HOME)
+        self.told = firmware, mav_type
+
+    def _heartbeat(self) -> Heartbeat:
+        firmware, mav_type = self.told
+        return replace(super()._heartbeat(), autopilot=firmware, type=mav_type)
+
+
+class Overheard(Loopback):
+    """Keeps what the station says."""
+
+    def __init__(self, far: Any) -> None:
+        super().__init__(far)
+        self.said: list[Message] = []
+
+    def send(self, data: bytes, peer: Any) -> None:
+        heard = [Codec(1, 1).decode(frame) for frame in frames(data)]
+        self.said += [one.message for one in heard if one is not None and one.message is not None]
+        super().send(data, peer)
+
+
+def line_to(firmware: int, mav_type: int) -> tuple[Line, Overheard]:
+    family = Autopilot.ARDUPILOT if firmware == 3 else Autopilot.PX4
+    channel = Overheard(Station(Disguised(family, firmware, mav_type)))
+    return Line(channel, Codec(245, 190)), channel
+
+
+@pytest.mark.parametrize(("firmware", "mav_type"), OTHERS)
+def test_it_is_refused_by_name_and_has_heard_of_us_only_that_we_are_there(firmware: int, mav_type: int) -> None:
+    line, channel = line_to(firmware, mav_type)
+    with pytest.raises(NotFlown, match=f"^vehicle 1 is an? {re.escape(str(Kind(firmware, mav_type)))};"):
+        meet(line)
+    assert {type(message) for message in channel.said} == {Heartbeat}
+
+
+@pytest.mark.parametrize("verb", CHANGES)
+@pytest.mark.parametrize(("firmware", "mav_type"), [(3, 1), (12, 20), (0, 2)])
+def test_it_can_be_read_and_not_changed(firmware: int, mav_type: int, verb: str) -> None:
+    line, channel = line_to(firmware, mav_type)
+    vehicle = meet(line, fast=False, reading=True)
+    vehicle.download_items(0)
+    channel.said.clear()
+    with pytest.raises(NotFlown, match="missions and orders are for multicopters"):
+        CHANGES[verb](vehicle)
+    assert {type(message) for message in channel.said} <= {Heartbeat}
+
+
+@pytest.mark.parametrize("mav_type", sorted(MULTICOPTERS))
+def test_every_multicopter_is_taken(mav_type: int) -> None:
+    line, _ = line_to(3, mav_type)
+    meet(line).upload(MISSION)
+
+
+def test_one_that_turns_out_to_be_something_else_is_refused_from_there_on() -> None:
+    """Two vehicles with one id, one after the other."""
+    line, channel = line_to(3, 2)
+    vehicle = meet(line, fast=False)
+    vehicle.upload(MISSION)
+    channel.far.autopilot.told = 3, 1  # type: ignore[attr-defined]
+    while vehicle.state.kind == Kind(3, 2):
+        vehicle.download()
+    with pytest.raises(NotFlown, match="the vehicle is an ArduPilot plane"):
+        vehicle.upload(MISSION)
+    with pytest.raises(NotFlown):
+        vehicle.prepare()
+
+
+def test_a_mission_for_another_vehicle_is_not_uploaded() -> None:
+    line, channel = line_to(3, 2)
+    vehicle = meet(line)
+    channel.said.clear()
+    for checked in (True, False):
+        with pytest.raises(BadInput, match="the mission is for a plane, and the vehicle is a multicopter"):
+            vehicle.upload(replace(MISSION, vehicle_type=1), checked=checked)
+    assert channel.said == []
+
+
+def test_a_scan_and_a_choice_among_several_name_the_kinds() -> None:
+    line, _ = line_to(3, 10)
+    assert [str(one.kind) for one in scan(line)] == ["ArduPilot rover"]
+
+
+def test_beside_a_plane_a_copter_is_chosen_by_its_id() -> None:
+    class Both(Loopback):
+        pass
+
+    stations = [Station(Disguised(Autopilot.ARDUPILOT, 3, kind), system) for system, kind in ((1, 1), (2, 2))]
+
+    class Pair:
+        def receive(self, data: bytes, peer: object, now: float) -> None:
+            for station in stations:
+                station.receive(data, peer, now)
+
+        def tick(self, now: float) -> None:
+            for station in stations:
+                station.tick(now)
+
+        def outgoing(self) -> list[tuple[bytes, object]]:
+            return [sent for station in stations for sent in station.outgoing()]
+
+        @property
+        def deadline(self) -> float:
+            return min(station.deadline for station in stations)
+
+    def line() -> Line:
+        return Line(Both(Pair()), Codec(245, 190))
+
+    meet(line(), 2).upload(MISSION)
+    with pytest.raises(NotFlown, match="vehicle 1 is an ArduPilot plane"):
+        meet(line(), 1)
+    with pytest.raises(MissionError, match=r"several .*: 1 \(ArduPilot plane\), 2 \(ArduPilot multicopter\)"):
+        meet(line())
