@@ -35,14 +35,12 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option
-from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.prove_route import prove_mission
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
-from ipoa_mission.tube.flown_in import flown_in
-from ipoa_mission.tube.promise import Promise, promise_of
+from ipoa_mission.tube.promise import Promise
 from ipoa_mission.wind import Wind
 
 if TYPE_CHECKING:
@@ -161,11 +159,8 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
-    plan, options = plan_with_room(scenario, seed, progress)
+    plan, options, mission, promise = plan_with_room(scenario, seed, progress)
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    chosen = next(option.route for option in options if option.mode == scenario.route.mode)
-    mission = build_mission(chosen, scenario)
-    promise = promise_of(flown_in(mission, scenario), scenario)
     findings = refuse_errors(check_mission(mission, scenario, promise))
     predicted = estimate(mission, wind=scenario.wind.air())
     energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
