@@ -55,7 +55,8 @@ class Flight:
 
     `options` are the ways to choose waypoints and what each would come to; `proof` is of the legs between waypoints,
     `promise` of the flights;
-    `findings` are warnings; `energy` is None without an airframe; `remarks` are what the user should know.
+    `findings` are warnings; `energy` is None without an airframe; `remarks` are what the user should know, the warnings
+    first.
     """
 
     scenario: Scenario
@@ -76,6 +77,12 @@ class Flight:
     def name(self) -> str:
         """The scenario's, and that of the files."""
         return self.scenario.name
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The remarks that are no warnings."""
+        warned = {words for finding in self.findings for words in (finding.message, finding.hint)}
+        return tuple(remark for remark in self.remarks if remark not in warned)
 
     def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
         """Write NAME.plan, NAME.waypoints and NAME.json about them, and NAME.params if the mission has parameters.
@@ -135,7 +142,15 @@ class Flight:
         from ipoa_mission.report.page import Subject, page_html
 
         subject = Subject(
-            self.scenario, self.plan, self.mission, self.estimate, self.remarks, self.proof, self.promise, self.energy
+            self.scenario,
+            self.plan,
+            self.mission,
+            self.estimate,
+            self.remarks,
+            self.proof,
+            self.promise,
+            self.energy,
+            self.findings,
         )
         write_atomically(Path(path), page_html(subject, record))
 
