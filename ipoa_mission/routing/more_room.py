@@ -80,7 +80,9 @@ def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) ->
 
 def a_little(scenario: Scenario) -> Needs:
     """What the predicted path alone needs: it is seen by straight legs that stand for it."""
-    return replace(nothing(scenario), growth=np.full(len(scenario.airspace.obstacles), 2 * A_LITTLE), above=2 * A_LITTLE)
+    return replace(
+        nothing(scenario), growth=np.full(len(scenario.airspace.obstacles), 2 * A_LITTLE), above=2 * A_LITTLE
+    )
 
 
 def nothing(scenario: Scenario) -> Needs:

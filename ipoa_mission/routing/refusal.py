@@ -81,7 +81,11 @@ def _across(spot: np.ndarray, name: str, needed: float, scenario: Scenario) -> t
     for body in bodies:
         aside = towards(body)
         cosine = float(aside @ ahead) / max(float(np.linalg.norm(aside) * np.linalg.norm(ahead)), 1e-9)
-        if body is not first and cosine <= OPPOSITE and (width := float(shapely.distance(body.plan, first.plan))) < best:
+        if (
+            body is not first
+            and cosine <= OPPOSITE
+            and (width := float(shapely.distance(body.plan, first.plan))) < best
+        ):
             best, found = width, body.name
     return best, found
 

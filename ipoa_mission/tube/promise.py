@@ -30,9 +30,9 @@ class Kept:
     """One limit in one part of the flight: what the predicted path has of it and what flights keep [m].
 
     `nominal` and `kept` are distances, of a ceiling heights; `to` is what is near, `item` the item on the way to which
-    it is (as in mission files, home is 0), `place` where. `part` is empty on the way; else "the take-off", "the ending",
-    or the place that the scenario itself puts nearer than the tube is wide, as in "via[2]": the promise of the flight
-    is not about these.
+    it is (as in mission files, home is 0), `place` where. `part` is empty on the way; else "the take-off", "the
+    ending", or the place that the scenario itself puts nearer than the tube is wide, as in "via[2]": the promise of the
+    flight is not about these.
     """
 
     limit: str
@@ -193,9 +193,7 @@ class PredictedFlight:
                     yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
         yield from self._others(self.course.part(begin, end), _rim(law, chance))
 
-    def _obstacles(
-        self, part: Course, law: Law, chance: float | None, taken: NDArray[np.bool_], name: str
-    ) -> Kept:
+    def _obstacles(self, part: Course, law: Law, chance: float | None, taken: NDArray[np.bool_], name: str) -> Kept:
         airspace, required = self.scenario.airspace, self.scenario.limits.obstacle_distance
         stretches = (airspace.obstacle_clearance(thinned(stretch, STRAY)) for stretch in runs(part.points, taken))
         nominal = min(stretches, key=lambda clearance: clearance.distance)

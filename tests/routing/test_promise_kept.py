@@ -98,7 +98,15 @@ def test_what_is_written_passes_the_check_and_keeps_what_is_required(
 
 def beside(confidence: float | str, aside: float) -> Scenario:
     """A straight way of 80 m east, and a wall beside the middle of it at this distance."""
-    wall = {"kind": "box", "name": "wall", "east": 40.0, "north": aside + 2.0, "width": 8.0, "depth": 4.0, "height": 30.0}
+    wall = {
+        "kind": "box",
+        "name": "wall",
+        "east": 40.0,
+        "north": aside + 2.0,
+        "width": 8.0,
+        "depth": 4.0,
+        "height": 30.0,
+    }
     return Scenario.model_validate(
         {
             "home": {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0},

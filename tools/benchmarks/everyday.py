@@ -267,7 +267,10 @@ def row_of(kind: str, number: int, autopilot: Autopilot) -> Table:
     row["cpu_s"] = round(time.process_time() - begin, 2)
     kept = flight.promise.clearance
     row |= {"total_s": round(flight.estimate.total_s, 1), "measured": round(measured(way_of(flight), table), 3)}
-    return row | {"kept": "" if kept is None else round(kept.kept, 3), "on_way": "" if kept is None else kept.on_the_way}
+    return row | {
+        "kept": "" if kept is None else round(kept.kept, 3),
+        "on_way": "" if kept is None else kept.on_the_way,
+    }
 
 
 FIELDS = ["scene", "autopilot", "cpu_s", "required", "kept", "on_way", "measured", "total_s", "error"]

@@ -35,7 +35,9 @@ def verdict(
     else:
         least = proof.clearance
         required = next(check.required for check in proof.checks if check.nearest is least)
-        words = f"Clear by {down(least.distance):.2f} m: the nearest thing is {least.what}; {up(required):.2f} m required"
+        words = (
+            f"Clear by {down(least.distance):.2f} m: the nearest thing is {least.what}; {up(required):.2f} m required"
+        )
     if dangers:
         return _line("bad", "!", f"{words}; but {dangers[0].words}.")
     if findings:
