@@ -1,4 +1,4 @@
-"""A mission of which too many flights would come too close, though its predicted path does not."""
+"""A mission of which too many flights would come too close, though its legs do not."""
 
 from collections.abc import Iterator
 
@@ -22,13 +22,14 @@ def promise_if_known(mission: Mission, scenario: Scenario) -> Promise | None:
 
 
 def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | None) -> Iterator[Finding]:
-    """Between waypoints a limit that too few flights keep is an error, before and after it a warning.
+    """On the way a limit that too few flights keep is an error; before and after it, and at a place that the scenario
+    itself puts too near for the tube, a warning.
 
     Something that too many flights would touch is an error anywhere.
     """
-    if promise is None or promise.confidence is None:
+    if promise is None:
         return
-    if why := not_measured(mission.autopilot, scenario.wind.speed):
+    if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.speed)):
         yield Finding(Severity.WARNING, None, why)
     for kept in promise.broken:
         item = mission.items[kept.item - 1]
@@ -39,4 +40,5 @@ def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | Non
 
 def _where(kept: Kept) -> str:
     east, north, up = kept.place
-    return f"{NEAR[kept.limit].format(kept.to)} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+    part = f"{kept.part}, " if kept.part else ""
+    return f"{part}{NEAR[kept.limit].format(kept.to)} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"

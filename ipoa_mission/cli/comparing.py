@@ -9,6 +9,7 @@ import typer
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.centimetres import down
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, ScenarioOption, expect_mission
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
@@ -56,8 +57,8 @@ def compare(
     """Hold the log of a flown mission against the estimate, leg by leg; each flight in the log by itself.
 
     Mission, parameters and firmware are the log's own; those given here go before. With a scenario, the flown path is
-    held against its terrain and obstacles. Exit code 1 when nothing in the
-    log could be held against an estimate or a scenario.
+    held against its terrain and obstacles. Exit code 1 when a flight did not keep the clearance that is required, or
+    nothing in the log could be held against an estimate or a scenario.
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
@@ -125,6 +126,8 @@ def compare(
         tell_json({**next(one for one in flights if one.get("legs") or world), **about, "flights": flights})
     if useless:
         raise error
+    if any(row.clearance is not None and not row.clearance.kept for row in rows):
+        raise typer.Exit(1)
 
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
@@ -263,7 +266,7 @@ def _tell_held(one: "ComparedFlight", title: str) -> None:
 
 
 def _cells(row: _Row) -> tuple[str, ...]:
-    clearance = "" if row.clearance is None else f"{row.clearance.least.distance:.2f}"
+    clearance = "" if row.clearance is None else f"{down(row.clearance.least.distance):.2f}"
     about = (str(row.number), f"{row.flight.armed_s:.1f}")
     if row.held is None:
         how = "" if row.flight.in_mission else "not in a mission"

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.centimetres import down
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
@@ -56,7 +57,7 @@ def _kept(flight: Flight | None) -> str:
     kept = None if flight is None else flight.promise.clearance
     if flight is None or kept is None or flight.promise.confidence is None:
         return ""
-    return f"; {100 * flight.promise.confidence:g} of 100 flights keep {kept.kept:.1f} m"
+    return f"; {100 * flight.promise.confidence:g} % of flights keep {down(kept.kept):.2f} m"
 
 
 def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:

@@ -27,7 +27,8 @@ def describe(flight: Flight) -> list[str]:
         f"estimated {estimate.total_s:.1f} s",
     ]
     lines += [] if flight.energy is None else [f"energy {flight.energy}"]
-    return [*lines, *(f"note: {remark}" for remark in flight.remarks)]
+    warnings = [words for f in flight.findings for words in (str(f), *([f"hint: {f.hint}"] if f.hint else []))]
+    return [*lines, *warnings, *(f"note: {remark}" for remark in flight.notes)]
 
 
 def promised(promise: Promise | None) -> list[str]:

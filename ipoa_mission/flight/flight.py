@@ -36,15 +36,13 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option
-from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.prove_route import prove_mission
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.qgroundcontrol import COUNTS
-from ipoa_mission.tube.flown_in import flown_in
-from ipoa_mission.tube.promise import Promise, promise_of
+from ipoa_mission.tube.promise import Promise
 from ipoa_mission.wind import Wind
 
 if TYPE_CHECKING:
@@ -59,7 +57,8 @@ class Flight:
 
     `options` are the ways to choose waypoints and what each would come to; `proof` is of the legs between waypoints,
     `promise` of the flights;
-    `findings` are warnings; `energy` is None without an airframe; `remarks` are what the user should know.
+    `findings` are warnings; `energy` is None without an airframe; `remarks` are what the user should know, the warnings
+    first.
     """
 
     scenario: Scenario
@@ -80,6 +79,12 @@ class Flight:
     def name(self) -> str:
         """The scenario's, and that of the files."""
         return self.scenario.name
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The remarks that are no warnings."""
+        warned = {words for finding in self.findings for words in (finding.message, finding.hint)}
+        return tuple(remark for remark in self.remarks if remark not in warned)
 
     def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
         """Write NAME.plan, NAME.waypoints and NAME.json about them, and NAME.params if the mission has parameters.
@@ -141,7 +146,15 @@ class Flight:
         from ipoa_mission.report.page import Subject, page_html
 
         subject = Subject(
-            self.scenario, self.plan, self.mission, self.estimate, self.remarks, self.proof, self.promise, self.energy
+            self.scenario,
+            self.plan,
+            self.mission,
+            self.estimate,
+            self.remarks,
+            self.proof,
+            self.promise,
+            self.energy,
+            self.findings,
         )
         write_atomically(Path(path), page_html(subject, record))
 
@@ -165,11 +178,8 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
-    plan, options = plan_with_room(scenario, seed, progress)
+    plan, options, mission, promise = plan_with_room(scenario, seed, progress)
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    chosen = next(option.route for option in options if option.mode == scenario.route.mode)
-    mission = build_mission(chosen, scenario)
-    promise = promise_of(flown_in(mission, scenario), scenario)
     findings = refuse_errors(check_mission(mission, scenario, promise))
     predicted = estimate(mission, wind=scenario.wind.air())
     energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)

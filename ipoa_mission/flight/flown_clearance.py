@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ipoa_mission.centimetres import down, falls_short, up
 from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
@@ -38,19 +39,19 @@ class FlownClearance:
 
     @property
     def kept(self) -> bool:
-        """Whether the flight kept what is required."""
-        return self.least.distance >= self.required
+        """Whether the flight kept what is required, as both are printed."""
+        return not falls_short(self.least.distance, self.required)
 
     def words(self) -> str:
         """The finding in a sentence without a full stop."""
         where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {self.least.place[2]:.1f} m"
         given = {"promised": self.promised, "planned": self.planned}
-        others = "".join(f", {value:.2f} m {name}" for name, value in given.items() if value is not None)
+        others = "".join(f", {down(value):.2f} m {name}" for name, value in given.items() if value is not None)
         strayed = "" if self.strayed is None else f"; at most {self.strayed:.1f} m from the planned legs"
         verdict = "" if self.kept else ", which was NOT kept"
         return (
-            f"least clearance flown {self.least.distance:.2f} m, to {self.least.what} at {where}, "
-            f"{self.time_s:.1f} s after arming{others}; {self.required:.2f} m required{verdict}{strayed}"
+            f"least clearance flown {down(self.least.distance):.2f} m, to {self.least.what} at {where}, "
+            f"{self.time_s:.1f} s after arming{others}; {up(self.required):.2f} m required{verdict}{strayed}"
         )
 
 

@@ -4,6 +4,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from ipoa_mission.centimetres import down, up
 from ipoa_mission.maps.passed import count_passed_over
 
 if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what plans
@@ -11,19 +12,31 @@ if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what
     from ipoa_mission.routing.assemble import Option
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.timing.estimate import Estimate
-    from ipoa_mission.tube.promise import Promise
+    from ipoa_mission.tube.promise import Kept, Promise
+
+MILLIMETRES = 1000
 
 
 def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
-    """The least clearance that the flights keep, and to what on the way to which item; empty if nobody knows."""
+    """The least clearance that the flights keep on the way, and to what at which item; empty if nobody knows.
+
+    `elsewhere` is where less than required is kept, and the promise is not about: take-off, ending and given places.
+    """
     kept = None if promise is None else promise.clearance
-    if promise is None or kept is None:
+    if promise is None:
         return {}
+    confidence = "nominal" if promise.confidence is None else round(promise.confidence, 4)
+    others = [{"part": one.part, "limit": one.limit} | _kept_as_json(one) for one in promise.elsewhere]
+    elsewhere = {"elsewhere": others} if others else {}
+    return elsewhere if kept is None else _kept_as_json(kept) | {"confidence": confidence} | elsewhere
+
+
+def _kept_as_json(kept: "Kept") -> dict[str, Any]:
+    """To the millimetre: what is kept rounded down and what is required up, as in words."""
     return {
-        "required_m": round(kept.required, 3),
-        "nominal_m": round(kept.nominal, 3),
-        "kept_m": round(kept.kept, 3),
-        "confidence": "nominal" if promise.confidence is None else round(promise.confidence, 4),
+        "required_m": up(kept.required, MILLIMETRES),
+        "nominal_m": down(kept.nominal, MILLIMETRES),
+        "kept_m": down(kept.kept, MILLIMETRES),
         "to": kept.to,
         "item": kept.item,
     }

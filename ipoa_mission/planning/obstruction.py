@@ -23,6 +23,10 @@ class NoPath(MissionError):
     """No path keeps the limits, or none was found; the message says what is in the way, where and by how much."""
 
 
+class NotFound(NoPath):
+    """No path was found, and nothing is known to close every way: another seed may find one."""
+
+
 def refuse_places(problem: PreparedProblem) -> None:
     """Refuse a start, goal or via point at which the vehicle may not be.
 
@@ -71,9 +75,9 @@ def explain(problem: PreparedProblem, proof: Proof) -> NoPath:
     return blockage(problem) or not_found(proof)
 
 
-def not_found(proof: Proof) -> NoPath:
+def not_found(proof: Proof) -> NotFound:
     """The error that tells how near to safe the best path is, if nothing is known to close every way."""
-    return NoPath(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
+    return NotFound(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
 
 
 def blockage(problem: PreparedProblem) -> NoPath | None:

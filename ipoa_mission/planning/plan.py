@@ -1,10 +1,11 @@
 """What planning comes to: a curve, what it costs, and the proof that it may be flown."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.cost import CostTerms
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.planning.spline import Spline
@@ -12,7 +13,10 @@ from ipoa_mission.planning.spline import Spline
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan:
-    """A path that may be flown. `history[i]` was the best cost known after `evaluations[i]` evaluations."""
+    """A path that may be flown. `history[i]` was the best cost known after `evaluations[i]` evaluations.
+
+    `via_at` are the curve's parameters at the places to pass (k,).
+    """
 
     curve: Spline
     cost: CostTerms
@@ -21,6 +25,7 @@ class Plan:
     seed: int
     evaluations: NDArray[np.int64]
     history: NDArray[np.float64]
+    via_at: Vector = field(default_factory=lambda: np.zeros(0))
 
     def __repr__(self) -> str:
         cost, count = float(self.history[-1]), int(self.evaluations[-1])

@@ -6,6 +6,7 @@ with twice the control points, are searched again piece by piece, and a long one
 polished until their proof holds; and the best of these once more, with twice the control points again.
 """
 
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -21,18 +22,20 @@ from ipoa_mission.planning.polish import FIRM, ROUGH, polish, settle
 from ipoa_mission.planning.problem import UNSAFE, PreparedProblem, Trail, follow, pose, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.search import Searcher, optimizer_of
-from ipoa_mission.planning.spline import Spline
-from ipoa_mission.planning.strategy import USUAL, SearchStrategy
+from ipoa_mission.planning.strategy import SearchStrategy, strategy_for
 from ipoa_mission.progress import Progress, silent
 
-__all__ = ["NoPath", "plan_path"]
+__all__ = ["NoPath", "move_aside", "plan_path"]
 
-Proved: TypeAlias = tuple[Spline, Proof, CostTerms]
 Settled: TypeAlias = tuple[Trail, Proof, CostTerms]
 
 
-def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy = USUAL) -> Plan:
+def plan_path(
+    task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy | None = None
+) -> Plan:
     """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
+
+    `strategy` says how hard to look; left out, that goes by the number of places to pass.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
@@ -44,26 +47,40 @@ def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strate
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
     optimizer = optimizer_of(task, short=not as_printed)
-    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy)
+    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy or strategy_for(len(task.places) - 1))
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [proved for proved in curves if proved[1].holds]
     if not safe:
         nearest = max((proof for _, proof, _ in curves), key=lambda proof: proof.worst.slack)
         raise explain(problem, nearest) if as_printed else not_found(nearest)
-    curve, proof, cost = min(safe, key=lambda proved: proved[2].total)
-    return Plan(curve, cost, proof, task.optimizer.name, seed, *searcher.history())
+    trail, proof, cost = min(safe, key=lambda proved: proved[2].total)
+    return Plan(trail.curve, cost, proof, task.optimizer.name, seed, *searcher.history(), trail.via_at)
 
 
-def _search_once(searcher: Searcher, progress: Progress) -> Proved:
+def move_aside(plan: Plan, task: PathTask) -> Plan | None:
+    """The plan's curve moved to where it keeps the limits of another task, one that asks for more room.
+
+    None if it cannot where it is: another way round may.
+    """
+    problem = pose(task)
+    with threadpool_limits(1, "blas"):
+        near = polish(Trail(plan.curve, plan.via_at), problem, FIRM)
+        trail, proof = settle(near, problem, enough=1e-5, finer=1, attempts=2)
+    if not proof.holds:
+        return None
+    return replace(plan, curve=trail.curve, cost=curve_cost(trail.curve, task), proof=proof)
+
+
+def _search_once(searcher: Searcher, progress: Progress) -> Settled:
     """As the paper does: one long search, and what it finds."""
     task = searcher.problem.task
     straight = follow(task.places, task.planning.control_points, task)
     searched = searcher.search(straight, 2 * searcher.strategy.straight_width, progress=progress)
-    return searched.curve, prove_curve(searched.curve, task), curve_cost(searched.curve, task)
+    return searched, prove_curve(searched.curve, task), curve_cost(searched.curve, task)
 
 
-def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
+def _search_passages(searcher: Searcher, progress: Progress) -> list[Settled]:
     """A few settled curves; if none of them holds, the search begins anew with guesses from a finer lattice."""
     problem, strategy, proved = searcher.problem, searcher.strategy, list[Settled]()
     for coarsest in range(len(strategy.lattice.refinements) - 1):
@@ -79,7 +96,7 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Proved]:
             break
         if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why
-    return [(trail.curve, proof, cost) for trail, proof, cost in proved]
+    return proved
 
 
 def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Trail]:

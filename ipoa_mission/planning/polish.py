@@ -19,7 +19,7 @@ from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
 if TYPE_CHECKING:
-    from scipy.sparse import csr_array
+    from ipoa_mission.planning.spread import Spread
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
 EARLY_GAIN = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
@@ -64,7 +64,12 @@ def polish(
 
 
 def settle(
-    trail: Trail, problem: PreparedProblem, enough: float = 1e-7, stages: Sequence[Soft] = FINE, finer: int = 2
+    trail: Trail,
+    problem: PreparedProblem,
+    enough: float = 1e-7,
+    stages: Sequence[Soft] = FINE,
+    finer: int = 2,
+    attempts: int = ATTEMPTS,
 ) -> tuple[Trail, Proof]:
     """The curve polished until its proof holds, or as near to that as it comes; or as it was, if only that holds.
 
@@ -73,7 +78,7 @@ def settle(
     once, to be higher somewhere, does so by loops.
     """
     rough, more = trail, dict.fromkeys(("aside", "above", "flatter"), 0.0)
-    for _ in range(ATTEMPTS):
+    for _ in range(attempts):
         wider = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in stages]
         base = rough if problem.climbs_limited else trail
         trail = polish(base, problem, wider, steps=60, finer=finer, enough=enough)
@@ -123,8 +128,7 @@ class _Bench:
     spans: Spans
     even: float
     free: slice
-    spread: "csr_array | None"
-    reach: int
+    spread: "Spread | None"
 
     def moved(self, control: Points, step: Vector) -> Points:
         """Control points (n, 3) after a step (f,)."""
@@ -133,24 +137,14 @@ class _Bench:
         if self.spread is None:
             some[self.free] += step
         else:
-            some += self.spread @ step
+            some += self.spread.ways @ step
         return control
 
     def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
         """Gradient and lower band of the Hessian by what is free, from those by all coordinates of `some`."""
         if self.spread is None:
             return gradient[self.free], band[:, self.free]
-        from scipy.sparse import dia_array
-
-        halves = band.copy()
-        halves[0] /= 2.0  # the Hessian is this triangle and its transpose
-        size, free = self.spread.shape
-        lower = dia_array((halves, -np.arange(len(band))), shape=(size, size))
-        half = (self.spread.T @ lower.tocsr() @ self.spread).tocoo()
-        beside, first = np.abs(half.row - half.col), np.minimum(half.row, half.col)
-        twice = np.where(beside == 0, 2.0, 1.0)
-        cells = np.bincount(beside * free + first, twice * half.data, minlength=(self.reach + 1) * free)
-        return np.asarray(self.spread.T @ gradient), cells.reshape(self.reach + 1, free).astype(float)
+        return self.spread.reduced(gradient, band)
 
 
 def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
@@ -160,18 +154,14 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
-    free, spread, reach = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None, BAND
+    free, spread = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None
     if len(trail.via_at):
-        from scipy.sparse import csr_array, diags_array, eye_array, kron
+        from ipoa_mission.planning.spread import spread_of
 
-        ways = freedom(trail, problem.task, part)[low:high]
-        spread = csr_array(kron(csr_array(ways), eye_array(3)))
-        near = diags_array(np.ones(2 * BAND + 1), offsets=np.arange(-BAND, BAND + 1), shape=(len(ways) * 3,) * 2)
-        pairs = (abs(spread).T @ near @ abs(spread)).tocoo()
-        reach = int(np.max(pairs.row - pairs.col, initial=0))
+        spread = spread_of(freedom(trail, problem.task, part)[low:high], BAND)
     look = even_basis(n, nodes)[seen]
     even = float(leg_lengths(look @ trail.curve.control).mean())
-    return _Bench(slice(low, high), look, spans, even, free, spread, reach)
+    return _Bench(slice(low, high), look, spans, even, free, spread)
 
 
 def _descend(

@@ -49,3 +49,17 @@ class SearchStrategy:
 
 
 USUAL = SearchStrategy()
+#: Over many places to pass each leg is short, and there is less to choose from on it: what is tried is for all legs.
+MANY_LEGS = SearchStrategy(
+    lattice=LatticeStrategy(nodes=30_000, max_ways=8, max_ways_climbing=4),
+    lattice_starts=1,
+    cheapest_starts=1,
+    max_improved=1,
+    max_rounds=12,
+)
+FEW_LEGS = 5  # for which the usual strategy is taken
+
+
+def strategy_for(legs: int) -> SearchStrategy:
+    """The strategy for a path of so many legs between places to pass."""
+    return USUAL if legs <= FEW_LEGS else MANY_LEGS

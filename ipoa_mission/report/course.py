@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from ipoa_mission.centimetres import down, falls_short, up
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario
@@ -89,10 +90,10 @@ def dangers(course: Course, scenario: Scenario) -> list[Danger]:
     """
     met, required = [], scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(course.points)
-    if nearest.distance < required:
-        how = "runs into" if nearest.distance < 0 else f"comes within {nearest.distance:.2f} m of"
+    if falls_short(nearest.distance, required):
+        how = "runs into" if nearest.distance < 0 else f"comes within {down(nearest.distance):.2f} m of"
         where = _where(course.times[nearest.leg], nearest.place)
-        words = f"the path as predicted {how} {nearest.what} {where}; {required:.2f} m are required"
+        words = f"the path as predicted {how} {nearest.what} {where}; {up(required):.2f} m are required"
         met.append(Danger(words, nearest.distance < scenario.vehicle.radius))
     height = course.points[:, 2] - course.ground
     away = np.hypot(*(course.points[:, :2] - course.points[0, :2]).T) > LANDING_RADIUS

@@ -14,10 +14,12 @@ from string import Template
 import numpy as np
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
+from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.commands import WAYPOINTS
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
+from ipoa_mission.finding import Finding
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.planning.plan import Plan
@@ -52,6 +54,7 @@ class Subject:
     proof: Proof | None
     promise: Promise | None
     energy: Consumption | None
+    findings: Sequence[Finding] = ()
 
 
 def write_report(
@@ -85,7 +88,8 @@ def report_html(
     proof = prove_mission(mission, scenario) if cruise(mission, scenario) else None
     promise = promise_if_known(mission, scenario)
     energy = flight_energy(scenario, estimate.track.times, estimate.track.points, estimate.track.speeds)
-    return page_html(Subject(scenario, plan, mission, estimate, remarks, proof, promise, energy), flight)
+    findings = check_mission(mission, scenario, promise)
+    return page_html(Subject(scenario, plan, mission, estimate, remarks, proof, promise, energy, findings), flight)
 
 
 def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
@@ -105,17 +109,17 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
-        "verdict": verdict(proof, subject.promise, danger),
+        "verdict": verdict(proof, subject.promise, danger, subject.findings),
         "figures": figures(
             estimate,
-            proof,
+            subject.promise,
             float(course.along[-1]),
             sum(stop.item.command in WAYPOINTS for stop in stop_list),
             comparison,
             subject.energy,
             battery,
         ),
-        "warnings": warnings(danger, [*subject.remarks, *estimate.remarks]),
+        "warnings": warnings(danger, subject.findings, [*subject.remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, stop_list, course, flown, tube),
         "legend": legend(scenario, extent, flown is not None),
         "profile": height_profile(course, airspace, required, stop_list, flown, tube),

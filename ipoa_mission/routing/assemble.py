@@ -6,14 +6,13 @@ Each mode of `scenario.route` is one way to choose: `even` as the paper resample
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing.build import build_mission
+from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.fastest import fastest_route
 from ipoa_mission.routing.prove_route import prove_route
 from ipoa_mission.routing.resample import corridor, every
@@ -22,8 +21,12 @@ from ipoa_mission.routing.trial import flies_safely, fly
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.bound import least_time
 from ipoa_mission.timing.route import kinematics
+from ipoa_mission.tube.promise import promise_of
 
 HALVINGS = 6  # of the step or the tolerance, before a mode gives up
+NARROW = 2  # so many times halved, the waypoints lie close along the curve
+TURNED_LATE = 2.5  # where PX4, which then flies slower, turns to the next waypoint [m]
+MODES = ("even", "corridor", "spline", "fastest")
 
 
 @dataclass(frozen=True)
@@ -54,31 +57,69 @@ def assemble(plan: Plan, scenario: Scenario) -> Mission:
 
 
 def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Route:
-    """The waypoints that one mode chooses; their legs keep the required clearance."""
-    return MODES[mode](plan, scenario)
-
-
-def weigh_routes(plan: Plan, scenario: Scenario, needed: str | None = None) -> tuple[Option, ...]:
-    """What every mode that this autopilot can fly would come to, quickest first.
+    """The waypoints that one mode chooses; their legs, and the path that is predicted, keep the required clearance.
 
     Raises:
-        BadInput, NoRoute: as `assemble`, of the mode that is `needed`; the others are left out where they fail.
+        NoRoute: none that were tried do; it has the widest and a narrow one.
     """
-    flights = []
+    if mode == "fastest":
+        return fastest_route(plan.curve, scenario, lambda: choose_route(plan, scenario, "corridor"))
+    choose, width = _chooser(plan, scenario, mode)
+    tried = list[Route]()
+    for _ in range(HALVINGS):
+        tried.append(choose(width))
+        proof = prove_route(tried[-1], scenario, spare=0.0)
+        if proof.holds and flies_safely(tried[-1], plan.curve, scenario):
+            return tried[-1]
+        width /= 2
+    why = "flights would come too close too often" if proof.holds else proof.words()
+    raise NoRoute(
+        f"the legs between waypoints come too close: {why}",
+        hint="plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing",
+        tried=(tried[0], tried[NARROW]),
+    )
+
+
+def near_routes(plan: Plan, scenario: Scenario, mode: str) -> tuple[Route, ...]:
+    """A few routes of a mode, chosen quickly; nobody looked whether they keep anything."""
+    choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
+    wide, narrow = choose(width), choose(width / 2**NARROW)
+    if mode == "fastest" and scenario.vehicle.autopilot is Autopilot.PX4:
+        return wide, narrow, replace(narrow, radius=TURNED_LATE)
+    return wide, narrow
+
+
+def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) -> tuple[Option, ...]:
+    """What every mode that this autopilot can fly would come to, quickest first.
+
+    `chosen` is the route of the scenario's own mode, if it is known and keeps its limits.
+
+    Raises:
+        BadInput, NoRoute: as `choose_route`, where nothing is `chosen` and the scenario's own mode fails; the others
+            are left out where they do.
+    """
+    needed, flights = scenario.route.mode, []
     for mode in sorted(MODES, key=lambda mode: mode != needed):
         try:
-            route = choose_route(plan, scenario, mode)
+            known = chosen is not None and mode == needed
+            route = chosen if known else choose_route(plan, scenario, mode)
         except (BadInput, NoRoute):
             if mode == needed:
                 raise
             continue
-        flights.append((mode, route, fly(route, plan.curve, scenario)))
-    least = min([_least_time(plan, scenario), *(round(flown.seconds, 3) for _, _, flown in flights)])
+        assert route is not None
+        flights.append((mode, route, fly(route, plan.curve, scenario), known or is_promised(route, scenario)))
+    least = min([_least_time(plan, scenario), *(round(flown.seconds, 3) for _, _, flown, _ in flights)])
     options = []
-    for mode, route, flown in flights:
+    for mode, route, flown, is_clear in flights:
         seconds, away = round(flown.seconds, 3), round(flown.deviation, 3)
-        options.append(Option(mode, route, seconds, away, flown.keeps_limits(scenario), round(seconds / least, 4)))
+        options.append(Option(mode, route, seconds, away, is_clear, round(seconds / least, 4)))
     return tuple(sorted(options, key=lambda option: (option.seconds, option.mode != "fastest")))
+
+
+def is_promised(route: Route, scenario: Scenario) -> bool:
+    """Whether enough flights keep every limit on the way, looked at from the arming on."""
+    return not any(kept.on_the_way for kept in promise_of(draft_mission(route, scenario), scenario).broken)
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:
@@ -88,54 +129,19 @@ def _least_time(plan: Plan, scenario: Scenario) -> float:
     return least_time(plan.curve.sample(max(2, math.ceil(plan.curve.length))), limits).seconds
 
 
-def _even(plan: Plan, scenario: Scenario) -> Route:
-    def choose(spacing: float) -> Route:
-        return Route(every(plan.curve, spacing, scenario.via_points))
-
-    return _narrowed(choose, scenario.route.spacing, plan.curve, scenario)
-
-
-def _corridor(plan: Plan, scenario: Scenario) -> Route:
-    def choose(tolerance: float) -> Route:
-        return Route(corridor(plan.curve, tolerance, via=scenario.via_points))
-
-    return _narrowed(choose, scenario.route.tolerance, plan.curve, scenario)
-
-
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
     """Complain of a mode that chooses waypoints which an autopilot does not fly."""
     if mode == "spline" and autopilot is not Autopilot.ARDUPILOT:
         raise BadInput("route.mode: expected even, corridor or fastest: only ArduPilot flies spline waypoints")
 
 
-def _spline(plan: Plan, scenario: Scenario) -> Route:
-    expect_mode("spline", scenario.vehicle.autopilot)
+def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Route], float]:
+    """How a mode chooses waypoints by a width, moved clear, and the width that the scenario asks for [m]."""
+    expect_mode(mode, scenario.vehicle.autopilot)
+    via = scenario.via_points
 
-    def choose(spacing: float) -> Route:
-        return Route(every(plan.curve, spacing, scenario.via_points), spline=True)
+    def choose(width: float) -> Route:
+        points = corridor(plan.curve, width, via=via) if mode == "corridor" else every(plan.curve, width, via)
+        return Route(push_clear(points, scenario), spline=mode == "spline")
 
-    return _narrowed(choose, scenario.route.spacing, plan.curve, scenario)
-
-
-def _narrowed(choose: Callable[[float], Route], width: float, curve: Spline, scenario: Scenario) -> Route:
-    """The route with the greatest width (halved until it serves) whose legs keep their limits."""
-    for _ in range(HALVINGS):
-        chosen = choose(width)
-        route = Route(push_clear(chosen.points, scenario), chosen.spline)
-        proof = prove_route(route, scenario, spare=0.0)
-        if proof.holds and flies_safely(route, curve, scenario):
-            return route
-        width /= 2
-    why = "flights would come too close too often" if proof.holds else proof.words()
-    raise NoRoute(
-        f"the legs between waypoints come too close: {why}",
-        hint="plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing",
-    )
-
-
-MODES: dict[str, Callable[[Plan, Scenario], Route]] = {
-    "even": _even,
-    "corridor": _corridor,
-    "spline": _spline,
-    "fastest": lambda plan, scenario: fastest_route(plan.curve, scenario, lambda: _corridor(plan, scenario)),
-}
+    return choose, scenario.route.tolerance if mode == "corridor" else scenario.route.spacing

@@ -1,19 +1,28 @@
-"""A path with room for the tube: sought where there is room all round first, then through the gaps that are left."""
+"""A path with room for the tube: sought where there is room all round first, then through the gaps that are left.
 
-from dataclasses import replace
+Where the flights along a path would come too near all the same, the path is moved aside by what is missing; where that
+cannot be, another way round is sought, and by another seed.
+"""
 
-import numpy as np
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import NamedTuple
 
+from ipoa_mission.items import Mission
 from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.obstruction import NotFound
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.planner import NoPath, plan_path
+from ipoa_mission.planning.planner import NoPath, move_aside, plan_path
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.progress import Progress
-from ipoa_mission.routing.assemble import Option, choose_route, expect_mode, weigh_routes
-from ipoa_mission.routing.build import draft_mission
-from ipoa_mission.routing.route import NoRoute
+from ipoa_mission.routing.assemble import Option, choose_route, expect_mode, near_routes, weigh_routes
+from ipoa_mission.routing.build import build_mission, draft_mission
+from ipoa_mission.routing.more_room import Needs, a_little, nothing
+from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.promise import Kept, Promise, promise_of
+from ipoa_mission.tube.flown_in import flown_in
+from ipoa_mission.tube.promise import Promise, promise_of
 from ipoa_mission.tube.room import with_room
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -21,105 +30,197 @@ from ipoa_mission.world.obstacles import Obstacle
 #: lowest given place has to spare the path may have to be higher over steep ground. Tried in this order until a route
 #: is safe: less room than is needed for sure is quicker, and mostly enough.
 ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
-AROUND = 50.0  # what is on the other side of a gap is looked for so far away [m]
-SLOWER = (0.5, 0.25)  # shares of the cruise speed that are tried before a gap is called too narrow at any speed
+FAR_OFF = -0.3  # where the quick routes are so short of a limit the better ones are not looked at [m]
+ROUNDS = 4  # so often a path is moved aside
+MORE_SEEDS = 1  # with which all rooms are tried
 
 
-def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> tuple[Plan, tuple[Option, ...]]:
-    """A plan and what each mode of choosing waypoints would come to on it, quickest first.
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A plan, the mission of the best route along it that was looked at, and what that promises."""
+
+    plan: Plan
+    route: Route
+    mission: Mission
+    promise: Promise
+
+    @property
+    def holds(self) -> bool:
+        """Whether enough flights keep every limit on the way."""
+        return not any(kept.on_the_way for kept in self.promise.broken)
+
+    @property
+    def slack(self) -> float:
+        """How much more than required is kept on the way, of all limits the least [m]."""
+        return min((kept.slack for kept in self.promise.limits if kept.on_the_way), default=0.0)
+
+
+class Routed(NamedTuple):
+    """A plan, what each mode would come to on it, quickest first, the mission of the mode asked for, its promise."""
+
+    plan: Plan
+    options: tuple[Option, ...]
+    mission: Mission
+    promise: Promise
+
+
+class TooNear(NoPath):
+    """Paths are there, but too few flights would keep the limits on any; `nearest` comes nearest to it."""
+
+    def __init__(self, nearest: Attempt) -> None:
+        super().__init__("too few flights would keep the limits")
+        self.nearest = nearest
+
+
+def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
+    """A plan whose flights keep what is required, and its mission.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place; the autopilot
             does not fly the kind of waypoints that the scenario asks for.
         NoPath: a given place breaks a limit, no path was found that keeps them all, or too few flights would keep them.
-        NoRoute: no choice of waypoints of that kind keeps the limits.
+        NoRoute: no choice of waypoints of that kind keeps the limits; the way from home to the start is not clear.
+        Unsafe: it would touch down fast, and nothing helps.
     """
     expect_mode(scenario.route.mode, scenario.vehicle.autopilot)
+    try:
+        found = seek(scenario, seed, progress)
+    except TooNear as error:
+        from ipoa_mission.routing.refusal import refusal
+
+        raise refusal(error.nearest, scenario, seed) from None
+    options = weigh_routes(found.plan, scenario, found.route)
+    return Routed(found.plan, options, found.mission, found.promise)
+
+
+def seek(
+    scenario: Scenario, seed: int, progress: Progress, seeds: int = MORE_SEEDS, rooms: int | None = None
+) -> Attempt:
+    """The first attempt that holds, of the first of more and more rooms and then of so many more seeds.
+
+    Raises:
+        TooNear: none does.
+        NoPath, NoRoute, Unsafe, BadInput: as `plan_with_room`.
+    """
+    nearest: Attempt | None = None
+    for number in range(seed, seed + seeds + 1):
+        for roomy in islice(_rooms(scenario), rooms):
+            try:
+                attempt = _made_safe(plan_path(roomy.world, number, progress), roomy, scenario)
+            except NoPath as error:
+                roomy.closed = True
+                if roomy.world is scenario and not isinstance(error, NotFound):
+                    raise
+                missing = error
+                continue
+            if attempt.holds:
+                return attempt
+            if nearest is None or attempt.slack > nearest.slack:
+                nearest = attempt
+    if nearest is None:
+        raise missing
+    raise TooNear(nearest)
+
+
+@dataclass
+class _Room:
+    """A scenario with more room, and what was needed of it; `closed` once no path was found in it."""
+
+    world: Scenario
+    needs: Needs
+    closed: bool = False
+
+
+def _rooms(scenario: Scenario) -> Iterator[_Room]:
+    """The scenario with room for the tube, more and more differently; at last without any.
+
+    Where there is no path, there is none with more room.
+    """
+    none, sought, closed = nothing(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
     if scenario.safety.chance is None:
-        plan = plan_path(scenario, seed, progress)
-        return plan, weigh_routes(plan, scenario, needed=scenario.route.mode)
-    sought, closed = list[tuple[tuple[Obstacle, ...], float]](), False
-    for tight, keep_gaps, share in ROOMS:
-        roomy = with_room(scenario, tight, keep_gaps, share)
-        room = roomy.airspace.obstacles, roomy.limits.height_above_ground
-        if (closed and not keep_gaps) or room in sought:
-            continue  # where there is no path, there is none with more room
-        sought.append(room)
-        try:
-            plan = plan_path(roomy, seed, progress)
-        except NoPath:
-            closed = True
-            continue
-        plan = replace(plan, cost=curve_cost(plan.curve, scenario), proof=prove_curve(plan.curve, scenario))
-        try:
-            options = weigh_routes(plan, scenario, needed=scenario.route.mode)
-        except NoRoute:
-            continue
-        if _promised(options, scenario):
-            return plan, options
-    raise _too_narrow(plan_path(scenario, seed, progress), scenario)
-
-
-def _promised(options: tuple[Option, ...], scenario: Scenario) -> bool:
-    """Whether the route asked for keeps its limits also where it is looked at from the arming on, in other passes."""
-    route = next(option.route for option in options if option.mode == scenario.route.mode)
-    broken = promise_of(draft_mission(route, scenario), scenario).broken
-    return not any(kept.on_the_way for kept in broken)
-
-
-def _too_narrow(plan: Plan, scenario: Scenario) -> NoPath:
-    """Why too few flights would keep the limits on a plan that keeps them itself."""
-    promise = _best_promise(plan, scenario)
-    tightest = None if promise is None else min(promise.limits, key=lambda kept: kept.slack, default=None)
-    if promise is None or promise.confidence is None or tightest is None:
-        return NoPath("no choice of waypoints keeps the limits in enough flights")
-    share = f"{100 * promise.confidence:g} % of flights"
-    autopilot = scenario.vehicle.autopilot
-    east, north, up = tightest.place
-    where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
-    if tightest.limit == "obstacles":
-        words = _gap(tightest, scenario)
+        as_is = scenario.planning.planner == "paper" or not scenario.planning.polish
+        if not as_is:
+            little = a_little(scenario)
+            yield _Room(little.room(scenario, scenario, gaps=True), little)
     else:
-        words = f"{tightest.to}, where {tightest.words(promise.confidence)}"
-    fits = _speed_that_fits(plan, scenario)
-    speed = f"it would fit at {fits:g} m/s" if fits else "no lower speed helps"
-    return NoPath(
-        f"a path is there, but {share} on {autopilot} would not keep it: {words}, {where}; {speed}",
-        hint=f"{f'vehicle.cruise_speed = {fits:g}, or ' if fits else ''}a smaller safety_distance, a lower "
-        'safety.confidence, or "nominal" for what the predicted path keeps',
-    )
+        for tight, keep_gaps, share in ROOMS:
+            world = with_room(scenario, tight, keep_gaps, share)
+            room = world.airspace.obstacles, world.limits.height_above_ground
+            if (closed and not keep_gaps) or room in sought:
+                continue
+            sought.append(room)
+            yield (one := _Room(world, none))
+            closed = closed or one.closed
+    yield _Room(scenario, none)
 
 
-def _best_promise(plan: Plan, scenario: Scenario) -> Promise | None:
-    """What the most cautious route of a plan would promise, were it flown."""
-    nominal = scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"confidence": "nominal"})})
-    missions = [draft_mission(option.route, scenario) for option in weigh_routes(plan, nominal)]
-    promises = [promise_of(mission, scenario) for mission in missions]
-    return max(promises, key=lambda promise: min(kept.slack for kept in promise.limits), default=None)
+def _made_safe(plan: Plan, roomy: _Room, scenario: Scenario) -> Attempt:
+    """The plan, moved aside while too few flights along it keep the limits and it can be; the best attempt.
+
+    A first look at each is by a few quick routes of the scenario's mode: only what they promise is asked of it all.
+    """
+    needs, latest = roomy.needs, _quick_attempt(_judged(plan, scenario), scenario)
+    best = latest if latest.slack < FAR_OFF else _attempt(latest.plan, scenario)
+    for _ in range(ROUNDS):
+        if best.holds:
+            return best
+        needs = needs.more(latest.promise, latest.plan.curve, scenario)
+        moved = None
+        for gaps in (False, True):
+            if moved is None:
+                moved = move_aside(latest.plan, needs.room(roomy.world, scenario, gaps))
+        if moved is None:
+            return best
+        latest = _quick_attempt(_judged(moved, scenario), scenario)
+        if latest.holds:
+            whole = _attempt(latest.plan, scenario)
+            latest = whole if whole.holds else latest
+        if latest.holds or latest.slack > best.slack:
+            best = latest
+    return best
 
 
-def _gap(tightest: Kept, scenario: Scenario) -> str:
-    """The gap at a place: between what, how wide, and what this autopilot needs."""
-    spot, needed = np.array([tightest.place]), tightest.required + tightest.nominal - tightest.kept
-    near = {body.name: float(apart[0]) for body, _, apart in scenario.airspace.near(spot, AROUND)}
-    beside = near.pop(tightest.to, tightest.nominal)
-    if not near:
-        return f"{tightest.nominal:.2f} m from {tightest.to}, where it needs {needed:.2f} m"
-    other = min(near, key=lambda name: near[name])
-    width = beside + near[other]
-    return f"the gap between {tightest.to} and {other} is {width:.2f} m wide, and it needs {2 * needed:.2f} m"
+def _judged(plan: Plan, scenario: Scenario) -> Plan:
+    """The plan as the scenario itself judges it, not one with more room."""
+    return replace(plan, cost=curve_cost(plan.curve, scenario), proof=prove_curve(plan.curve, scenario))
 
 
-def _speed_that_fits(plan: Plan, scenario: Scenario) -> float | None:
-    """The highest of some lower cruise speeds [m/s] at which the plan could be flown; None if there is none."""
-    for share in SLOWER:
-        speed = round(share * scenario.vehicle.cruise_speed, 1)
-        slower = scenario.model_copy(
-            update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": max(speed, 0.5)})}
-        )
+def _attempt(plan: Plan, scenario: Scenario) -> Attempt:
+    """The route of the scenario's mode; of the fastest, whichever is promised where the fastest is not."""
+    modes = [scenario.route.mode]
+    if modes == ["fastest"]:
+        modes += ["corridor", "even"]
+    attempts = list[Attempt]()
+    for mode in modes:
         try:
-            choose_route(plan, slower, scenario.route.mode)
-        except NoRoute:
-            continue
-        return speed
-    return None
+            attempts.append(_flown(plan, choose_route(plan, scenario, mode), scenario))
+        except NoRoute as error:
+            attempts += [_flown(plan, route, scenario) for route in error.tried]
+        if attempts and attempts[-1].holds:
+            return attempts[-1]
+    return max(attempts, key=lambda attempt: attempt.slack)
+
+
+def _quick_attempt(plan: Plan, scenario: Scenario) -> Attempt:
+    attempts = list[Attempt]()
+    for route in near_routes(plan, scenario, scenario.route.mode):
+        attempts.append(_flown(plan, route, scenario))
+        if attempts[-1].holds:
+            return attempts[-1]
+    return max(attempts, key=lambda attempt: attempt.slack)
+
+
+def _flown(plan: Plan, route: Route, scenario: Scenario) -> Attempt:
+    """What a route promises: as its whole mission is flown, where it can be one.
+
+    Raises:
+        NoRoute, Unsafe, BadInput: as `build_mission`, of a route that may be flown otherwise.
+    """
+    mission = draft_mission(route, scenario)
+    attempt = Attempt(plan, route, mission, promise_of(mission, scenario))
+    if not attempt.holds:
+        return attempt
+    built = build_mission(route, scenario)
+    if built == mission:
+        return attempt
+    return Attempt(plan, route, built, promise_of(flown_in(built, scenario), scenario))

@@ -182,7 +182,10 @@ class Limit(Message):
 
 
 class Plan(Message):
-    """The proved answer; `proof` is a short digest of mission and promise, which a start must name."""
+    """The proved answer; `warnings` are to be read before it is flown, `remarks` are what else is told.
+
+    `proof` is a short digest of mission and promise, which a start must name.
+    """
 
     kind: Literal["plan"] = "plan"
     revision: int
@@ -209,6 +212,7 @@ class Plan(Message):
     bindings: tuple[Binding, ...]
     choices: tuple[Choice, ...]
     limits: tuple[Limit, ...]
+    warnings: tuple[str, ...]
     remarks: tuple[str, ...]
     took_s: float
 

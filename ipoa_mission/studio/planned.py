@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ipoa_mission.centimetres import down, up
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch
@@ -59,9 +60,9 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         proof=proof_digest(flight),
         verdict=without_folders(flight.proof.words(), scenario),
         confidence=promise.confidence,
-        kept=None if kept is None else round(kept.kept, 3),
-        nominal=None if kept is None else round(kept.nominal, 3),
-        required=scenario.limits.obstacle_distance,
+        kept=None if kept is None else down(kept.kept),
+        nominal=None if kept is None else down(kept.nominal),
+        required=up(scenario.limits.obstacle_distance if kept is None else kept.required),
         nearest="" if kept is None else without_folders(kept.to, scenario),
         total_s=round(estimate.total_s, 2),
         low_s=round(estimate.low_s, 2),
@@ -77,7 +78,8 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         bindings=tuple(_bindings(flight, flown_stops, course)),
         choices=tuple(_choices(flight)),
         limits=tuple(_limits(flight)),
-        remarks=flight.remarks,
+        warnings=tuple(without_folders(finding.message, scenario) for finding in flight.findings),
+        remarks=flight.notes,
         took_s=round(took_s, 2),
     )
 

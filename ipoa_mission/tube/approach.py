@@ -6,7 +6,7 @@ than (level - k) *and* by more than (vertical - k). A body also lies behind the 
 nearest, so that only what leads towards it counts. The least of these chances bounds it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,6 +52,11 @@ class Approaches:
     def facing(self) -> Vector:
         """How much wider than to the side the tube is towards the obstacles."""
         return _facing(self.law, self.aside, self.above, self.is_over)
+
+    def of(self, taken: NDArray[np.bool_]) -> "Approaches":
+        """Some of the pairs (n,)."""
+        columns = ("piece", "obstacle", "passing", "aside", "above", "is_over", "stretch", "sides")
+        return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
     def chance(self, kept: float) -> float:
         """The chance at most that a flight somewhere comes nearer than `kept` [m]."""

@@ -5,12 +5,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.centimetres import down, falls_short, goes_beyond, up
 from ipoa_mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS
-from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import Itinerary
+from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import in_local_frame, predict
 from ipoa_mission.timing.prediction import Prediction
@@ -19,6 +21,7 @@ from ipoa_mission.tube.course import Course, course_of
 from ipoa_mission.tube.law import Law
 from ipoa_mission.tube.limits import NO_TUBE, Rim, limits_kept, rim_of
 from ipoa_mission.tube.measured import law_of
+from ipoa_mission.tube.places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.tube.thin import STRAY, thinned
 
 
@@ -27,7 +30,9 @@ class Kept:
     """One limit in one part of the flight: what the predicted path has of it and what flights keep [m].
 
     `nominal` and `kept` are distances, of a ceiling heights; `to` is what is near, `item` the item on the way to which
-    it is (as in mission files, home is 0), `place` where.
+    it is (as in mission files, home is 0), `place` where. `part` is empty on the way; else "the take-off", "the
+    ending", or the place that the scenario itself puts nearer than the tube is wide, as in "via[2]": the promise of the
+    flight is not about these.
     """
 
     limit: str
@@ -37,20 +42,33 @@ class Kept:
     to: str
     item: int
     place: tuple[float, float, float]
-    on_the_way: bool
+    part: str = ""
+
+    @property
+    def on_the_way(self) -> bool:
+        """Whether it is between the take-off and the last waypoint, and no given place is in its way."""
+        return not self.part
 
     @property
     def slack(self) -> float:
         """How much more than required is kept [m]."""
         return self.required - self.kept if self.limit == "ceiling" else self.kept - self.required
 
+    @property
+    def falls_short(self) -> bool:
+        """Whether less is kept than is required, as both are printed."""
+        if self.limit == "ceiling":
+            return goes_beyond(self.kept, self.required)
+        return falls_short(self.kept, self.required)
+
     def words(self, confidence: float | None) -> str:
-        """Nominal, kept and required in one line without a full stop."""
-        nominal, most = f"nominal {self.nominal:.2f} m", "at most " if self.limit == "ceiling" else ""
+        """What flights keep, what is predicted and what is required, in one line without a full stop."""
+        least, most, bound = (up, down, "at most ") if self.limit == "ceiling" else (down, up, "")
+        predicted, required = f"{least(self.nominal):.2f} m", f"{bound}{most(self.required):.2f} m required"
         if confidence is None:
-            return f"{nominal}; {most}{self.required:.2f} m required"
+            return f"predicted {predicted}; {required}"
         share = f"{100 * confidence:g} % of flights keep"
-        return f"{nominal}; {share} {most}{self.kept:.2f} m; {self.required:.2f} m required"
+        return f"{share} {bound}{least(self.kept):.2f} m (predicted {predicted}); {required}"
 
 
 @dataclass(frozen=True)
@@ -63,25 +81,56 @@ class Promise:
 
     @property
     def broken(self) -> tuple[Kept, ...]:
-        """The limits that fewer flights keep than must, by more than rounding."""
-        return tuple(kept for kept in self.limits if kept.slack < -2 * STRAY)
+        """The limits that fewer flights keep than must, as they are printed."""
+        return tuple(kept for kept in self.limits if kept.falls_short)
 
     @property
     def clearance(self) -> Kept | None:
-        """The least that is kept to anything solid on the way, or to an obstacle before and after it."""
-        solid = [kept for kept in self.limits if kept.limit in ("obstacles", "ground") and np.isfinite(kept.kept)]
-        return min(solid, key=lambda kept: kept.kept, default=None)
+        """The promise of the flight: the least that is kept to anything solid on the way, by what is required of it."""
+        solid = [k for k in self.limits if k.on_the_way and k.limit in ("obstacles", "ground") and np.isfinite(k.kept)]
+        return min(solid, key=lambda kept: (not kept.falls_short, kept.kept), default=None)
+
+    @property
+    def elsewhere(self) -> tuple[Kept, ...]:
+        """Where less is kept than required, and no promise is about: take-off and ending, and places that are given."""
+        return tuple(kept for kept in self.broken if not kept.on_the_way)
 
 
-def tube_holds(course: Course, path: Points, autopilot: Autopilot, scenario: Scenario) -> bool:
-    """Whether flights keep every limit on a course, as often as the scenario asks; `path` is the same, thinned."""
+def tube_holds(course: Course, autopilot: Autopilot, scenario: Scenario) -> bool:
+    """Whether flights keep every limit on a course, as often as the scenario asks."""
+    chance, law = scenario.safety.chance, law_of(autopilot, scenario.wind.speed)
+    required, airspace = up(scenario.limits.obstacle_distance), scenario.airspace
+    if airspace.obstacles:
+        free = round_places(course.points, _tight(scenario, law)) < 0
+        for stretch in runs(course.points, free):
+            near = airspace.obstacle_clearance(thinned(stretch, STRAY), within=required + 2 * STRAY)
+            if near.distance - STRAY < required:
+                return False
+        if chance is not None:
+            near = approaches(course, airspace, law, required)
+            if near.of(free[near.piece]).chance(required) > chance:
+                return False
+    path = thinned(course.points, STRAY)
+    return not any(_breaks(check) for check in limits_kept(path, scenario, _rim(law, chance)))
+
+
+def _breaks(check: Check) -> bool:
+    """Whether too little is kept, as it is printed."""
+    if check.at_most:
+        return goes_beyond(check.nearest.distance, check.required)
+    return falls_short(check.nearest.distance, check.required)
+
+
+def _rim(law: Law, chance: float | None) -> Rim:
+    """The rim of the tube, and what the thinned path may be from the predicted one."""
+    rim = NO_TUBE if chance is None else rim_of(law, chance)
+    return Rim(rim.level + STRAY, rim.down + STRAY, rim.up + STRAY)
+
+
+def _tight(scenario: Scenario, law: Law) -> tuple[TightPlace, ...]:
+    """Given places nearer to an obstacle than the tube is wide in one pass."""
     chance = scenario.safety.chance
-    if chance is None:
-        return True
-    law, required = law_of(autopilot, scenario.wind.speed), scenario.limits.obstacle_distance
-    if approaches(course, scenario.airspace, law, required).chance(required) > chance:
-        return False
-    return all(check.slack >= -2 * STRAY for check in limits_kept(path, scenario, rim_of(law, chance)))
+    return tight_places(scenario, 2 * STRAY + (0.0 if chance is None else law.level.distance(chance)))
 
 
 def promise_of(mission: Mission, scenario: Scenario) -> Promise:
@@ -125,49 +174,49 @@ class PredictedFlight:
         return begin, max(ends[-1] if ends else begin, begin)
 
     def limits(self, chance: float | None) -> Iterator[Kept]:
-        """Obstacles before, on and after the way; ground, ceiling and bounds on it."""
+        """Obstacles on the way, before it, after it and at given places; ground, ceiling and bounds on the way."""
         begin, end = self.way
         last = float(self.course.times[-1])
         law = law_of(self.autopilot, self.scenario.wind.speed)
-        parts = ((0.0, begin, law), (begin, end, law), (end, last, law.after_the_way()))
-        for n, (first, then, its_law) in enumerate(parts):
-            if then > first:
-                yield from self._obstacles(self.course.part(first, then), its_law, chance, on_the_way=n == 1)
-        part = self.course.part(begin, end)
-        rim = NO_TUBE if chance is None else rim_of(law, chance)
-        yield from self._others(part, rim)
+        if self.scenario.airspace.obstacles:
+            for first, then, its_law, name in (
+                (0.0, begin, law, "the take-off"),
+                (end, last, law.after_the_way(), "the ending"),
+            ):
+                if then > first:
+                    part = self.course.part(first, then)
+                    yield self._obstacles(part, its_law, chance, np.full(len(part.points) - 1, True), name)
+            if end > begin:
+                part, tight = self.course.part(begin, end), _tight(self.scenario, law)
+                at = round_places(part.points, tight)
+                for n in np.unique(at).tolist():
+                    yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
+        yield from self._others(self.course.part(begin, end), _rim(law, chance))
 
-    def _obstacles(self, part: Course, law: Law, chance: float | None, on_the_way: bool) -> Iterator[Kept]:
-        airspace = self.scenario.airspace
-        if not airspace.obstacles:
-            return
-        nominal = airspace.obstacle_clearance(thinned(part.points, STRAY))
-        required = self.scenario.limits.obstacle_distance
-        least, kept, to, place = nominal.distance - STRAY, nominal.distance - STRAY, nominal.what, nominal.place
+    def _obstacles(self, part: Course, law: Law, chance: float | None, taken: NDArray[np.bool_], name: str) -> Kept:
+        airspace, required = self.scenario.airspace, self.scenario.limits.obstacle_distance
+        stretches = (airspace.obstacle_clearance(thinned(stretch, STRAY)) for stretch in runs(part.points, taken))
+        nominal = min(stretches, key=lambda clearance: clearance.distance)
+        least, to, place = nominal.distance - STRAY, nominal.what, nominal.place
+        kept = least
         if chance is not None:
             near = approaches(part, airspace, law, least)
+            near = near.of(taken[near.piece])
             kept = min(near.kept(chance), least)
-            piece, body = near.likeliest(kept)
-            east, north, up = (float(x) for x in part.points[piece])
-            to, place = airspace.obstacles[body].name, (east, north, up)
-        yield Kept("obstacles", required, least, kept, to, self._item(part, place), place, on_the_way)
+            if len(near.piece):
+                piece, body = near.likeliest(kept)
+                east, north, height = (float(x) for x in part.points[piece])
+                to, place = airspace.obstacles[body].name, (east, north, height)
+        return Kept("obstacles", required, least, kept, to, self._item(part, place), place, name)
 
     def _others(self, part: Course, rim: Rim) -> Iterator[Kept]:
         path = thinned(part.points, STRAY)
-        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, NO_TUBE)}
+        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, Rim(STRAY, STRAY, STRAY))}
         for check in limits_kept(path, self.scenario, rim):
-            meant = nominal.get((check.limit, check.required), check)
-            place = check.nearest.place
-            yield Kept(
-                check.limit,
-                check.required,
-                meant.nearest.distance,
-                check.nearest.distance,
-                check.nearest.what,
-                self._item(part, place),
-                place,
-                True,
-            )
+            meant = nominal.get((check.limit, check.required), check).nearest.distance
+            found = check.nearest
+            item = self._item(part, found.place)
+            yield Kept(check.limit, check.required, meant, found.distance, found.what, item, found.place)
 
     def _item(self, part: Course, place: tuple[float, float, float]) -> int:
         """The item that is flown to where a part of the course is nearest to a place."""

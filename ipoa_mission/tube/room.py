@@ -37,13 +37,19 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: 
     )
     slope = _usual_slope(airspace) * rim.level
     roomier = raised(scenario, max(rim.down, min(rim.down + slope, share * _spare_height(scenario))))
-    if (ceiling := scenario.planning.max_height_above_ground) is not None:
-        lower = max(ceiling - rim.up - slope, roomier.planning.min_height_above_ground or 0.0)
-        roomier = roomier.model_copy(
-            update={"planning": roomier.planning.model_copy(update={"max_height_above_ground": lower})}
-        )
-    world = Airspace(_shrunk(airspace.bounds, scenario, rim), airspace.terrain, bodies)
+    roomier = lowered(roomier, rim.up + slope)
+    world = Airspace(shrunk(airspace.bounds, scenario, rim), airspace.terrain, bodies)
     return roomier.in_airspace(world)
+
+
+def lowered(scenario: Scenario, by: float) -> Scenario:
+    """The scenario with a lower greatest height above ground [m], if it has one."""
+    ceiling = scenario.planning.max_height_above_ground
+    if ceiling is None or by == 0.0:
+        return scenario
+    lower = max(ceiling - by, scenario.planning.min_height_above_ground or 0.0)
+    planning = scenario.planning.model_copy(update={"max_height_above_ground": lower})
+    return scenario.model_copy(update={"planning": planning})
 
 
 def _spare_height(scenario: Scenario) -> float:
@@ -61,11 +67,11 @@ def _growth(scenario: Scenario, level: float, keep_gaps: bool) -> Vector:
         spare = float(body.distance(fixed).min()) - distance
         growth[n] = np.clip(spare - LEAST_GROWTH, 0.0, level)
     if keep_gaps and len(growth) > 1:
-        _spare_gaps(growth, airspace.obstacles, distance, level)
+        keep_gaps_open(growth, airspace.obstacles, distance, level)
     return np.where(growth < LEAST_GROWTH, 0.0, growth)
 
 
-def _spare_gaps(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, level: float) -> None:
+def keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, level: float) -> None:
     """Let no two neighbors close, in place, a gap that the required distance on both sides leaves open."""
     outlines = np.array([body.plan for body in bodies])
     one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + level))
@@ -77,7 +83,7 @@ def _spare_gaps(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, l
         np.minimum.at(growth, bodies_of, spare[open_])
 
 
-def _shrunk(bounds: Bounds, scenario: Scenario, rim: Rim) -> Bounds:
+def shrunk(bounds: Bounds, scenario: Scenario, rim: Rim) -> Bounds:
     """Bounds that leave the tube inside, but for sides that a given place is nearer to."""
     fixed: Points = scenario.places
     lower, upper = np.array(bounds.lower), np.array(bounds.upper)

@@ -14,7 +14,7 @@ import pytest
 from tests.cli.conftest import Run
 from tests.sources import copy_sources
 
-IN_THE_END = re.compile(r"estimated (\d+\.\d) s, flown (\d+\.\d) s; 99 of 100 flights keep (\d\.\d) m")
+IN_THE_END = re.compile(r"estimated (\d+\.\d) s, flown (\d+\.\d) s; 99 % of flights keep (\d\.\d\d) m")
 
 
 def test_a_packed_scenario_is_planned_by_its_name_unless_a_file_has_it(run: Run, tmp_path: Path) -> None:

@@ -4,7 +4,9 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from ipoa_mission.centimetres import down, up
 from ipoa_mission.energy.flight import Consumption
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.course import Danger
@@ -12,37 +14,45 @@ from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.scenario.vehicle import BatterySection
 from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.timing.qgroundcontrol import COUNTS
-from ipoa_mission.tube.promise import Promise
+from ipoa_mission.tube.promise import Kept, Promise
 
 
-def verdict(proof: Proof | None, promise: Promise | None, dangers: Sequence[Danger]) -> str:
-    """One line in words and with a sign: clear of everything, or not, on the legs and as predicted to be flown."""
+def verdict(
+    proof: Proof | None, promise: Promise | None, dangers: Sequence[Danger], findings: Sequence[Finding] = ()
+) -> str:
+    """One line in words and with a sign: clear of everything, or not; or clear, and with warnings to be read first."""
     if proof is None:
         return '<p class="verdict">No leg between waypoints to judge.</p>'
     against = [proof.words()] if not proof.holds else [danger.words for danger in dangers if danger.touching]
-    if against:
-        return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {escape(against[0])}.</p>'
-    least = proof.clearance
-    required = next(check.required for check in proof.checks if check.nearest is least)
-    words = f"Clear by {meters(least.distance)}: the nearest thing is {escape(least.what)}; {meters(required)} required"
-    if promise is not None and promise.confidence is not None and (kept := promise.clearance) is not None:
-        flights = f"{share_of_flights(promise.confidence)} keep it; nominal {meters(kept.nominal)}"
-        words = f"Clear by {meters(kept.kept)} from {escape(kept.to)}: {flights}, {meters(kept.required)} required"
-        if any(broken.on_the_way for broken in promise.broken):
-            return f'<p class="verdict bad"><b aria-hidden="true">✕</b> Not to be flown: {words}.</p>'
+    errors = [finding.message for finding in findings if finding.severity is Severity.ERROR]
+    kept = None if promise is None else promise.clearance
+    if promise is not None and any(broken.on_the_way for broken in promise.broken):
+        worst = min((broken for broken in promise.broken if broken.on_the_way), key=lambda broken: broken.slack)
+        against.append(f"too near to {worst.to}: {worst.words(promise.confidence)}")
+    if against or errors:
+        return _line("bad", "✕", f"Not to be flown: {[*against, *errors][0]}.")
+    if promise is not None and kept is not None:
+        words = f"Clear of {kept.to}: {kept.words(promise.confidence)}"
+    else:
+        least = proof.clearance
+        required = next(check.required for check in proof.checks if check.nearest is least)
+        words = (
+            f"Clear by {down(least.distance):.2f} m: the nearest thing is {least.what}; {up(required):.2f} m required"
+        )
     if dangers:
-        return f'<p class="verdict bad"><b aria-hidden="true">!</b> {words}; but {escape(dangers[0].words)}.</p>'
-    return f'<p class="verdict good"><b aria-hidden="true">✓</b> {words}.</p>'
+        return _line("bad", "!", f"{words}; but {dangers[0].words}.")
+    if findings:
+        return _line("amber", "!", f"{words}. But read what is below before you fly: {findings[0].message}.")
+    return _line("good", "✓", f"{words}.")
 
 
-def share_of_flights(confidence: float) -> str:
-    """As in "99 % of flights"."""
-    return f"{100 * confidence:g}\N{NO-BREAK SPACE}% of flights"
+def _line(look: str, sign: str, words: str) -> str:
+    return f'<p class="verdict {look}"><b aria-hidden="true">{sign}</b> {escape(words)}</p>'
 
 
 def figures(
     estimate: Estimate,
-    proof: Proof | None,
+    promise: Promise | None,
     length: float,
     waypoints: int,
     comparison: Comparison | None,
@@ -55,9 +65,8 @@ def figures(
     if comparison is not None:
         cards.append(_flown(comparison))
     cards.append(_card("QGroundControl would say", seconds(estimate.qgroundcontrol_s), COUNTS))
-    if proof is not None:
-        look = "" if proof.holds else "bad"
-        cards.append(_card("least clearance", meters(proof.clearance.distance), f"to {proof.clearance.what}", look))
+    if promise is not None and (kept := promise.clearance) is not None:
+        cards.append(_kept(kept, promise.confidence))
     cards.append(_card("path", meters(length, 0), f"{waypoints} waypoints"))
     if estimate.route.seconds > 0:
         against = f"{number(estimate.route.ratio, 2)} times the lower bound, {seconds(estimate.route.least)}"
@@ -67,14 +76,29 @@ def figures(
     return f'<dl class="figures">{"".join(cards)}</dl>'
 
 
-def warnings(dangers: Sequence[Danger], remarks: Sequence[str]) -> str:
-    """What must be known before flying, dangers first; nothing when there is nothing."""
-    if not dangers and not remarks:
+def warnings(dangers: Sequence[Danger], findings: Sequence[Finding], remarks: Sequence[str]) -> str:
+    """What must be known before flying, by weight: dangers, errors, warnings, and then what is merely told."""
+    if not dangers and not findings and not remarks:
         return ""
     rows = [f'<li class="bad">{escape(danger.words)}</li>' for danger in dangers]
-    rows += [f"<li>{escape(remark)}</li>" for remark in remarks]
+    for finding in sorted(findings, key=lambda finding: finding.severity is not Severity.ERROR):
+        hint = f"; {finding.hint}" if finding.hint else ""
+        look = "bad" if finding.severity is Severity.ERROR else "amber"
+        rows.append(f'<li class="{look}">{escape(f"{finding.message}{hint}")}</li>')
+    told = {words for finding in findings for words in (finding.message, finding.hint)}
+    rows += [f"<li>{escape(remark)}</li>" for remark in dict.fromkeys(remarks) if remark not in told]
     look = "warnings bad" if dangers else "warnings"
     return f'<section class="{look}"><h2>Before you fly</h2><ul>{"".join(rows)}</ul></section>'
+
+
+def _kept(kept: Kept, confidence: float | None) -> str:
+    """The one clearance of a page: what flights keep, and beside it what is predicted."""
+    look = "bad" if kept.falls_short else ""
+    if confidence is None:
+        return _card("predicted clearance", f"{down(kept.kept):.2f}\N{NO-BREAK SPACE}m", f"to {kept.to}", look)
+    note = f"to {kept.to}; predicted {down(kept.nominal):.2f} m"
+    value = f"{down(kept.kept):.2f}\N{NO-BREAK SPACE}m"
+    return _card(f"{100 * confidence:g}\N{NO-BREAK SPACE}% of flights keep", value, note, look)
 
 
 def _energy(used: Consumption, battery: BatterySection | None) -> str:

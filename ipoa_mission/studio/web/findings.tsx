@@ -43,7 +43,7 @@ export function Choices({ now }: { now: Studio }) {
 
 const ROWS: [string, (plan: Plan) => string][] = [
   ["flight", plan => seconds(plan.total_s)],
-  ["clearance kept", plan => (plan.kept === null ? "–" : meters(plan.kept, 2))],
+  ["flights keep", plan => (plan.kept === null ? "–" : meters(plan.kept, 2))],
   ["nearest", plan => plan.nearest],
   ["path", plan => meters(plan.length, 0)],
   ["waypoints", plan => String(plan.choices.find(choice => choice.chosen)?.waypoints ?? "–")],
@@ -86,6 +86,7 @@ export function Remarks({ now }: { now: Studio }) {
     <details class="panel">
       <summary>Limits that were proved, and remarks</summary>
       <ul class="plain">{plan.limits.map(limit => <li key={limit.limit + limit.found} class={limit.holds ? "" : "bad"}>{limit.holds ? "✓" : "✕"} {limit.limit}: {limit.words}</li>)}</ul>
+      {plan.warnings.length > 0 && <ul class="plain">{plan.warnings.map(warning => <li key={warning} class="amber">! {warning}</li>)}</ul>}
       {plan.remarks.length > 0 && <ul class="plain">{plan.remarks.map(remark => <li key={remark}>{remark}</li>)}</ul>}
       <p class="note">Proof {plan.proof}, planned in {plan.took_s.toFixed(1)} s{plan.confidence !== null ? `, at ${share(plan.confidence)} of flights` : ""}.</p>
     </details>

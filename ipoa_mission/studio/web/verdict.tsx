@@ -13,9 +13,12 @@ export function Verdict({ now }: { now: Studio }) {
     <section class="verdict" aria-live="polite">
       {blocking.length && !now.drag ? <Troubles of={blocking} />
         : plan && !now.drag ? (
-          <p class="good"><b aria-hidden="true">✓</b> Proved. {plan.confidence !== null && plan.kept !== null
-            ? <>{share(plan.confidence)} of flights keep {meters(plan.kept, 2)} from {plan.nearest}; {meters(plan.required, 2)} required.</>
-            : <>{plan.verdict}.</>}</p>
+          <p class={plan.warnings.length ? "amber" : "good"}><b aria-hidden="true">{plan.warnings.length ? "!" : "✓"}</b> Proved. {
+            plan.kept === null ? <>{plan.verdict}.</>
+              : plan.confidence !== null ? <>{share(plan.confidence)} of flights keep {meters(plan.kept, 2)} from {plan.nearest} (predicted {
+                meters(plan.nominal!, 2)}); {meters(plan.required, 2)} required.</>
+                : <>Predicted {meters(plan.kept, 2)} from {plan.nearest}; {meters(plan.required, 2)} required.</>}
+            {plan.warnings.length > 0 && <> But read before you fly: {plan.warnings[0]}{plan.warnings.length > 1 && `, and ${plan.warnings.length - 1} more`}.</>}</p>
         ) : coarse ? (
           <p class={coarse.holds ? "coarse" : "bad"}><b aria-hidden="true">{coarse.holds ? "≈" : "✕"}</b> {now.drag ? "While you drag: a" : "A"} coarse
             path{coarse.holds ? `, ${meters(coarse.clearance, 2)} from ${coarse.nearest}` : ` breaks a limit: ${coarse.verdict}`}.
@@ -50,7 +53,7 @@ function Figures({ now }: { now: Studio }) {
     return (
       <dl class="figures">
         <div><dt>flight</dt><dd>{seconds(plan.total_s)}<small>{seconds(plan.low_s)} to {seconds(plan.high_s)}</small></dd></div>
-        <div><dt>clearance kept</dt><dd>{plan.kept === null ? "–" : meters(plan.kept, 2)}<small>{meters(plan.required, 2)} required</small></dd></div>
+        <div><dt>{plan.confidence === null ? "predicted clearance" : "flights keep"}</dt><dd>{plan.kept === null ? "–" : meters(plan.kept, 2)}<small>{meters(plan.required, 2)} required</small></dd></div>
         <div><dt>path</dt><dd>{meters(plan.length, 0)}<small>QGroundControl: {seconds(plan.qgroundcontrol_s)}</small></dd></div>
         {plan.energy_wh !== null && <div><dt>energy</dt><dd>{plan.energy_wh.toFixed(1)} Wh<small>{plan.battery_left === null ? "" : `${share(plan.battery_left)} left`}</small></dd></div>}
       </dl>
@@ -60,7 +63,7 @@ function Figures({ now }: { now: Studio }) {
   return (
     <dl class="figures rough">
       <div><dt>route, at least</dt><dd>{seconds(coarse.seconds)}<small>no estimate: a lower bound</small></dd></div>
-      <div><dt>clearance, nominal</dt><dd>{meters(coarse.clearance, 2)}<small>to {coarse.nearest}</small></dd></div>
+      <div><dt>coarse path's clearance</dt><dd>{meters(coarse.clearance, 2)}<small>to {coarse.nearest}</small></dd></div>
       <div><dt>path</dt><dd>{meters(coarse.length, 0)}<small>answered in {Math.round(coarse.took_s * 1000)} ms</small></dd></div>
     </dl>
   );

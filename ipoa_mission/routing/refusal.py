@@ -1,0 +1,125 @@
+"""Why too few flights would keep the limits, where, and a change of the scenario that was seen to help."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ipoa_mission.centimetres import down, up
+from ipoa_mission.planning.planner import NoPath
+from ipoa_mission.progress import silent
+from ipoa_mission.routing.route import NoRoute
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.promise import Kept, Promise
+
+if TYPE_CHECKING:
+    from ipoa_mission.routing.seek import Attempt
+
+SLOWER = (0.5, 0.25)  # shares of the cruise speed that are tried
+SLOWEST = 0.5  # [m/s]
+LESS_SURE = (0.9,)  # confidences that are tried
+OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of a gap, at most
+
+
+def refusal(nearest: "Attempt", scenario: Scenario, seed: int) -> NoPath:
+    """The error for the attempt that came nearest to keeping the limits."""
+    promise = nearest.promise
+    tightest = min((kept for kept in promise.broken if kept.on_the_way), key=lambda kept: kept.slack)
+    east, north, height = tightest.place
+    where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
+    who = f"on {scenario.vehicle.autopilot}"
+    if promise.confidence is None:
+        why = f"a path is there, but {who} it would not be kept to"
+    else:
+        why = f"a path is there, but {100 * promise.confidence:g} % of flights {who} would not keep it"
+    words = _gap(tightest, scenario) if tightest.limit == "obstacles" else _limit(tightest, promise)
+    helps, hint = _what_helps(scenario, seed)
+    return NoPath(f"{why}: {words}, {where}; {helps}", hint=hint)
+
+
+def _leg(nearest: "Attempt", tightest: Kept) -> str:
+    """Which leg of a mission with via points a place is on, in words that go on."""
+    at, curve = nearest.plan.via_at, nearest.plan.curve
+    if not len(at):
+        return ""
+    along = np.linspace(0.0, 1.0, 2000)
+    here = along[np.argmin(np.linalg.norm(curve.points(along) - np.array(tightest.place), axis=1))]
+    names = ["start", *(f"via[{n}]" for n in range(len(at))), "goal"]
+    leg = int(np.searchsorted(at, here))
+    return f", on the leg from {names[leg]} to {names[leg + 1]}"
+
+
+def _limit(tightest: Kept, promise: Promise) -> str:
+    return f"{tightest.to}, where {tightest.words(promise.confidence)}"
+
+
+def _gap(tightest: Kept, scenario: Scenario) -> str:
+    """What is too near at a place, and what is needed there; where it is a gap, between what, and how wide it is."""
+    spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.kept
+    apart, other = _across(spot, tightest.to, needed, scenario)
+    if other is not None and apart < 2 * needed:
+        names = f"{tightest.to} and {other}"
+        return f"the gap between {names} is {down(apart):.2f} m wide, and it needs {up(2 * needed):.2f} m"
+    return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it needs {up(needed):.2f} m"
+
+
+def _across(spot: np.ndarray, name: str, needed: float, scenario: Scenario) -> tuple[float, str | None]:
+    """What stands opposite to an obstacle beside a place, level, and the width between them [m]; None: nothing."""
+    import shapely
+
+    point = shapely.Point(spot[:2])
+    bodies = [body for body, _, _ in scenario.airspace.near(spot[None], 4 * needed)]
+    first = next((body for body in bodies if body.name == name), None)
+    if first is None:
+        return np.inf, None
+
+    def towards(body: object) -> np.ndarray:
+        line = shapely.shortest_line(point, body.plan)  # type: ignore[attr-defined]
+        return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
+
+    ahead, best, found = towards(first), np.inf, None
+    for body in bodies:
+        aside = towards(body)
+        cosine = float(aside @ ahead) / max(float(np.linalg.norm(aside) * np.linalg.norm(ahead)), 1e-9)
+        if (
+            body is not first
+            and cosine <= OPPOSITE
+            and (width := float(shapely.distance(body.plan, first.plan))) < best
+        ):
+            best, found = width, body.name
+    return best, found
+
+
+def _what_helps(scenario: Scenario, seed: int) -> tuple[str, str]:
+    """What of some changes plans the scenario, tried one after the other: in words, and as a hint."""
+    from ipoa_mission.routing.seek import TooNear, seek
+
+    tried = list[str]()
+    for change, changed in _changes(scenario):
+        try:
+            found = seek(changed, seed, silent, seeds=0, rooms=1)
+        except (TooNear, NoPath, NoRoute):
+            tried.append(change)
+            continue
+        kept = found.promise.clearance
+        with_it = "" if kept is None else f" with {down(kept.kept):.2f} m kept"
+        return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way"
+    return (
+        f"it was tried in vain with {', '.join(tried)}",
+        "leave a wider way there, or a smaller safety_distance, or a via point that leads round",
+    )
+
+
+def _changes(scenario: Scenario) -> Iterator[tuple[str, Scenario]]:
+    """Changes of a scenario that may help, the harmless first: as a file has them, and the scenario with each."""
+    for share in SLOWER:
+        speed = max(round(share * scenario.vehicle.cruise_speed, 1), SLOWEST)
+        vehicle = scenario.vehicle.model_copy(update={"cruise_speed": speed})
+        yield f"vehicle.cruise_speed = {speed:g}", scenario.model_copy(update={"vehicle": vehicle})
+    if scenario.route.mode != "fastest":
+        route = scenario.route.model_copy(update={"mode": "fastest"})
+        yield 'route.mode = "fastest"', scenario.model_copy(update={"route": route})
+    for confidence in LESS_SURE:
+        if scenario.safety.confidence != "nominal" and scenario.safety.confidence > confidence:
+            safety = scenario.safety.model_copy(update={"confidence": confidence})
+            yield f"safety.confidence = {confidence:g}", scenario.model_copy(update={"safety": safety})
