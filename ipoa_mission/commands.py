@@ -96,6 +96,7 @@ class Order(IntEnum):
     """MAV_CMD numbers that a vehicle is sent to be done now, and that no mission holds."""
 
     DO_SET_MODE = 176
+    DO_REPOSITION = 192
     DO_SET_MISSION_CURRENT = 224
     PREFLIGHT_REBOOT_SHUTDOWN = 246
     MISSION_START = 300

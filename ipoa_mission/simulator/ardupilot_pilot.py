@@ -69,6 +69,11 @@ class ArduPilotPilot:
         """Take off outside a mission, in GUIDED, to a height above home."""
         self._take_off(height, self._stay)
 
+    @property
+    def rising(self) -> bool:
+        """Whether it still climbs to where it was told to take off to."""
+        return self._flying and self._then == self._stay
+
     def step(self) -> None:
         """Decide, and let the copter move."""
         lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s

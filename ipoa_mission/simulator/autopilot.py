@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.autopilots.version import Version
-from ipoa_mission.commands import Command, Order
+from ipoa_mission.commands import Command, Frame, Order
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
+from ipoa_mission.link.wire import degrees
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
 from ipoa_mission.simulator.conditions import USUAL, Conditions
@@ -83,7 +84,7 @@ class Autopilot(Commander):
             case m.CommandLong(number, params):
                 self._command(number, params, source)
             case m.CommandInt(number, _, params, x, y, z):
-                self._command(number, (*params, x / 1e7, y / 1e7, z), source)
+                self._command(number, (*params, degrees(x, Frame.GLOBAL), degrees(y, Frame.GLOBAL), z), source)
             case m.SetMode(_, custom_mode):
                 self._set_mode(custom_mode)
             case m.SetCurrent(seq):
@@ -110,6 +111,7 @@ class Autopilot(Commander):
         self.transfers.booted = self._age >= self.habits.start_up.listens_s
         self.flight.advance(self._now)
         self._notice_disarming()
+        self._notice_height()
         self.transfers.tick(self._now)
         self._tell_changes()
         for name in self._schedule.due(self._now):
@@ -196,6 +198,7 @@ def _commands(autopilot: Autopilot) -> Mapping[int, Callable[[Sequence[float]], 
         Command.NAV_TAKEOFF: lambda p: autopilot.climb(p[6]),
         Order.DO_SET_MODE: autopilot.set_mode,
         Command.DO_PAUSE_CONTINUE: lambda p: autopilot.pause(p[0]),
+        Order.DO_REPOSITION: autopilot.reposition,
         Command.DO_FENCE_ENABLE: lambda p: ACCEPTED if autopilot.habits.home_is_item_0 else UNSUPPORTED,
         Order.DO_SET_MISSION_CURRENT: autopilot.jump_to,
         Order.PREFLIGHT_REBOOT_SHUTDOWN: lambda p: autopilot.reboot(p[0]),

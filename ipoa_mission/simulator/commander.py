@@ -11,6 +11,7 @@ from ipoa_mission.simulator.flight import FlightMode, MissionState
 from ipoa_mission.simulator.reporting import Reporting
 
 GUIDED = 4  # ArduCopter's mode in which it climbs by command
+MAV_DO_REPOSITION_CHANGE_MODE = 1
 ARMED_IN_AUTO = 1  # a bit of AUTO_OPTIONS: arming in AUTO is allowed
 ACCEPTED, DENIED, UNSUPPORTED = CommandResult.ACCEPTED, CommandResult.DENIED, CommandResult.UNSUPPORTED
 FAILED = CommandResult.FAILED
@@ -46,6 +47,8 @@ class Commander(Reporting):
         self._text(INFO, words)
         if not self.habits.home_is_item_0 and self.mode == self._mission_mode:
             self._start()
+        elif self.mode == self.habits.takeoff_mode:
+            self._begin_rising()
 
     def _disarm(self) -> CommandResult:
         if not self.flight.landed:
@@ -68,6 +71,12 @@ class Commander(Reporting):
             delay = self._parameters[self.habits.disarm_delay]
             if 0.0 < delay <= self._now - self._armed_s:
                 self._stop_motors(self.habits.arm_words[3])
+
+    def _notice_height(self) -> None:
+        """PX4 has taken off to where it was told to, and holds."""
+        flight = self.flight
+        if self.mode == self.habits.takeoff_mode and flight.armed and not (flight.landed or flight.rising):
+            self._idle_mode = self.habits.modes[FlightMode.HOLD]
 
     def _stop_motors(self, words: str) -> None:
         mode = self._told_mode
@@ -150,6 +159,8 @@ class Commander(Reporting):
             return ACCEPTED
         if self.flight.armed and (refused := self._refuses_mode(custom_mode)) is not None:
             return refused
+        if custom_mode == self.habits.takeoff_mode:
+            return self._rise(math.nan)
         modes = {number: mode for mode, number in self.habits.modes.items()}
         mode = modes.get(custom_mode, FlightMode.HOLD)
         if mode is FlightMode.RETURN or mode is FlightMode.LAND:
@@ -235,12 +246,42 @@ class Commander(Reporting):
         return ACCEPTED
 
     def climb(self, height: float) -> CommandResult:
-        """Command 22: ArduPilot takes off in GUIDED; PX4's take-off mode is not simulated."""
-        if not self.habits.home_is_item_0:
-            return UNSUPPORTED
+        """Command 22: ArduPilot takes off in GUIDED, to a height above home; PX4 in a mode of its own, to one AMSL."""
+        if self.habits.takeoff_mode is not None:
+            return self._rise(height)
         if self.mode != GUIDED or not self._is_standing() or not 0.0 < height < math.inf:
             return FAILED
         self.flight.climb(height)
+        return ACCEPTED
+
+    def _rise(self, altitude: float) -> CommandResult:
+        """Change to PX4's take-off mode; it climbs as soon as it is armed."""
+        self.flight.hold()
+        self._idle_mode = self.habits.takeoff_mode or 0
+        self._rise_to = altitude
+        if self.flight.armed:
+            self._begin_rising()
+        return ACCEPTED
+
+    def _begin_rising(self) -> None:
+        here = float(self.flight.local[2])
+        height = self._rise_to - self.flight.home.altitude
+        if not math.isfinite(height):
+            usual = self._parameters["MIS_TAKEOFF_ALT"]
+            self._text(INFO, f"Using default takeoff altitude: {usual:.1f} m\t")
+            height = here + usual
+        if height < here:
+            self._text(CRITICAL, "Already higher than takeoff altitude\t")
+        self.flight.climb(max(height, here))
+        self._rise_to = math.nan
+
+    def reposition(self, params: Sequence[float]) -> CommandResult:
+        """Command 192, PX4's alone: change to hold, and in flight go there, to an altitude AMSL whatever the frame."""
+        if self.habits.home_is_item_0 or whole(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
+            return UNSUPPORTED
+        self.obey(FlightMode.HOLD)
+        if self.flight.armed and not self.flight.landed:
+            self.flight.go_to(params[4], params[5], params[6], params[0])
         return ACCEPTED
 
     def check(self) -> CommandResult:

@@ -35,6 +35,13 @@ class Pilot(Protocol):
     def replaced(self, before: tuple[Item, ...]) -> None:
         """Another mission lies in the store while one is flown."""
 
+    def climb(self, height: float) -> None:
+        """Take off to a height above home, and stay there."""
+
+    @property
+    def rising(self) -> bool:
+        """Whether it still climbs to there."""
+
     def step(self) -> None:
         """Let `STEP_S` pass."""
 
@@ -217,10 +224,24 @@ class Flight:
             self._now.mission = MissionState.NOT_STARTED
 
     def climb(self, height: float) -> None:
-        """Take off to a height above home [m], and stay there; ArduPilot only."""
+        """Take off to a height above home [m], and stay there."""
         self._now.mode = FlightMode.HOLD
-        if isinstance(self._pilot, ArduPilotPilot):
-            self._pilot.climb(height)
+        self._pilot.climb(height)
+
+    @property
+    def rising(self) -> bool:
+        """Whether it still climbs to where it was told to take off to."""
+        return self._pilot.rising
+
+    def go_to(self, latitude_deg: float, longitude_deg: float, altitude: float, speed: float) -> None:
+        """Fly there and stay; NaN: where it is bound for, as high as it is, as fast as usual; PX4 only."""
+        if not isinstance(self._pilot, PX4Pilot):
+            return
+        self._now.mode = FlightMode.HOLD
+        east = north = math.nan
+        if math.isfinite(latitude_deg) and math.isfinite(longitude_deg):
+            east, north, _ = map(float, self.frame.local(Geodetic(latitude_deg, longitude_deg, self.home.altitude)))
+        self._pilot.go_to(east, north, altitude - self.home.altitude, speed)
 
     def return_home(self) -> None:
         """Return to home and land there."""

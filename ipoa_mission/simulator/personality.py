@@ -85,6 +85,7 @@ class Personality:
     first_mode: int  # after power-up
     placed_modes: frozenset[int]  # those that need a position
     armable_modes: frozenset[int]
+    takeoff_mode: int | None  # into which the order to take off changes, and which it leaves up there
     mission_arms: bool  # MISSION_START arms by itself
     tells_prearm: bool  # SYS_STATUS has the pre-arm check among its sensors, and texts say what it lacks
     refused_arming: int  # COMMAND_ACK of an arming, or of a disarming in flight, that is refused
@@ -169,6 +170,7 @@ ARDUCOPTER = Personality(
     first_mode=0,
     placed_modes=frozenset({3, 4, 5, 6, 7, 16, 17, 21, 27}),
     armable_modes=frozenset({0, 1, 2, 4, 5, 16}),
+    takeoff_mode=None,
     mission_arms=False,
     tells_prearm=True,
     refused_arming=CommandResult.FAILED,
@@ -235,7 +237,8 @@ PX4 = Personality(
     },
     first_mode=px4_mode(4, 3),
     placed_modes=frozenset(px4_mode(4, sub) for sub in range(2, 7)),
-    armable_modes=frozenset({px4_mode(4, 3), px4_mode(4, 4)}),
+    armable_modes=frozenset({px4_mode(4, 2), px4_mode(4, 3), px4_mode(4, 4)}),
+    takeoff_mode=px4_mode(4, 2),
     mission_arms=True,
     tells_prearm=False,
     refused_arming=CommandResult.TEMPORARILY_REJECTED,

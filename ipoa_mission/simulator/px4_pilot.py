@@ -3,7 +3,7 @@
 import math
 import random
 
-from ipoa_mission.autopilots.px4 import px4_limits
+from ipoa_mission.autopilots.px4 import Px4Limits, px4_limits
 from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.dynamics.px4.airframe import SIH_SENSES, airframe_of
@@ -56,6 +56,29 @@ class PX4Pilot:
     def replaced(self, before: tuple[Item, ...]) -> None:
         """Another mission lies in the store while one is flown: it goes on at the present index."""
         self._begin(self._now.current)
+
+    def climb(self, height: float) -> None:
+        """Take off, or climb, straight up to a height above home [m], and stay there."""
+        here = self._over_home()
+        self._here = here._replace(up=height)
+        rise = take_off if self._now.landed else self._way_to
+        self._carry_out([rise(self._here, self._limits), *stay(self._here, self._limits, math.inf)])
+
+    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
+        """Fly to a place and stay there; NaN: where it is bound for, as high as it is, as fast as usual."""
+        if math.isnan(east) and math.isnan(up):
+            self._brake()
+            return
+        level = self._here if math.isnan(east) else Enu(east, north, 0.0)
+        height = self._state.body.place.up if math.isnan(up) else up
+        self._here = Enu(level.east, level.north, max(height, self._ground(level.east, level.north)))
+        order = leg(self._state.body.place, self._here, None, self._limits, speed if speed > 0.0 else self._cruise)
+        self._carry_out([order._replace(holds=math.inf, follows_home=False)])
+
+    @property
+    def rising(self) -> bool:
+        """Whether it still climbs to where it was told to take off to."""
+        return self._now.mode is FlightMode.HOLD and len(self._orders) > 1
 
     def step(self) -> None:
         """Decide, and let the vehicle move."""
@@ -191,8 +214,14 @@ class PX4Pilot:
 
     def _fly(self, orders: list[Order]) -> None:
         """Fly these instead of what is flown; on the ground only a mission's are."""
-        self._announced = False
         grounded = self._now.landed and self._now.mode is not FlightMode.MISSION
-        self._orders = [] if grounded else orders
-        if self._orders:
+        self._carry_out([] if grounded else orders)
+
+    def _carry_out(self, orders: list[Order]) -> None:
+        self._announced, self._orders = False, orders
+        if orders:
             self._state = begun(self._state, orders[0])
+
+    def _way_to(self, goal: Enu, limits: Px4Limits) -> Order:
+        """The leg from here to a place."""
+        return leg(self._over_home(), goal, None, limits, limits.cruise)

@@ -1,5 +1,6 @@
 """What the built-in autopilot is and tells by itself: its state, its streams, and what it says at once."""
 
+import math
 from collections.abc import Mapping
 
 from ipoa_mission.autopilots.kinds import QUADROTOR
@@ -74,6 +75,7 @@ class Reporting:
         self._idle_mode = habits.first_mode  # what it shows while it does nothing by itself
         self._mode_before = habits.first_mode  # PX4's, before it was sent home or to the ground
         self._armed_s: float | None = None
+        self._rise_to = math.nan  # PX4: the altitude AMSL to take off to; NaN: its parameter's
         self._has_begun = self._runs = False  # ArduPilot: whether it has a current item at all, and goes on with it
 
     @property

@@ -1,18 +1,25 @@
 """What ground stations ask besides missions: streams the old way, MAVLink's version, a battery, "go there"."""
 
+import math
+
 import pytest
 
+from ipoa_mission.autopilots.modes import px4_mode
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import Order
+from ipoa_mission.commands import Command, Order
+from ipoa_mission.items import waypoint
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.messages import (
+    ClearAll,
     CommandAck,
+    CommandInt,
     CommandLong,
     CommandResult,
     Heartbeat,
     ParamRequestList,
     ParamValue,
     RequestDataStream,
+    Text,
     TimeSync,
 )
 from ipoa_mission.link.orders import parameter_value
@@ -26,9 +33,13 @@ from ipoa_mission.link.telemetry import (
     ProtocolVersion,
     SystemStatus,
 )
+from ipoa_mission.link.wire import INT32_MAX
+from ipoa_mission.world.frame import Geodetic
+from tests.link_pair import HOME
 from tests.simulator.flown import Flown
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
+OK = CommandResult.ACCEPTED
 
 
 @pytest.mark.parametrize(
@@ -105,3 +116,102 @@ def test_a_battery_is_told() -> None:
     battery = next(said for said in flown.fly(2.1) if isinstance(said, BatteryStatus))
     assert battery.battery_remaining == 100
     assert battery.voltage > 10.0
+
+
+# --- orders in flight: as measured on PX4 1.17 ----------------------------------------------------------------------
+
+HOLD, TAKEOFF, MISSION = (px4_mode(4, sub) for sub in (3, 2, 4))
+NAN = math.nan
+
+
+def climbed(height: float = 15.0) -> Flown:
+    """A PX4 that has taken off as QGroundControl has it do: the order first, arming then."""
+    flown = Flown(PX4, [])
+    assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + height) == OK
+    assert (flown.mock.mode, flown.mock.flight.armed) == (TAKEOFF, False)
+    assert flown.command(Command.COMPONENT_ARM_DISARM, 1.0) == OK
+    flown.fly(3.0)
+    assert flown.mock.mode == TAKEOFF
+    flown.fly(15.0)
+    return flown
+
+
+def test_px4_takes_off_by_command_and_holds_up_there() -> None:
+    flown = climbed()
+    assert flown.mock.mode == HOLD
+    flown.fly(5.0)
+    assert flown.mock.flight.local == pytest.approx([0.0, 0.0, 15.0], abs=1.5)
+    assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + 25.0) == OK
+    assert flown.mock.mode == TAKEOFF  # in the air it climbs on
+    flown.fly(12.0)
+    assert (flown.mock.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(25.0, abs=1.5))
+    assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + 5.0) == OK
+    said = flown.fly(5.0)
+    assert flown.mock.flight.local[2] == pytest.approx(25.0, abs=1.5), "it does not go down"
+    assert not any(isinstance(message, CommandAck) for message in said)
+
+
+def test_px4_takes_off_to_its_parameters_height_where_none_is_given() -> None:
+    flown = Flown(PX4, [])
+    assert flown.command(Order.DO_SET_MODE, 1.0, 4.0, 2.0) == OK
+    said = flown.hear(CommandLong(Command.COMPONENT_ARM_DISARM, (1.0, *(0.0,) * 6)))
+    assert any(isinstance(one, Text) and one.text == "Using default takeoff altitude: 2.5 m\t" for one in said)
+    flown.fly(10.0)
+    assert (flown.mock.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(2.5, abs=1.2))
+
+
+def test_px4_goes_where_it_is_sent_and_stops_on_the_way() -> None:
+    flown = climbed()
+    go = (-1.0, 1.0, 0.0, NAN)
+    assert flown.command(Order.DO_REPOSITION, *go, NAN, NAN, HOME.altitude + 25.0) == OK
+    flown.fly(12.0)
+    assert flown.mock.flight.local == pytest.approx([0.0, 0.0, 25.0], abs=1.5)
+    north = round((HOME.latitude_deg + 0.0005) * 1e7)  # 55.6 m
+    place = CommandInt(Order.DO_REPOSITION, 0, go, north, round(HOME.longitude_deg * 1e7), NAN)
+    assert CommandAck(Order.DO_REPOSITION, OK) in flown.hear(place)
+    flown.fly(30.0)
+    assert flown.mock.flight.local == pytest.approx([0.0, 55.6, 25.0], abs=1.5)
+    away = CommandInt(Order.DO_REPOSITION, 0, go, north + 20_000, round(HOME.longitude_deg * 1e7), NAN)
+    flown.hear(away)
+    flown.fly(15.0)
+    assert flown.mock.flight.velocity[1] > 3.0
+    nowhere = CommandInt(Order.DO_REPOSITION, 0, go, INT32_MAX, INT32_MAX, NAN)
+    assert CommandAck(Order.DO_REPOSITION, OK) in flown.hear(nowhere)
+    flown.fly(6.0)
+    assert flown.mock.flight.velocity[:2] == pytest.approx([0.0, 0.0], abs=0.7)
+    assert 80.0 < flown.mock.flight.local[1] < 200.0
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "flags", "result"),
+    [
+        (PX4, 1.0, CommandResult.ACCEPTED),
+        (PX4, 0.0, CommandResult.UNSUPPORTED),
+        (PX4, 3.0, CommandResult.UNSUPPORTED),
+        (PX4, NAN, CommandResult.UNSUPPORTED),
+        (ARDUPILOT, 1.0, CommandResult.UNSUPPORTED),  # not built in; the real one flies there in GUIDED
+    ],
+)
+def test_on_the_ground_nobody_goes_anywhere(autopilot: Autopilot, flags: float, result: int) -> None:
+    flown = Flown(autopilot, [])
+    flown.command(Order.DO_SET_MODE, 1.0, 4.0, 2.0)
+    assert flown.command(Order.DO_REPOSITION, -1.0, flags, 0.0, NAN, 47.41, 8.51, 450.0) == result
+    flown.fly(3.0)
+    assert flown.mock.flight.landed
+    if autopilot is PX4:
+        assert flown.mock.mode == (HOLD if result == OK else TAKEOFF)
+
+
+def test_px4_without_a_mission_any_more_refuses_its_mode_after_it_has_said_yes() -> None:
+    """Two answers to one order: the first is only that it was heard."""
+    flown = climbed()
+    flown.upload([waypoint(Geodetic(HOME.latitude_deg + 0.002, HOME.longitude_deg), 20.0)])
+    assert flown.command(Order.DO_SET_MODE, 1.0, 4.0, 4.0) == OK
+    assert flown.mock.mode == MISSION
+    flown.command(Order.DO_SET_MODE, 1.0, 4.0, 3.0)
+    flown.hear(ClearAll())
+    said = flown.hear(CommandLong(Order.DO_SET_MODE, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0)))
+    results = [one.result for one in said if isinstance(one, CommandAck)]
+    assert results == [OK, CommandResult.TEMPORARILY_REJECTED]
+    assert any(isinstance(one, Text) and "Switching to Mission is currently not available" in one.text for one in said)
+    assert flown.mock.mode == HOLD
