@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.autopilots.vehicle import Autopilot
@@ -40,6 +40,7 @@ def mission(degrees: float) -> Mission:
     return Mission(HOME, (*items, return_to_launch()), Autopilot.ARDUPILOT)
 
 
+@settings(max_examples=40)
 @given(origin=places, target=places, degrees=turns)
 def test_an_arc_is_a_circle_through_both_ends(
     origin: tuple[float, float, float], target: tuple[float, float, float], degrees: int
@@ -69,7 +70,7 @@ def test_a_half_circle_to_the_right_bulges_to_the_left_of_its_chord() -> None:
 
 
 @pytest.mark.parametrize("degrees", [90, -180, 270])
-def test_it_is_timed_and_flown_on_its_circle(degrees: int) -> None:
+def test_it_is_timed_on_its_circle(degrees: int) -> None:
     flown = mission(degrees)
     prediction = estimate(flown)
     (leg,) = (leg for leg in flown_legs(flown, FRAME) if leg.seq == 3)
@@ -80,9 +81,13 @@ def test_it_is_timed_and_flown_on_its_circle(degrees: int) -> None:
     )
     away = np.hypot(*(np.asarray(prediction.track.points)[during, :2] - center).T) - radius
     assert np.abs(away).max() < 1.0
-    record = fly(flown)
+
+
+def test_the_stand_in_flies_it() -> None:
+    flown = mission(90)
+    record, done = fly(flown), {item.seq: item.done_s for item in estimate(flown).items}
     assert record.completed
-    done, reached = {item.seq: item.done_s for item in prediction.items}, record.item_reached_s
+    reached = record.item_reached_s
     assert reached[2] - reached[1] == pytest.approx(done[3] - done[2], rel=0.05)
 
 
