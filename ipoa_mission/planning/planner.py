@@ -11,6 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
 from ipoa_mission.planning.kick import kicked
 from ipoa_mission.planning.lattice import guesses
@@ -31,8 +32,16 @@ Proved: TypeAlias = tuple[Spline, Proof, CostTerms]
 Settled: TypeAlias = tuple[Trail, Proof, CostTerms]
 
 
-def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy = USUAL) -> Plan:
+def plan_path(
+    task: PathTask,
+    seed: int = 0,
+    progress: Progress = silent,
+    strategy: SearchStrategy = USUAL,
+    optimizer: Optimizer | None = None,
+) -> Plan:
     """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
+
+    `optimizer`: one of your own instead of the task's. `strategy` is of this package and may change with it.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
@@ -43,8 +52,8 @@ def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strate
     refuse_places(problem)
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
-    optimizer = optimizer_of(task, short=not as_printed)
-    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy)
+    search = optimizer or optimizer_of(task, short=not as_printed)
+    searcher = Searcher(problem, search, np.random.default_rng(seed), strategy)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [proved for proved in curves if proved[1].holds]
@@ -52,7 +61,8 @@ def plan_path(task: PathTask, seed: int = 0, progress: Progress = silent, strate
         nearest = max((proof for _, proof, _ in curves), key=lambda proof: proof.worst.slack)
         raise explain(problem, nearest) if as_printed else not_found(nearest)
     curve, proof, cost = min(safe, key=lambda proved: proved[2].total)
-    return Plan(curve, cost, proof, task.optimizer.name, seed, *searcher.history())
+    name = task.optimizer.name if optimizer is None else type(optimizer).__name__
+    return Plan(curve, cost, proof, name, seed, *searcher.history())
 
 
 def _search_once(searcher: Searcher, progress: Progress) -> Proved:
