@@ -40,6 +40,10 @@ from ipoa_mission.mission.files import read_mission as read_mission
 from ipoa_mission.mission.files import write_mission as write_mission
 from ipoa_mission.mission.plan_file import write_plan as write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints as write_waypoints
+from ipoa_mission.optimize.ipoa import IPOA as IPOA
+from ipoa_mission.optimize.search import Box as Box
+from ipoa_mission.optimize.search import Optimizer as Optimizer
+from ipoa_mission.optimize.search import minimize as minimize
 from ipoa_mission.planning.obstruction import NoPath as NoPath
 from ipoa_mission.planning.path_problem import PathProblem as PathProblem
 from ipoa_mission.planning.plan import Plan as Plan
@@ -47,6 +51,8 @@ from ipoa_mission.planning.planner import plan_path as plan_path
 from ipoa_mission.report.compare import Comparison as Comparison
 from ipoa_mission.report.compare import compare_flight as compare_flight
 from ipoa_mission.report.page import write_report as write_report
+from ipoa_mission.report.plots import draw_views as draw_views
+from ipoa_mission.report.plots import write_picture as write_picture
 from ipoa_mission.routing.assemble import assemble as assemble
 from ipoa_mission.routing.assemble import weigh_routes as weigh_routes
 from ipoa_mission.routing.route import NoRoute as NoRoute
@@ -62,6 +68,10 @@ from ipoa_mission.wind import Wind as Wind
 from ipoa_mission.world.airspace import Airspace as Airspace
 from ipoa_mission.world.airspace import Bounds as Bounds
 from ipoa_mission.world.frame import Geodetic as Geodetic
+from ipoa_mission.world.obstacles import Cylinder as Cylinder
+from ipoa_mission.world.obstacles import Prism as Prism
+from ipoa_mission.world.obstacles import Sphere as Sphere
+from ipoa_mission.world.terrain import Flat as Flat
 
 __version__: str
 __all__: list[str]

@@ -4,7 +4,10 @@ Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input. Ev
 runs, so that `--help` is quick.
 """
 
+import os
 import sys
+from itertools import pairwise
+from typing import Any
 
 import typer
 
@@ -27,6 +30,7 @@ from ipoa_mission.cli.groups import grouped
 from ipoa_mission.cli.interrupting import Interrupted
 from ipoa_mission.errors import MissionError
 
+SHELLS = ("bash", "zsh", "fish", "powershell", "pwsh")
 app = typer.Typer(
     name="ipoa-mission",
     rich_markup_mode="markdown",
@@ -57,11 +61,30 @@ for heading, verbs in VERBS.items():
         app.command(rich_help_panel=heading)(grouped(verb))
 
 
+def command() -> Any:
+    """The command line as Click has it; flags that take no value show none in the help."""
+    whole = typer.main.get_command(app)
+    for one in (whole, *whole.commands.values()):  # type: ignore[attr-defined]
+        helps = one.get_help_option(whole.make_context("ipoa-mission", [], resilient_parsing=True))
+        for option in (*one.params, *([] if helps is None else [helps])):
+            if getattr(option, "is_flag", False) and option.metavar is None:
+                option.metavar = ""
+    return whole
+
+
+def _take_shell(words: list[str]) -> None:
+    """Let `--show-completion fish` mean that shell; without a name it is the one from which this was called."""
+    for asked, shell in pairwise(words):
+        if asked in ("--show-completion", "--install-completion") and shell in SHELLS:
+            os.environ["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"  # then Typer takes a name
+
+
 def main() -> None:
     """Run the command line; a mistake of the user is told in words, without a traceback."""
     telling.speak_anywhere()
+    _take_shell(sys.argv[1:])
     try:
-        app(prog_name="ipoa-mission")
+        command()(prog_name="ipoa-mission")
     except MissionError as error:
         telling.tell_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)

@@ -143,6 +143,7 @@ def scan(
     Example: `ipoa-mission scan --link udpin:127.0.0.1:14550`
     """
     from ipoa_mission.link.connect import open_line
+    from ipoa_mission.link.dialogue import NoAnswer
     from ipoa_mission.link.presence import scan as listen
 
     with open_line(link) as line:
@@ -155,14 +156,14 @@ def scan(
             }
             for one in listen(line, seconds)
         ]
+    if not rows:
+        raise NoAnswer(
+            f"{link}: nobody is heard within {seconds:g} s", hint="is the autopilot running, and does it send there?"
+        )
     if as_json:
         tell_json(rows)
-    elif rows:
-        tell(*(_in_words(row) for row in rows))
     else:
-        tell(f"nobody is heard on {link} within {seconds:g} s")
-    if not rows:
-        raise typer.Exit(1)
+        tell(*(_in_words(row) for row in rows))
 
 
 def _order(

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -48,7 +49,7 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...
     """Print a table: words to the left, numbers to the right; a column in which nothing stands is left out.
 
     A line break in the name of a column puts its unit below it. A table is as wide as its terminal at most, elsewhere
-    80 characters; what does not fit is folded, never cut.
+    as COLUMNS says, or 80 characters; what does not fit is folded, the last column first, and never cut.
     """
     from rich.align import Align
     from rich.box import SIMPLE_HEAD
@@ -61,14 +62,21 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...
     for i in kept:
         numbers = all(row[i][-1:].isdigit() or not row[i] for row in rows)
         side: Literal["left", "right"] = "right" if numbers else "left"
-        table.add_column(Align(columns[i], side, vertical="bottom"), justify=side, no_wrap=numbers, overflow="fold")
+        whole = numbers or not any(" " in row[i] for row in rows)  # no name is broken where a column of words is left
+        table.add_column(Align(columns[i], side, vertical="bottom"), justify=side, no_wrap=whole, overflow="fold")
     for row in rows:
         table.add_row(*(Text(shown(row[i])) for i in kept))
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else OFF_A_TERMINAL)
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else _columns())
     with console.capture() as drawn:
         console.print(table)
     tell(title, "")
     print("\n".join(line.rstrip() for line in drawn.get().splitlines()) + "\n", flush=True)
+
+
+def _columns() -> int:
+    """How wide output may be that is no terminal's."""
+    told = os.environ.get("COLUMNS", "")
+    return int(told) if told.isdecimal() and 20 <= int(told) <= 1000 else OFF_A_TERMINAL
 
 
 def tell_error(error: MissionError, as_json: bool = False) -> None:

@@ -1,8 +1,9 @@
 """A mission as a table: for each item where it lies and the leg that leads to it."""
 
 import math
-from collections import defaultdict
-from dataclasses import dataclass
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.exports.track import in_world
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.items import Item, Mission
+from ipoa_mission.itinerary.itinerary import itinerary
 from ipoa_mission.itinerary.legs import Leg, flown_legs
 from ipoa_mission.world.frame import Geodetic
 
@@ -63,7 +65,19 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
             legs[leg.seq].append(leg)
     home = Row(0, "home", mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude, 0.0)
     items = (_row(seq, item, mission, legs[seq], scenario) for seq, item in enumerate(mission.items, start=1))
-    return (home, *items)
+    return (home, *_repeated(items, mission))
+
+
+def _repeated(rows: Iterable[Row], mission: Mission) -> Iterator[Row]:
+    """The rows; of an item to which a jump leads again it is said which of its passes stands there."""
+    jumps = any(item.command == Command.DO_JUMP for item in mission.items)
+    passes = Counter(visit.seq for visit in itinerary(mission).visits) if jumps and not refusals(mission) else Counter()
+    for row in rows:
+        if passes[row.seq] > 1 and row.length is not None:
+            words = f"leg of the first of {passes[row.seq]} passes, done with the last"
+            yield replace(row, detail=", ".join(filter(None, (row.detail, words))))
+        else:
+            yield row
 
 
 def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Scenario | None") -> Row:

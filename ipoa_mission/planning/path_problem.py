@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Protocol
 
+import numpy as np
+
+from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario.limits import Limits
 from ipoa_mission.scenario.model import CostSection, OptimizerSection, PlanningSection
@@ -74,3 +77,17 @@ class PathProblem:
     cost: CostSection = field(default_factory=CostSection)
     planning: PlanningSection = field(default_factory=PlanningSection)
     optimizer: OptimizerSection = field(default_factory=OptimizerSection)
+
+    def __post_init__(self) -> None:
+        """Take lists as arrays.
+
+        Raises:
+            BadInput: the places are not two or more points of three numbers.
+        """
+        try:
+            places = np.array(self.places, dtype=np.float64)
+        except (TypeError, ValueError):
+            places = np.empty(0)
+        if places.ndim != 2 or places.shape[1] != 3 or len(places) < 2 or not np.isfinite(places).all():
+            raise BadInput("places: expected two or more points (east, north, up), finite numbers, as an array (k, 3)")
+        object.__setattr__(self, "places", places)

@@ -12,6 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
 from ipoa_mission.planning.kick import kicked
 from ipoa_mission.planning.lattice import guesses
@@ -31,11 +32,16 @@ Settled: TypeAlias = tuple[Trail, Proof, CostTerms]
 
 
 def plan_path(
-    task: PathTask, seed: int = 0, progress: Progress = silent, strategy: SearchStrategy | None = None
+    task: PathTask,
+    seed: int = 0,
+    progress: Progress = silent,
+    strategy: SearchStrategy | None = None,
+    optimizer: Optimizer | None = None,
 ) -> Plan:
     """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
 
-    `strategy` says how hard to look; left out, that goes by the number of places to pass.
+    `optimizer`: one of your own instead of the task's. `strategy` says how hard to look, left out, by the number of
+    places to pass; it is of this package and may change with it.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
@@ -46,8 +52,9 @@ def plan_path(
     refuse_places(problem)
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
-    optimizer = optimizer_of(task, short=not as_printed)
-    searcher = Searcher(problem, optimizer, np.random.default_rng(seed), strategy or strategy_for(len(task.places) - 1))
+    search = optimizer or optimizer_of(task, short=not as_printed)
+    effort = strategy or strategy_for(len(task.places) - 1)
+    searcher = Searcher(problem, search, np.random.default_rng(seed), effort)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [proved for proved in curves if proved[1].holds]
@@ -55,7 +62,8 @@ def plan_path(
         nearest = max((proof for _, proof, _ in curves), key=lambda proof: proof.worst.slack)
         raise explain(problem, nearest) if as_printed else not_found(nearest)
     trail, proof, cost = min(safe, key=lambda proved: proved[2].total)
-    return Plan(trail.curve, cost, proof, task.optimizer.name, seed, *searcher.history(), trail.via_at)
+    name = task.optimizer.name if optimizer is None else type(optimizer).__name__
+    return Plan(trail.curve, cost, proof, name, seed, *searcher.history(), trail.via_at)
 
 
 def move_aside(plan: Plan, task: PathTask) -> Plan | None:

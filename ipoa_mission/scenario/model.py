@@ -6,14 +6,16 @@ The smallest valid scenario has `home`, `start` and `goal`.
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AwareDatetime, ConfigDict, Field, model_validator
+from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, model_validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
+from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
 from ipoa_mission.scenario.maps import MapSection
 from ipoa_mission.scenario.obstacles import ObstacleSection
@@ -203,6 +205,21 @@ class Scenario(Section):
                 far = f"{away / 1000:.0f}" if away < 100 * EARTH else f"{away / 1000:.0e}"
                 raise ValueError(f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km")
         return self
+
+    @classmethod
+    def from_dict(cls, table: Mapping[str, Any], folder: str | Path = "") -> "Scenario":
+        """The scenario in a table, with the keys of a scenario file; files that it names are sought in `folder`.
+
+        Raises:
+            BadInput: naming the place and what was expected there, or the map and the place in it.
+            MissionError: a library that reads a map is not installed.
+        """
+        try:
+            scenario = cls.model_validate(dict(table), context={"folder": str(folder)})
+        except ValidationError as error:
+            raise explained(error, table, cls) from error
+        scenario.survey()
+        return scenario
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
         """A copy with some values replaced, unchecked; its world is the same one unless they describe it."""

@@ -1,10 +1,7 @@
 """Reading a scenario file, and saying in plain words where it is wrong: file, place, what was expected."""
 
-import difflib
 import re
 import tomllib
-from collections.abc import Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +9,9 @@ from pydantic import ValidationError
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
+from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.model import Scenario
 
-MOST_EXPLAINED = 20  # mistakes; explaining a key takes long
 LONGEST_KEY = 16  # parts; tomllib takes the square of their number in time
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
 #: The words of a TOML text, each taken whole: strings of several lines, comments, keys of too many parts, the rest.
@@ -54,16 +51,7 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
     try:
         scenario = Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
     except ValidationError as error:
-        problems = error.errors(include_url=False)
-        lines = [f"{path}: {_explain(problem, table)}" for problem in problems[:MOST_EXPLAINED]]
-        if len(problems) > MOST_EXPLAINED:
-            lines.append(f"{path}: and {len(problems) - MOST_EXPLAINED} more like these")
-        of_keys = {"missing", "extra_forbidden", "union_tag_invalid", "union_tag_not_found"}
-        asks_keys = any(problem["type"] in of_keys for problem in problems)
-        raise BadInput(
-            "\n".join(lines),
-            hint="`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None,
-        ) from error
+        raise explained(error, table, Scenario, f"{path}: ") from error
     try:
         scenario.survey()
     except BadInput as error:
@@ -93,103 +81,5 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
         raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
 
 
-#: What is expected, by pydantic's kind of mistake.
-_WANTED = {
-    "greater_than": "a number greater than {gt:g}",
-    "greater_than_equal": "a number of at least {ge:g}",
-    "less_than_equal": "a number of at most {le:g}",
-    "finite_number": "a finite number",
-    **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"), "a table"),
-    **dict.fromkeys(("list_type", "tuple_type"), "a list"),
-}
-
-
-def _explain(problem: Any, table: dict[str, Any]) -> str:
-    """One of pydantic's findings in our words: `obstacles[0].radius: expected a number greater than 0, not -3`."""
-    place, kind, given = _place(problem["loc"], table), problem["type"], problem["input"]
-    limits = problem.get("ctx", {})
-    match kind:
-        case "missing":
-            return f"{place}: expected, but not there"
-        case "extra_forbidden":
-            key = str(problem["loc"][-1])
-            keys = _known_keys(problem["loc"])
-            near = [one for one in keys if key in one.split("_")] or difflib.get_close_matches(key, keys, n=1)
-            return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
-        case _ if kind in _WANTED:
-            wanted = _WANTED[kind].format(**limits)
-        case "enum" | "literal_error" | "union_tag_invalid":
-            if kind == "union_tag_invalid":
-                place, given = f"{place}.kind", limits["tag"]
-            wanted = limits.get("expected") or limits["expected_tags"]
-        case "union_tag_not_found":
-            return f"{place}.kind: expected, but not there"
-        case "timezone_aware" | "datetime_type" | "datetime_parsing" | "datetime_from_date_parsing":
-            wanted = "a time with its offset, such as 2026-11-22T10:00:00Z"
-            given = str(given)
-        case "value_error":
-            return f"{place}: {limits['error']}" if place else str(limits["error"])
-        case "string_pattern_mismatch":
-            wanted = "what a file can be called" if place == "name" else "letters, digits and underscores"
-        case "too_short" | "too_long":
-            wanted = f"{limits.get('min_length', limits.get('max_length'))} entries"
-            given = len(given)
-        case _ if kind.startswith(("float", "int")):
-            wanted = "a whole number" if kind.startswith("int") else "a number"
-        case _:
-            return f"{place}: {_lowered(problem['msg'])}, not {_shown(given)}"
-    return f"{place}: expected {wanted}, not {_shown(given)}"
-
-
-def _place(location: Sequence[int | str], table: Any) -> str:
-    """`obstacles[0].radius` of pydantic's ("obstacles", 0, "sphere", "radius"): a union's tag is no key of the file."""
-    place, here = "", table
-    for step in location:
-        if isinstance(step, int):
-            place += f"[{step}]"
-            here = here[step] if isinstance(here, list) and step < len(here) else None
-        elif isinstance(here, dict) and here.get("kind") == step and step not in here:
-            continue
-        else:
-            place += f".{step}" if place else step
-            here = here.get(step) if isinstance(here, dict) else None
-    return place
-
-
-@cache
-def _schema() -> dict[str, Any]:
-    return Scenario.model_json_schema()
-
-
-def _known_keys(location: Sequence[int | str]) -> list[str]:
-    """Keys that the table at this place may have, from the schema."""
-    schema = _schema()
-    here: Any = schema
-    for step in location[:-1]:
-        here = here.get("items", here) if isinstance(step, int) else here.get("properties", {}).get(step, here)
-        here = _resolved(here, schema, str(step))
-    return list(here.get("properties", {}))
-
-
-def _resolved(node: Any, schema: Any, tag: str) -> Any:
-    if "discriminator" in node:
-        mapping = node["discriminator"]["mapping"]
-        node = {"$ref": mapping[tag]} if tag in mapping else node
-    while "$ref" in node:
-        node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
-    return node
-
-
-def _or(words: Sequence[str]) -> str:
-    """`a, b or c`."""
-    *others, last = words
-    return f"{', '.join(others)} or {last}" if others else last
-
-
 def _lowered(message: str) -> str:
     return message[:1].lower() + message[1:]
-
-
-def _shown(value: Any) -> str:
-    text = repr(value) if not isinstance(value, dict | list) else f"a {type(value).__name__}"
-    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,5 +1,6 @@
 """How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -97,12 +98,10 @@ def estimate(
     items = _item_times(route, prediction)
     remarks = prediction.remarks
     if route.over_terrain:
-        numbers = ", ".join(map(str, route.over_terrain))
-        remarks = (*remarks, f"items {numbers}: height over terrain taken as height over home")
+        remarks = (*remarks, f"{_items(route.over_terrain)}: height over terrain taken as height over home")
     conditions = [visit.seq for visit in route.visits if visit.item.command in CONDITIONS]
     if conditions:
-        numbers = ", ".join(map(str, dict.fromkeys(conditions)))
-        remarks = (*remarks, f"items {numbers}: what they put off is taken as done at once")
+        remarks = (*remarks, f"{_items(conditions)}: what they put off is taken as done at once")
     if flying_already(route) is not None:
         remarks = (*remarks, "the mission has no take-off: counted from over home, as high as its first place")
     return Estimate(
@@ -115,6 +114,12 @@ def estimate(
         track=in_local_frame(prediction.track),
         remarks=tuple(dict.fromkeys(remarks)),
     )
+
+
+def _items(seqs: Iterable[int]) -> str:
+    """`item 3`, or `items 3, 5`."""
+    once = dict.fromkeys(seqs)
+    return f"item{'s' if len(once) > 1 else ''} {', '.join(map(str, once))}"
 
 
 def predict(
