@@ -22,6 +22,8 @@ QUADROTOR = 2  # MAV_TYPE
 MULTICOPTERS = frozenset({QUADROTOR, 3, 4, 13, 14, 15, 29, 35})
 
 OTHER_VEHICLES = {1: "a fixed wing", 10: "a rover", 11: "a boat", 12: "a submarine"}
+#: Of those what takes off from nowhere.
+NO_AIRCRAFT = frozenset({10, 11, 12})
 OTHER_VEHICLES |= dict.fromkeys(range(19, 26), "a VTOL")
 
 #: How high above home the ground is, east and north of it [m].

@@ -17,7 +17,7 @@ from ipoa_mission.commands import (
     command_name,
     plain_frame,
 )
-from ipoa_mission.items import Item, Mission
+from ipoa_mission.items import NO_AIRCRAFT, Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import to_wire
 
@@ -33,7 +33,8 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
         yield from _params(seq, item, firmware)
         if item.command == Command.DO_JUMP:
             yield from _jump(seq, item, len(mission.items))
-    yield from _takeoff(mission)
+    if mission.vehicle_type not in NO_AIRCRAFT:
+        yield from _takeoff(mission)
     yield from _ending(mission)
     yield from _terrain(mission)
 
