@@ -12,6 +12,9 @@ _CLASSES = {1: "plane", 5: "antenna tracker", 7: "airship", 8: "balloon", 9: "ro
 _CLASSES |= {12: "submarine", 16: "flapping wing", 17: "kite", 28: "parafoil"}
 _CLASSES |= dict.fromkeys(MULTICOPTERS, "multicopter") | dict.fromkeys(range(19, 26), "VTOL")
 
+#: Of those what takes off from nowhere: rover, boat, submarine.
+NO_AIRCRAFT = frozenset({10, 11, 12})
+
 _FIRMWARES = {3: Autopilot.ARDUPILOT, 12: Autopilot.PX4}  # MAV_AUTOPILOT
 _NAMES = {Autopilot.ARDUPILOT: "ArduPilot", Autopilot.PX4: "PX4"}
 

@@ -12,7 +12,7 @@ from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.firmware import check_firmware
 from ipoa_mission.checks.positions import check_positions, refusals
 from ipoa_mission.checks.sound import between_sound, sound_part
-from ipoa_mission.items import Mission
+from ipoa_mission.items import NO_AIRCRAFT, Mission
 from ipoa_mission.itinerary.legs import Leg, flown_legs
 from ipoa_mission.world.frame import LocalFrame
 
@@ -36,7 +36,10 @@ def check_mission(
         mission = replace(mission, firmware_version=scenario.vehicle.version)
     positions = tuple(check_positions(mission))
     findings = [*mission.findings, *check_firmware(mission), *positions]
-    if mission.other_vehicle:
+    if mission.vehicle_type in NO_AIRCRAFT:
+        message = f"the mission is for {mission.other_vehicle}, which does not fly: only flights are judged"
+        findings.append(Finding(Severity.ERROR, None, message))
+    elif mission.other_vehicle:
         message = f"the mission is for {mission.other_vehicle}: its legs are judged as a multicopter flies them"
         findings.append(Finding(Severity.WARNING, None, message))
     elsewhere = None if scenario is None else scenario.why_elsewhere(mission.home)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from ipoa_mission.autopilots import firmware as tables
 from ipoa_mission.autopilots.firmware import Firmware, series_known
+from ipoa_mission.autopilots.kinds import NO_AIRCRAFT
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
 from ipoa_mission.autopilots.refusal import param_name, refused, refused_in_fence
 from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
@@ -41,7 +42,8 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
         if item.command == Command.DO_JUMP:
             yield from _jump(seq, item, len(mission.items))
     yield from _refused(mission, firmware)
-    yield from _takeoff(mission)
+    if mission.vehicle_type not in NO_AIRCRAFT:
+        yield from _takeoff(mission)
     yield from _ending(mission)
     yield from _terrain(mission)
 

@@ -83,6 +83,8 @@ def estimate(
     """
     from ipoa_mission.autopilots.said import as_json as as_json_of
     from ipoa_mission.autopilots.said import checked_for
+    from ipoa_mission.checks.finding import Severity
+    from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.commands import short_name
@@ -94,6 +96,7 @@ def estimate(
     world = read_world(scenario, flown_by.air)
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
+    remarks += tuple(f.message for f in check_firmware(mission) if f.severity is Severity.ERROR)
     mission, air = in_world(mission, world, flown_by.air)
     prediction = predict(mission, wind=air)
     remarks += prediction.remarks

@@ -34,7 +34,8 @@ class Feature:
         named = (
             self.tags.get(key) for key in ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
         )
-        return next((name for name in named if name), self.place)
+        name = next((name for name in named if name), self.place)
+        return name if name.isprintable() else "".join(letter if letter.isprintable() else " " for letter in name)
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:

@@ -73,3 +73,9 @@ def test_legs_to_and_from_a_place_that_makes_no_sense_are_not_judged() -> None:
     items = (takeoff(HERE, 20.0), mad, waypoint(NEAR, 20.0), waypoint(HERE, 20.0), land(HERE))
     found = check_mission(replace(MISSION, items=items), world(HERE, walls))
     assert [f.seq for f in found if f.severity is Severity.ERROR] == [2, 4]
+
+
+def test_a_rover_s_mission_is_called_one_and_is_asked_for_no_take_off() -> None:
+    found = [f.message for f in check_mission(replace(MISSION, items=MISSION.items[1:2], vehicle_type=10))]
+    assert found[0] == "the mission is for a rover, which does not fly: only flights are judged"
+    assert not any("take-off" in words for words in found)
