@@ -8,11 +8,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilots.kinds import NO_AIRCRAFT
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.firmware import check_firmware
 from ipoa_mission.checks.positions import check_positions, refusals
 from ipoa_mission.checks.sound import between_sound, sound_part
-from ipoa_mission.items import NO_AIRCRAFT, Mission
+from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, flown_legs
 from ipoa_mission.world.frame import LocalFrame
 

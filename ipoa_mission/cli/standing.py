@@ -8,11 +8,11 @@ from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.autopilots.renamed import overridden
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import LEVEL, Ground
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.tube.flown_in import ground_of
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.world.ground import LEVEL, Ground
 
 ZURICH = (47.397742, 8.545594, 488.0)
 

@@ -56,7 +56,7 @@ def payload_of(message: Any) -> tuple[Definition, bytes]:
         BadInput: it is none, or of a dialect that is not in use.
     """
     number = getattr(message, "get_msgId", lambda: None)()
-    definition = DEFINITIONS.get(number)
+    definition = None if number is None else DEFINITIONS.get(int(number))
     if definition is None or definition.name != message.get_type():
         raise BadInput(
             f"message: expected one of pymavlink's, not {type(message).__name__}",

@@ -69,7 +69,7 @@ def _turned(line: Any) -> NDArray[np.float64]:
     steps = np.diff(corners[:, 0])
     around = (np.abs(steps) > 180.0) & (np.abs(steps) < 360.0)  # an edge of 360 degrees bounds the whole Earth
     corners[1:, 0] -= 360.0 * np.cumsum(np.where(around, np.round(steps / 360.0), 0.0))
-    return corners
+    return np.asarray(corners)
 
 
 def _beside(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:

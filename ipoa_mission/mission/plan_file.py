@@ -7,6 +7,7 @@ item's `doJumpId`, which we write as the item's number.
 import json
 import math
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -237,7 +238,7 @@ def _items(listed: list[ListedItem]) -> list[Item]:
     return [_with_jump(entry, numbers) for entry in listed]
 
 
-def _with_jump(entry: ListedItem, numbers: dict[int | None, int]) -> Item:
+def _with_jump(entry: ListedItem, numbers: Mapping[int, int]) -> Item:
     if entry.item.command != Command.DO_JUMP:
         return entry.item
     target = entry.node["params"].array()[0]

@@ -71,7 +71,7 @@ class PX4Pilot:
             return
         level = self._here if math.isnan(east) else Enu(east, north, 0.0)
         height = self._state.body.place.up if math.isnan(up) else up
-        self._here = Enu(level.east, level.north, max(height, self._ground(level.east, level.north)))
+        self._here = Enu(level.east, level.north, max(height, self._ground.at(level.east, level.north)))
         order = leg(self._state.body.place, self._here, None, self._limits, speed if speed > 0.0 else self._cruise)
         self._carry_out([order._replace(holds=math.inf, follows_home=False)])
 

@@ -103,8 +103,8 @@ def tube_holds(course: Course, autopilot: Autopilot, scenario: Scenario) -> bool
     if airspace.obstacles:
         free = round_places(course.points, _tight(scenario, law)) < 0
         for stretch in runs(course.points, free):
-            near = airspace.obstacle_clearance(thinned(stretch, STRAY), within=required + 2 * STRAY)
-            if near.distance - STRAY < required:
+            nearest = airspace.obstacle_clearance(thinned(stretch, STRAY), within=required + 2 * STRAY)
+            if nearest.distance - STRAY < required:
                 return False
         if chance is not None:
             near = approaches(course, airspace, law, required)

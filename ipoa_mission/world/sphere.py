@@ -24,7 +24,7 @@ class SphericalPlane:
         north = np.cos(middle) * np.sin(latitude) - np.sin(middle) * np.cos(latitude) * np.cos(turn)
         high = np.sin(middle) * np.sin(latitude) + np.cos(middle) * np.cos(latitude) * np.cos(turn)
         away = np.arctan2(np.hypot(east, north), high)
-        return np.column_stack([east, north]) * (RADIUS / np.sinc(away / np.pi))[:, None]
+        return np.asarray(np.column_stack([east, north]) * (RADIUS / np.sinc(away / np.pi))[:, None])
 
     def to_geodetic(self, east: Vector, north: Vector) -> tuple[Vector, Vector]:
         """Latitude and longitude of points (n,) of the plane, each (n,) [deg]."""

@@ -346,7 +346,7 @@ def test_the_first_id_after_our_count_is_ours_and_a_later_one_is_a_doubt() -> No
         Request: [[ItemAt(0, ONE[0])], [ItemAt(0, theirs[0])]],
     }
     with pytest.raises(Replaced, match="no longer what was sent"):
-        lead(upload(Upload(ONE, PX4)), script)  # type: ignore[arg-type]
+        lead(upload(Upload(ONE, PX4)), script)
 
 
 def test_an_upload_names_the_mission_only_where_nothing_else_was_heard() -> None:

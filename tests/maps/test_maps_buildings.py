@@ -12,20 +12,27 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
+from ipoa_mission.world.terrain import Flat
 
 Square = Callable[..., dict[str, Any]]
 WriteMap = Callable[..., Path]
 At = Callable[[float, float], list[float]]
 
 
-def slope(points: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Ground that rises a metre in ten towards the east."""
-    return np.asarray(points[:, 0] / 10)
+class Rising:
+    """A terrain that rises a metre in ten towards the east."""
+
+    def height(self, points: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+        return np.asarray(points[:, 0] / 10)
+
+
+SLOPE = Ground(Rising())
 
 
 def stand(path: Path, frame: LocalFrame, rules: BuildingRules = BuildingRules()) -> tuple[Obstacle, ...]:  # noqa: B008
-    return raise_buildings(find_buildings(read_features(path), rules, frame, path).standing, slope)
+    return raise_buildings(find_buildings(read_features(path), rules, frame, path).standing, SLOPE)
 
 
 def test_a_building_stands_where_pymap3d_says(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
@@ -176,7 +183,7 @@ def test_a_polygon_of_a_kml_drawn_down_to_the_ground_is_as_high_as_it_says(
         "</Polygon></Placemark></kml>"
     )
     found = find_buildings(read_features(path), BuildingRules(), frame, path)
-    raised = raise_buildings(found.standing, lambda points: np.full(len(points), 3.0))
+    raised = raise_buildings(found.standing, Ground(Flat(3.0)))
     if top is None:
         assert not raised
         assert [thing.may_stand for thing in found.passed_over] == [True]

@@ -14,6 +14,7 @@ from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.maps.wires import raise_span, volts_of, wire_of
 from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.ground import LEVEL
 
 At = Callable[[float, float], list[float]]
 WriteMap = Callable[..., Path]
@@ -128,9 +129,7 @@ def test_no_rope_sticks_out_of_its_walls(
 
 
 def test_on_level_ground_a_span_is_one_wall() -> None:
-    (wall,) = raise_span(
-        "line", shapely.LineString([(0, 0), (0, 300)]), 8.0, 40.0, lambda points: np.zeros(len(points))
-    )
+    (wall,) = raise_span("line", shapely.LineString([(0, 0), (0, 300)]), 8.0, 40.0, LEVEL)
     assert wall.bounds.tolist() == [[-8.0, -8.0, 0.0], [8.0, 308.0, 40.0]]
 
 
@@ -139,7 +138,7 @@ def test_every_part_of_a_wire_stands(write_map: WriteMap, frame: LocalFrame, at:
     path = write_map(({"type": "MultiLineString", "coordinates": lines}, {"power": "line", "voltage": "110000"}))
     found = find(path, frame)
     assert found.remarks == ("1 power line of 110 kV without a height, given 40 m (line_height)",)
-    assert len(raise_buildings(found.standing, lambda points: np.zeros(len(points)))) == 3
+    assert len(raise_buildings(found.standing, LEVEL)) == 3
 
 
 def test_voltages_are_read_as_mappers_write_them() -> None:

@@ -27,7 +27,7 @@ def test_a_file_is_read_over_the_ground_that_was_written_beside_it(tmp_path: Pat
     about.write_text(json.dumps({KEY: 8.5, "sha256": {path.name: digest(text)}}), encoding="utf-8")
     again = api.read_mission(path)
     assert landing_ground(again) == 8.5
-    assert again.ground(0.0, 0.0) == 0.0
+    assert again.ground.at(0.0, 0.0) == 0.0
     assert api.estimate(again).total_s == api.estimate(uphill).total_s < api.estimate(MISSION).total_s - 3.0
     about.write_text("[" * 100_000, encoding="utf-8")
     assert api.read_mission(path).ground.is_level

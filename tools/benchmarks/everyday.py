@@ -9,7 +9,6 @@ on the scenario's own numbers, not by the package's world.
 import argparse
 import csv
 import math
-import sys
 import time
 from collections.abc import Callable
 from itertools import product
@@ -304,4 +303,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

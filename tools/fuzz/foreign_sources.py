@@ -21,6 +21,7 @@ from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_bui
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.read import READERS, read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
 from tools import REPOSITORY
 
@@ -196,7 +197,7 @@ def probe_foreign(path: Path) -> str:
 
 
 def _as_buildings(path: Path, features: tuple[Feature, ...]) -> None:
-    raise_buildings(find_buildings(features, BuildingRules(), FRAME, path).standing, Flat(0.0).height)
+    raise_buildings(find_buildings(features, BuildingRules(), FRAME, path).standing, Ground(Flat(0.0)))
 
 
 def _as_zones(path: Path, features: tuple[Feature, ...]) -> None:

@@ -25,7 +25,7 @@ class Source:
 
     def about(self) -> dict[str, str]:
         """Which commit it is, and of what day."""
-        command = ["git", "-C", self.git, "log", "-1", "--format=%H %cs", self.ref]
+        command: list[str] = ["git", "-C", str(self.git), "log", "-1", "--format=%H %cs", str(self.ref)]
         commit, date = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
         return {"commit": commit, "date": date}
 
