@@ -70,10 +70,10 @@ def _row(name: str, decode: str, encode: str, types: Mapping[str, str]) -> str:
         SystemExit: the code is not of the kind that can be read, or not what was read by hand.
     """
     if name in BY_HAND:
-        row, words = BY_HAND[name]
+        by_hand, words = BY_HAND[name]
         if missing := [word for word in words.split() if word not in decode + encode]:
             raise SystemExit(f"{name}: expected {missing} in its code: read it again")
-        return row.ljust(7, "-")
+        return by_hand.ljust(7, "-")
     row = ["-"] * 7
     for slot, value in re.findall(r"packet\.(\w+)\s*=\s*([^;]+);", encode):
         if field := re.search(r"cmd\.(p1|content\.\w+\.\w+)", value):
