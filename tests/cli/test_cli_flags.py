@@ -27,7 +27,7 @@ MISSIONS = Path(__file__).parents[2] / "missions"
 SITL, CAMPUS = MISSIONS / "sitl.plan", MISSIONS / "campus.plan"
 #: Flags that say something else in `mock`, which is an autopilot, in `reproduce` and `demo` by what `--out` is without,
 #: in `learn`, which writes one file, and where a link may be left out.
-SEVERAL = {"--autopilot": 2, "--link": 3, "--out": 4, "--seed": 2}
+SEVERAL = {"--autopilot": 2, "--firmware-version": 2, "--link": 3, "--out": 4, "--seed": 2}
 #: What goes together: who takes one of these takes all.
 TOGETHER = (
     {"--param", "--param-file"},

@@ -70,18 +70,18 @@ def _row(name: str, decode: str, encode: str, types: Mapping[str, str]) -> str:
         SystemExit: the code is not of the kind that can be read, or not what was read by hand.
     """
     if name in BY_HAND:
-        row, words = BY_HAND[name]
+        by_hand, words = BY_HAND[name]
         if missing := [word for word in words.split() if word not in decode + encode]:
             raise SystemExit(f"{name}: expected {missing} in its code: read it again")
-        return row.ljust(7, "-")
-    letters = ["-"] * 7
+        return by_hand.ljust(7, "-")
+    row = ["-"] * 7
     for slot, value in re.findall(r"packet\.(\w+)\s*=\s*([^;]+);", encode):
         if field := re.search(r"cmd\.(p1|content\.\w+\.\w+)", value):
             kept = re.search(rf"cmd\.{re.escape(field[1])}\s*=\s*([^;]+);", decode)
             if kept is None or f"packet.{slot}" not in kept[1]:
                 raise SystemExit(f"{name}: expected {slot} to be kept in {field[1]}")
-            letters[SLOTS[slot] - 1] = _letter(types[field[1]], kept[1])
-    return "".join(letters)
+            row[SLOTS[slot] - 1] = _letter(types[field[1]], kept[1])
+    return "".join(row)
 
 
 def _letter(kind: str, kept: str) -> str:

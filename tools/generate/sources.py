@@ -19,13 +19,13 @@ class Source:
     def text(self, path: str) -> str:
         """A file of that commit, without its comments; empty where there is none."""
         done = subprocess.run(
-            ["git", "-C", self.git, "show", f"{self.ref}:{path}"], capture_output=True, text=True, check=False
+            ["git", "-C", str(self.git), "show", f"{self.ref}:{path}"], capture_output=True, text=True, check=False
         )
         return _COMMENT.sub("", done.stdout)
 
     def about(self) -> dict[str, str]:
         """Which commit it is, and of what day."""
-        command: list[str] = ["git", "-C", str(self.git), "log", "-1", "--format=%H %cs", str(self.ref)]
+        command = ["git", "-C", str(self.git), "log", "-1", "--format=%H %cs", self.ref]
         commit, date = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
         return {"commit": commit, "date": date}
 

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
+from ipoa_mission.dynamics.copter import ways
 from ipoa_mission.dynamics.copter.airframe import THINNING
 from ipoa_mission.dynamics.copter.motion import (
     CLIMB,
@@ -29,37 +30,12 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 Triple = tuple[float, float, float]
 jit: Callable[[Function], Function] = globals().get("jit", lambda function: function)
 
+along, on_way = jit(ways.along), jit(ways.on_way)
 SAMPLE_STEPS = 5  # a sample of the track every so many steps
 SETTLED_S, STEADY = 30.0, 1e-6  # after so long, and with no more acceleration, a cruise goes on as it is [s, m/s^2]
 
 
 # --- legs -----------------------------------------------------------------------------------------------------------
-
-
-@jit
-def along(leg: Leg, t: float) -> Triple:
-    """Acceleration, speed and way of a straight leg, t seconds after its start."""
-    segments = leg.profile.segments
-    at = len(segments) - 1
-    if t <= 0.0:
-        return 0.0, segments[0].speed if at >= 0 else 0.0, 0.0
-    if t >= leg.profile.lasts:
-        return 0.0, 0.0, leg.length
-    while at > 0 and segments[at].begin > t:
-        at -= 1
-    one = segments[at]
-    t -= one.begin
-    lasts, j, a, v, way = one.lasts, one.jerk, one.accel, one.speed, one.way
-    if one.shape == 0.0 or lasts <= 0.0:
-        return a + j * t, v + t * (a + j * t / 2), way + t * (v + t * (a / 2 + j * t / 6))
-    b = lasts / math.pi
-    s = b if one.shape == 1.0 else -b
-    sine, cosine, half = math.sin(t / b), math.cos(t / b), j / 2
-    return (
-        a + half * (t - s * sine),
-        v + a * t + half * (t * t / 2 + s * b * (cosine - 1.0)),
-        way + v * t + a * t * t / 2 + half * (t * t * t / 6 + s * b * (b * sine - t)),
-    )
 
 
 @jit
@@ -116,48 +92,12 @@ def clock_step(state: State, tuning: Tuning) -> float:
 
 @jit
 def add_leg(state: State, leg: Leg, t: float, way_back: float) -> None:
-    """Add the motion along a straight leg to the target's; `way_back` is where its way counts from [m]."""
+    """Add the motion along a leg to the target's; `way_back` is where its way counts from [m]."""
     a, v, s = along(leg, t)
-    if leg.turn != 0.0:
-        (x, y, z), (vx, vy, vz), (ax, ay) = on_arc(leg, a, v, s)
-        if way_back > 0.0:
-            x, y, z = x - leg.target.x + leg.origin.x, y - leg.target.y + leg.origin.y, z - leg.target.z + leg.origin.z
-        state.target_x, state.aim_x, state.push_x = state.target_x + x, state.aim_x + vx, state.push_x + ax
-        state.target_y, state.aim_y, state.push_y = state.target_y + y, state.aim_y + vy, state.push_y + ay
-        state.target_z, state.aim_z = state.target_z + z, state.aim_z + vz
-        return
-    s -= way_back
-    way = leg.direction
-    state.target_x, state.aim_x, state.push_x = (
-        state.target_x + s * way.x,
-        state.aim_x + v * way.x,
-        state.push_x + a * way.x,
-    )
-    state.target_y, state.aim_y, state.push_y = (
-        state.target_y + s * way.y,
-        state.aim_y + v * way.y,
-        state.push_y + a * way.y,
-    )
-    state.target_z, state.aim_z = state.target_z + s * way.z, state.aim_z + v * way.z
-
-
-@jit
-def on_arc(leg: Leg, a: float, v: float, s: float) -> tuple[Triple, Triple, tuple[float, float]]:
-    """Way from the origin of an arc, velocity, and level acceleration, where a leg has these along its way."""
-    east, north = leg.origin.x - leg.center.x, leg.origin.y - leg.center.y
-    angle = leg.turn * s / leg.length
-    sine, cosine = math.sin(angle), math.cos(angle)
-    x, y = east * cosine + north * sine, north * cosine - east * sine
-    radius = math.sqrt(east * east + north * north)
-    side = 1.0 if leg.turn > 0.0 else -1.0
-    rise = (leg.target.z - leg.origin.z) / leg.length
-    share = side / (radius * math.sqrt(1.0 + rise * rise))
-    inward = (v / radius) ** 2
-    return (
-        (x - east, y - north, s * rise),
-        (v * share * y, -v * share * x, v * rise / math.sqrt(1.0 + rise * rise)),
-        (a * share * y - inward * x, -a * share * x - inward * y),
-    )
+    (x, y, z), (vx, vy, vz), (ax, ay, _) = on_way(leg, a, v, s, way_back)
+    state.target_x, state.aim_x, state.push_x = state.target_x + x, state.aim_x + vx, state.push_x + ax
+    state.target_y, state.aim_y, state.push_y = state.target_y + y, state.aim_y + vy, state.push_y + ay
+    state.target_z, state.aim_z = state.target_z + z, state.aim_z + vz
 
 
 @jit
@@ -165,40 +105,14 @@ def turn_is_gentle(this: Leg, following: Leg, elapsed: float, tuning: Tuning) ->
     """Whether the next leg may begin now: the middle of the overlap lies within radius and corner acceleration."""
     half = (this.profile.lasts - elapsed) / 2
     a, v, s = along(this, elapsed + half)
-    a2, v2, s2 = along(following, half)
-    if this.turn != 0.0 or following.turn != 0.0:
-        return arcs_turn_gently(this, following, (a, v, s), (a2, v2, s2), tuning)
-    s -= this.length
-    one, two = this.direction, following.direction
-    x, y, z = s * one.x + s2 * two.x, s * one.y + s2 * two.y, s * one.z + s2 * two.z
+    (x, y, z), _, (ax, ay, az) = on_way(this, a, v, s, this.length)
+    a, v, s = along(following, half)
+    (x2, y2, z2), _, (ax2, ay2, az2) = on_way(following, a, v, s, 0.0)
+    x, y, z = x + x2, y + y2, z + z2
     if x * x + y * y + z * z >= tuning.radius**2:
         return False
-    x, y, z = a * one.x + a2 * two.x, a * one.y + a2 * two.y, a * one.z + a2 * two.z
+    x, y, z = ax + ax2, ay + ay2, az + az2
     return x * x + y * y < tuning.corner_accel**2 and abs(z) < tuning.accel_z
-
-
-@jit
-def arcs_turn_gently(this: Leg, following: Leg, here: Triple, there: Triple, tuning: Tuning) -> bool:
-    """The same where one of the two is an arc; `here` and `there`: acceleration, speed and way along them."""
-    (x, y, z), _, (ax, ay) = on_way(this, here)
-    (x2, y2, z2), _, (ax2, ay2) = on_way(following, there)
-    x, y, z = x + x2 + this.origin.x, y + y2 + this.origin.y, z + z2 + this.origin.z
-    x, y, z = x - this.target.x, y - this.target.y, z - this.target.z
-    if x * x + y * y + z * z >= tuning.radius**2:
-        return False
-    ax, ay = ax + ax2, ay + ay2
-    az = here[0] * this.direction.z + there[0] * following.direction.z
-    return ax * ax + ay * ay < tuning.corner_accel**2 and abs(az) < tuning.accel_z
-
-
-@jit
-def on_way(leg: Leg, along_it: Triple) -> tuple[Triple, Triple, tuple[float, float]]:
-    """As `on_arc`, of a straight leg too."""
-    a, v, s = along_it
-    if leg.turn != 0.0:
-        return on_arc(leg, a, v, s)
-    d = leg.direction
-    return (s * d.x, s * d.y, s * d.z), (v * d.x, v * d.y, v * d.z), (a * d.x, a * d.y)
 
 
 @jit
