@@ -64,7 +64,7 @@ def check_start(mission: Mission, first: int, there: Geodetic, scenario: "Scenar
         if aside > UNSEEN:
             raise NotAtStart(
                 f"{where}, and without a scenario nobody can look at the way from there",
-                hint="bring it there, or name the scenario, or plan from where it stands",
+                hint="bring it there, or plan from where it stands: `fly SCENARIO` looks at the way",
             )
         return (f"{where}: no scenario tells what is on the way from there",)
     from ipoa_mission.checks.airspace import check_airspace

@@ -1,5 +1,6 @@
 """`fly` and `demo`: a mission in the air, on a real vehicle or on the built-in autopilot."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,7 +19,7 @@ from ipoa_mission.cli.options import (
     or_packed,
 )
 from ipoa_mission.cli.overwriting import expect_folder, make_folder
-from ipoa_mission.cli.telling import progress_bar
+from ipoa_mission.cli.telling import progress_bar, shown
 from ipoa_mission.cli.vehicles import connect_to, states_firmware
 from ipoa_mission.errors import BadInput
 
@@ -125,6 +126,8 @@ def fly(
         written.insert(0, page)
     if as_json:
         tell_flown_as_json(job, record, remarks, [*planned_files, *written])
+        if record.why_not:
+            print(f"error: not complete: {shown(record.why_not)}", file=sys.stderr)
     else:
         tell_flown(job, record, remarks, written)
     if record.why_not:

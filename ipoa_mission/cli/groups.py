@@ -151,9 +151,10 @@ class LinkOptions:
         ),
     ] = False
 
-    def written(self, usual_log: Path) -> list[str]:
-        """The file with every frame; MAVSDK keeps none."""
-        return [] if self.backend is Backend.MAVSDK else [str(self.log or usual_log)]
+    def written(self, usual_log: Path | None) -> list[str]:
+        """The file with every frame, if there is one; MAVSDK keeps none."""
+        log = self.log or usual_log
+        return [] if self.backend is Backend.MAVSDK or log is None else [str(log)]
 
 
 @dataclass

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ipoa_mission.autopilots.modes import MISSION_MODE, mode_name
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
@@ -43,8 +44,9 @@ def upload(
         remarks = (*beside, *put(mission, vehicle, on_link.anyway))
         others, missing = other_values(vehicle, mission.parameters)
         remarks += (*map(str, others), *(f"the vehicle has no parameter {name}" for name in missing))
-    words = [f"{len(mission.items)} items are on {_name(vehicle)}, read back and equal", *notes(remarks)]
-    about = {"items": len(mission.items), "remarks": list(remarks), "written": on_link.written(usual)}
+    counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
+    words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
+    about = counts | {"remarks": list(remarks), "written": on_link.written(usual)}
     _tell(as_json, vehicle, about, words)
 
 
@@ -65,7 +67,7 @@ def download(
         raise BadInput(f'{file}: expected a name that ends in .plan or .waypoints, not in "{file.suffix}"')
     expect_free([file], force, ask=not as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")
-    with left_behind("nothing was written"), connect_to(link, on_link, usual) as vehicle:
+    with left_behind("nothing was written"), connect_to(link, on_link, usual, reading=True) as vehicle:
         mission = get(vehicle)
     remarks, log = write_mission(mission, file), on_link.written(usual)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
@@ -80,13 +82,12 @@ def clear(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -
     """
     from ipoa_mission.link.messages import MissionType
 
-    usual = Path("clear.tlog")
     with (
         left_behind("the vehicle may have forgotten some of its lists", hint="the same command goes on"),
-        connect_to(link, on_link, usual) as vehicle,
+        connect_to(link, on_link, None) as vehicle,
     ):
         vehicle.clear(MissionType.ALL)
-    about = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(usual)}
+    about = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(None)}
     _tell(as_json, vehicle, about, [f"{_name(vehicle)} has no mission, fence or rally points now"])
 
 
@@ -96,17 +97,19 @@ def set_current(
     on_link: LinkOptions,
     as_json: JsonOption = False,
 ) -> None:
-    """Have a vehicle go on with another item of its mission.
+    """Have a vehicle go on with another item of its mission; one that flies no mission has it as its next.
 
     Items are numbered as in a file, where home is 0 and the first item is 1.
 
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
-    usual = Path("set-current.tlog")
-    with connect_to(link, on_link, usual) as vehicle, left_behind("the vehicle may go on with either item"):
+    with connect_to(link, on_link, None) as vehicle, left_behind("the vehicle may go on with either item"):
         vehicle.set_current(item - 1)
-    about = {"current": item, "written": on_link.written(usual)}
-    _tell(as_json, vehicle, about, [f"{_name(vehicle)} goes on with item {item}"])
+    state = vehicle.state
+    goes_on = bool(state.armed) and vehicle.mode == mode_name(vehicle.autopilot, MISSION_MODE[vehicle.autopilot])
+    about = {"current": item, "goes_on": goes_on, "mode": vehicle.mode, "armed": state.armed}
+    words = f"{_name(vehicle)} goes on with item {item}" if goes_on else f"item {item} is the next one; {state}"
+    _tell(as_json, vehicle, about | {"written": on_link.written(None)}, [words])
 
 
 def pause(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
@@ -138,7 +141,7 @@ def scan(
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="How long to listen.")] = 3.0,
     as_json: JsonOption = False,
 ) -> None:
-    """Name the autopilots that are heard on a link.
+    """Name the autopilots that are heard on a link, and what they are: plane, multicopter, rover.
 
     Example: `ipoa-mission scan --link udpin:127.0.0.1:14550`
     """
@@ -151,6 +154,8 @@ def scan(
             {
                 "system": one.system,
                 "autopilot": str(one.kind.autopilot),
+                "kind": str(one.kind),
+                "flown": one.kind.is_flown,
                 "armed": one.armed,
                 "contested": line.contested(one.system),
             }
@@ -170,11 +175,19 @@ def _order(
     link: str, on_link: LinkOptions, as_json: bool, verb: str, done: str, order: "Callable[[Vehicle], None]"
 ) -> None:
     """Give a flying vehicle an order, and say what it does now."""
-    usual = Path(f"{verb}.tlog")
-    with connect_to(link, on_link, usual) as vehicle, left_behind("the vehicle may have heard it"):
+    with connect_to(link, on_link, None) as vehicle, left_behind("the vehicle may have heard it"):
         order(vehicle)
-    about = {"does": done, "mode": vehicle.mode, "written": on_link.written(usual)}
+    about = {"does": done, "mode": vehicle.mode, "written": on_link.written(None)}
     _tell(as_json, vehicle, about, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])
+
+
+def _counted(counts: dict[str, int]) -> str:
+    """How much was sent, in words."""
+    fence, rally = counts["fence"], counts["rally"]
+    also = [f"{fence} fence area{'s' * (fence != 1)}"] * bool(fence) + [
+        f"{rally} rally point{'s' * (rally != 1)}"
+    ] * bool(rally)
+    return " and ".join([f"{counts['items']} items", *also]) + " are"
 
 
 def _name(vehicle: "Vehicle") -> str:
@@ -197,4 +210,5 @@ def _tell(
 def _in_words(row: dict[str, object]) -> str:
     armed = ", armed" if row["armed"] else ""
     contested = ", and another vehicle with the same system id" if row["contested"] else ""
-    return f"system {row['system']}: {row['autopilot']}{armed}{contested}"
+    other = "" if row["flown"] else ": nothing is changed on it"
+    return f"system {row['system']}: {row['kind']}{armed}{contested}{other}"

@@ -11,7 +11,7 @@ from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.cli.vehicles import put
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.boarding import expect_slow_landing
+from ipoa_mission.flight.boarding import await_home, expect_slow_landing
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.set_up import other_values
 from ipoa_mission.link.vehicle import Vehicle
@@ -59,6 +59,8 @@ class RealFlight:
         job, vehicle = self.job, self.vehicle
         try:
             vehicle.expect_on_ground()
+            with left_behind("nothing was sent"), progress_bar("waiting for a position") as show:
+                await_home(vehicle, show)
             self.remarks += self._parameters()
             self.remarks += put(job.mission, vehicle, self.anyway)
             with left_behind("the vehicle was not armed"), progress_bar("getting ready") as show:

@@ -22,14 +22,17 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
-def connect_to(link: str, options: LinkOptions, usual_log: Path) -> "Vehicle":
+def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading: bool = False) -> "Vehicle":
     """The vehicle on a link. Every frame goes to its log (left out: to `usual_log`), unless MAVSDK speaks for us.
+
+    `reading`: nothing is changed on it, and so any vehicle will do.
 
     After `options.timeout` seconds from now it is given up, unless it is in flight by then.
 
     Raises:
         BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record or time).
         LinkDown, NoAnswer: there is nobody.
+        NotFlown: it is no multicopter of ArduPilot or PX4.
     """
     from ipoa_mission.cli.signing import signer_of
 
@@ -43,12 +46,12 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path) -> "Vehicle":
             raise BadInput("--key: the mavsdk backend does not sign", hint="leave out --backend")
         if timeout is not None:
             raise BadInput("--timeout: MAVSDK has timers of its own", hint="leave out --backend")
-        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log)
+        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, reading)
     else:
         from ipoa_mission.link.connect import connect
 
         log_to, patience = options.log or usual_log, patience_of(timeout)
-        vehicle = connect(link, options.system, log_to, signer, patience, anyway=options.anyway)
+        vehicle = connect(link, options.system, log_to, signer, patience, anyway=options.anyway, reading=reading)
         if timeout is not None:
             vehicle.give_up_after(timeout - (time.monotonic() - began))
     log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, options.backend)

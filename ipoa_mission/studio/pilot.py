@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ipoa_mission.checks.start import check_start
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.boarding import expect_fit, expect_slow_landing
+from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.link.connect import connect
 from ipoa_mission.link.logbook import FlightRecord
@@ -102,6 +102,7 @@ def _vehicle(order: Order, flight: Flight, log: Path) -> Iterator[Vehicle]:
 
 def _upload(flight: Flight, vehicle: Vehicle, tell: Callable[[str], None]) -> tuple[str, ...]:
     vehicle.expect_on_ground()
+    await_home(vehicle, lambda _, words: tell(words))
     tell("checking the mission against the vehicle")
     remarks = expect_fit(flight.mission, vehicle)
     expect_slow_landing(flight.mission, vehicle)
@@ -136,10 +137,14 @@ class Watch:
         self._answer = answer
         self._speedup = speedup
         self._told = -SEEN_EVERY_S
+        self._is_warned = False
         self._begun: tuple[float, float] | None = None
 
     def hear(self, message: Message) -> None:
         """One message of the vehicle."""
+        if self._vehicle.changed and not self._is_warned:
+            self._is_warned = True
+            self._answer(State(phase="flying", words=self._vehicle.changed))
         if not isinstance(message, Position) or not self._vehicle.state.armed:
             return
         if message.time_s - self._told >= SEEN_EVERY_S:
