@@ -24,7 +24,7 @@ OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of 
 def refusal(nearest: "Attempt", scenario: Scenario, seed: int) -> NoPath:
     """The error for the attempt that came nearest to keeping the limits."""
     promise = nearest.promise
-    tightest = min((kept for kept in promise.broken if kept.on_the_way), key=lambda kept: kept.slack)
+    tightest = min((kept for kept in promise.limits if kept.forbids), key=lambda kept: kept.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
     who = f"on {scenario.vehicle.autopilot}"

@@ -47,7 +47,7 @@ class Attempt:
     @property
     def holds(self) -> bool:
         """Whether enough flights keep every limit on the way."""
-        return not any(kept.on_the_way for kept in self.promise.broken)
+        return not any(kept.forbids for kept in self.promise.limits)
 
     @property
     def slack(self) -> float:
@@ -138,8 +138,7 @@ def _rooms(scenario: Scenario) -> Iterator[_Room]:
     """
     none, sought, closed = nothing(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
     if scenario.safety.chance is None:
-        as_is = scenario.planning.planner == "paper" or not scenario.planning.polish
-        if not as_is:
+        if not _as_printed(scenario):
             little = a_little(scenario)
             yield _Room(little.room(scenario, scenario, gaps=True), little)
     else:
@@ -154,6 +153,11 @@ def _rooms(scenario: Scenario) -> Iterator[_Room]:
     yield _Room(scenario, none)
 
 
+def _as_printed(scenario: Scenario) -> bool:
+    """Whether the path is to be as the algorithm found it."""
+    return scenario.planning.planner == "paper" or not scenario.planning.polish
+
+
 def _made_safe(plan: Plan, roomy: _Room, scenario: Scenario) -> Attempt:
     """The plan, moved aside while too few flights along it keep the limits and it can be; the best attempt.
 
@@ -161,7 +165,7 @@ def _made_safe(plan: Plan, roomy: _Room, scenario: Scenario) -> Attempt:
     """
     needs, latest = roomy.needs, _quick_attempt(_judged(plan, scenario), scenario)
     best = latest if latest.slack < FAR_OFF else _attempt(latest.plan, scenario)
-    for _ in range(ROUNDS):
+    for _ in range(0 if _as_printed(scenario) else ROUNDS):
         if best.holds:
             return best
         needs = needs.more(latest.promise, latest.plan.curve, scenario)

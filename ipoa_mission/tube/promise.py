@@ -25,6 +25,9 @@ from ipoa_mission.tube.places import TightPlace, round_places, runs, tight_place
 from ipoa_mission.tube.thin import STRAY, thinned
 
 
+TAKE_OFF, ENDING = "the take-off", "the ending"
+
+
 @dataclass(frozen=True)
 class Kept:
     """One limit in one part of the flight: what the predicted path has of it and what flights keep [m].
@@ -48,6 +51,16 @@ class Kept:
     def on_the_way(self) -> bool:
         """Whether it is between the take-off and the last waypoint, and no given place is in its way."""
         return not self.part
+
+    @property
+    def forbids(self) -> bool:
+        """Whether a mission may not be flown for it: it falls short on the way, or at a given place even as predicted.
+
+        What is predicted there may be as near as the place itself, seen by legs that stand for the path.
+        """
+        if self.part in (TAKE_OFF, ENDING):
+            return False
+        return self.falls_short and (self.on_the_way or self.nominal < self.required - 2 * STRAY)
 
     @property
     def slack(self) -> float:
@@ -106,9 +119,13 @@ def tube_holds(course: Course, autopilot: Autopilot, scenario: Scenario) -> bool
             near = airspace.obstacle_clearance(thinned(stretch, STRAY), within=required + 2 * STRAY)
             if near.distance - STRAY < required:
                 return False
+        for stretch in runs(course.points, ~free):
+            near = airspace.obstacle_clearance(thinned(stretch, STRAY), within=required)
+            if near.distance < required - STRAY:
+                return False
         if chance is not None:
-            near = approaches(course, airspace, law, required)
-            if near.of(free[near.piece]).chance(required) > chance:
+            pairs = approaches(course, airspace, law, required)
+            if pairs.of(free[pairs.piece]).chance(required) > chance:
                 return False
     path = thinned(course.points, STRAY)
     return not any(_breaks(check) for check in limits_kept(path, scenario, _rim(law, chance)))
@@ -180,8 +197,8 @@ class PredictedFlight:
         law = law_of(self.autopilot, self.scenario.wind.speed)
         if self.scenario.airspace.obstacles:
             for first, then, its_law, name in (
-                (0.0, begin, law, "the take-off"),
-                (end, last, law.after_the_way(), "the ending"),
+                (0.0, begin, law, TAKE_OFF),
+                (end, last, law.after_the_way(), ENDING),
             ):
                 if then > first:
                     part = self.course.part(first, then)
