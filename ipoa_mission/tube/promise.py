@@ -24,7 +24,6 @@ from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.tube.thin import STRAY, thinned
 
-
 TAKE_OFF, ENDING = "the take-off", "the ending"
 
 
