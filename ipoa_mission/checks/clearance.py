@@ -34,7 +34,7 @@ def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | Non
     for kept in promise.broken:
         item = mission.items[kept.item - 1]
         touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius
-        says = error if kept.on_the_way or touches else warning
+        says = error if kept.forbids or touches else warning
         yield says(kept.item, item, f"{_where(kept)}: {kept.words(promise.confidence)}")
 
 

@@ -119,7 +119,7 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) ->
 
 def is_promised(route: Route, scenario: Scenario) -> bool:
     """Whether enough flights keep every limit on the way, looked at from the arming on."""
-    return not any(kept.on_the_way for kept in promise_of(draft_mission(route, scenario), scenario).broken)
+    return not any(kept.forbids for kept in promise_of(draft_mission(route, scenario), scenario).limits)
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:

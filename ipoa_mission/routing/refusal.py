@@ -1,19 +1,14 @@
 """Why too few flights would keep the limits, where, and a change of the scenario that was seen to help."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from ipoa_mission.centimetres import down, up
-from ipoa_mission.planning.planner import NoPath
-from ipoa_mission.progress import silent
-from ipoa_mission.routing.route import NoRoute
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.promise import Kept, Promise
-
-if TYPE_CHECKING:
-    from ipoa_mission.routing.seek import Attempt
 
 SLOWER = (0.5, 0.25)  # shares of the cruise speed that are tried
 SLOWEST = 0.5  # [m/s]
@@ -21,10 +16,10 @@ LESS_SURE = (0.9,)  # confidences that are tried
 OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of a gap, at most
 
 
-def refusal(nearest: "Attempt", scenario: Scenario, seed: int) -> NoPath:
-    """The error for the attempt that came nearest to keeping the limits."""
+def refusal(nearest: Attempt, scenario: Scenario, planned: Callable[[Scenario], Attempt | None]) -> NoPath:
+    """The error for the attempt that came nearest to keeping the limits; `planned` tries a changed scenario."""
     promise = nearest.promise
-    tightest = min((kept for kept in promise.broken if kept.on_the_way), key=lambda kept: kept.slack)
+    tightest = min((kept for kept in promise.limits if kept.forbids), key=lambda kept: kept.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
     who = f"on {scenario.vehicle.autopilot}"
@@ -33,11 +28,11 @@ def refusal(nearest: "Attempt", scenario: Scenario, seed: int) -> NoPath:
     else:
         why = f"a path is there, but {100 * promise.confidence:g} % of flights {who} would not keep it"
     words = _gap(tightest, scenario) if tightest.limit == "obstacles" else _limit(tightest, promise)
-    helps, hint = _what_helps(scenario, seed)
+    helps, hint = _what_helps(scenario, planned)
     return NoPath(f"{why}: {words}, {where}; {helps}", hint=hint)
 
 
-def _leg(nearest: "Attempt", tightest: Kept) -> str:
+def _leg(nearest: Attempt, tightest: Kept) -> str:
     """Which leg of a mission with via points a place is on, in words that go on."""
     at, curve = nearest.plan.via_at, nearest.plan.curve
     if not len(at):
@@ -90,15 +85,11 @@ def _across(spot: np.ndarray, name: str, needed: float, scenario: Scenario) -> t
     return best, found
 
 
-def _what_helps(scenario: Scenario, seed: int) -> tuple[str, str]:
+def _what_helps(scenario: Scenario, planned: Callable[[Scenario], Attempt | None]) -> tuple[str, str]:
     """What of some changes plans the scenario, tried one after the other: in words, and as a hint."""
-    from ipoa_mission.routing.seek import TooNear, seek
-
     tried = list[str]()
     for change, changed in _changes(scenario):
-        try:
-            found = seek(changed, seed, silent, seeds=0, rooms=1)
-        except (TooNear, NoPath, NoRoute):
+        if (found := planned(changed)) is None:
             tried.append(change)
             continue
         kept = found.promise.clearance

@@ -15,10 +15,12 @@ from ipoa_mission.planning.obstruction import NotFound
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath, move_aside, plan_path
 from ipoa_mission.planning.proof import prove_curve
-from ipoa_mission.progress import Progress
+from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, choose_route, expect_mode, near_routes, weigh_routes
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.more_room import Needs, a_little, nothing
+from ipoa_mission.routing.refusal import refusal
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.flown_in import flown_in
@@ -33,26 +35,6 @@ ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.
 FAR_OFF = -0.3  # where the quick routes are so short of a limit the better ones are not looked at [m]
 ROUNDS = 4  # so often a path is moved aside
 MORE_SEEDS = 1  # with which all rooms are tried
-
-
-@dataclass(frozen=True, eq=False)
-class Attempt:
-    """A plan, the mission of the best route along it that was looked at, and what that promises."""
-
-    plan: Plan
-    route: Route
-    mission: Mission
-    promise: Promise
-
-    @property
-    def holds(self) -> bool:
-        """Whether enough flights keep every limit on the way."""
-        return not any(kept.on_the_way for kept in self.promise.broken)
-
-    @property
-    def slack(self) -> float:
-        """How much more than required is kept on the way, of all limits the least [m]."""
-        return min((kept.slack for kept in self.promise.limits if kept.on_the_way), default=0.0)
 
 
 class Routed(NamedTuple):
@@ -86,11 +68,17 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
     try:
         found = seek(scenario, seed, progress)
     except TooNear as error:
-        from ipoa_mission.routing.refusal import refusal
-
-        raise refusal(error.nearest, scenario, seed) from None
+        raise refusal(error.nearest, scenario, lambda changed: _planned(changed, seed)) from None
     options = weigh_routes(found.plan, scenario, found.route)
     return Routed(found.plan, options, found.mission, found.promise)
+
+
+def _planned(scenario: Scenario, seed: int) -> Attempt | None:
+    """What a first look comes to; None where it finds nothing that holds."""
+    try:
+        return seek(scenario, seed, silent, seeds=0, rooms=1)
+    except (NoPath, NoRoute):
+        return None
 
 
 def seek(
@@ -138,8 +126,7 @@ def _rooms(scenario: Scenario) -> Iterator[_Room]:
     """
     none, sought, closed = nothing(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
     if scenario.safety.chance is None:
-        as_is = scenario.planning.planner == "paper" or not scenario.planning.polish
-        if not as_is:
+        if not _as_printed(scenario):
             little = a_little(scenario)
             yield _Room(little.room(scenario, scenario, gaps=True), little)
     else:
@@ -154,6 +141,11 @@ def _rooms(scenario: Scenario) -> Iterator[_Room]:
     yield _Room(scenario, none)
 
 
+def _as_printed(scenario: Scenario) -> bool:
+    """Whether the path is to be as the algorithm found it."""
+    return scenario.planning.planner == "paper" or not scenario.planning.polish
+
+
 def _made_safe(plan: Plan, roomy: _Room, scenario: Scenario) -> Attempt:
     """The plan, moved aside while too few flights along it keep the limits and it can be; the best attempt.
 
@@ -161,7 +153,7 @@ def _made_safe(plan: Plan, roomy: _Room, scenario: Scenario) -> Attempt:
     """
     needs, latest = roomy.needs, _quick_attempt(_judged(plan, scenario), scenario)
     best = latest if latest.slack < FAR_OFF else _attempt(latest.plan, scenario)
-    for _ in range(ROUNDS):
+    for _ in range(0 if _as_printed(scenario) else ROUNDS):
         if best.holds:
             return best
         needs = needs.more(latest.promise, latest.plan.curve, scenario)

@@ -14,7 +14,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario import Scenario
 
 WAY_OUT = 2.0  # metres flown for each metre farther away
-LEAST_REACH = 0.5  # [m]
+TURN = 5.0  # in which a vehicle turns away from what is beside the place [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ def tight_places(scenario: Scenario, room: float) -> tuple[TightPlace, ...]:
     missing = scenario.limits.obstacle_distance + room - scenario.airspace.obstacle_distance(places)
     names = ["start", *(f"via[{n}]" for n in range(len(places) - 2)), "goal"]
     return tuple(
-        TightPlace(name, place, max(WAY_OUT * float(less), LEAST_REACH))
+        TightPlace(name, place, TURN + WAY_OUT * float(less))
         for name, place, less in zip(names, places, missing, strict=True)
         if less > 0
     )

@@ -24,6 +24,8 @@ from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.tube.thin import STRAY, thinned
 
+TAKE_OFF, ENDING = "the take-off", "the ending"
+
 
 @dataclass(frozen=True)
 class Kept:
@@ -48,6 +50,16 @@ class Kept:
     def on_the_way(self) -> bool:
         """Whether it is between the take-off and the last waypoint, and no given place is in its way."""
         return not self.part
+
+    @property
+    def forbids(self) -> bool:
+        """Whether a mission may not be flown for it: it falls short on the way, or at a given place even as predicted.
+
+        What is predicted there may be as near as the place itself, seen by legs that stand for the path.
+        """
+        if self.part in (TAKE_OFF, ENDING):
+            return False
+        return self.falls_short and (self.on_the_way or self.nominal < self.required - 2 * STRAY)
 
     @property
     def slack(self) -> float:
@@ -106,9 +118,13 @@ def tube_holds(course: Course, autopilot: Autopilot, scenario: Scenario) -> bool
             nearest = airspace.obstacle_clearance(thinned(stretch, STRAY), within=required + 2 * STRAY)
             if nearest.distance - STRAY < required:
                 return False
+        for stretch in runs(course.points, ~free):
+            near = airspace.obstacle_clearance(thinned(stretch, STRAY), within=required)
+            if near.distance < required - STRAY:
+                return False
         if chance is not None:
-            near = approaches(course, airspace, law, required)
-            if near.of(free[near.piece]).chance(required) > chance:
+            pairs = approaches(course, airspace, law, required)
+            if pairs.of(free[pairs.piece]).chance(required) > chance:
                 return False
     path = thinned(course.points, STRAY)
     return not any(_breaks(check) for check in limits_kept(path, scenario, _rim(law, chance)))
@@ -180,8 +196,8 @@ class PredictedFlight:
         law = law_of(self.autopilot, self.scenario.wind.speed)
         if self.scenario.airspace.obstacles:
             for first, then, its_law, name in (
-                (0.0, begin, law, "the take-off"),
-                (end, last, law.after_the_way(), "the ending"),
+                (0.0, begin, law, TAKE_OFF),
+                (end, last, law.after_the_way(), ENDING),
             ):
                 if then > first:
                     part = self.course.part(first, then)

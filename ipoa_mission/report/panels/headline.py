@@ -26,8 +26,8 @@ def verdict(
     against = [proof.words()] if not proof.holds else [danger.words for danger in dangers if danger.touching]
     errors = [finding.message for finding in findings if finding.severity is Severity.ERROR]
     kept = None if promise is None else promise.clearance
-    if promise is not None and any(broken.on_the_way for broken in promise.broken):
-        worst = min((broken for broken in promise.broken if broken.on_the_way), key=lambda broken: broken.slack)
+    if promise is not None and (broken := [kept for kept in promise.limits if kept.forbids]):
+        worst = min(broken, key=lambda kept: kept.slack)
         against.append(f"too near to {worst.to}: {worst.words(promise.confidence)}")
     if against or errors:
         return _line("bad", "✕", f"Not to be flown: {[*against, *errors][0]}.")

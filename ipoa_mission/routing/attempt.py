@@ -1,0 +1,28 @@
+"""One try of a flight: a plan, a route along it, and what its flights keep."""
+
+from dataclasses import dataclass
+
+from ipoa_mission.items import Mission
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.routing.route import Route
+from ipoa_mission.tube.promise import Promise
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A plan, the mission of the best route along it that was looked at, and what that promises."""
+
+    plan: Plan
+    route: Route
+    mission: Mission
+    promise: Promise
+
+    @property
+    def holds(self) -> bool:
+        """Whether enough flights keep every limit on the way."""
+        return not any(kept.forbids for kept in self.promise.limits)
+
+    @property
+    def slack(self) -> float:
+        """How much more than required is kept on the way, of all limits the least [m]."""
+        return min((kept.slack for kept in self.promise.limits if kept.on_the_way), default=0.0)
