@@ -19,6 +19,7 @@ from ipoa_mission.finding import Severity
 from ipoa_mission.items import QUADROTOR, FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
+from ipoa_mission.mission.landing_ground import over_told_ground, told_in_plan
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.scan_items import lay_out
 from ipoa_mission.world.frame import Geodetic
@@ -26,6 +27,7 @@ from ipoa_mission.world.frame import Geodetic
 FIRMWARE_TYPE = {Autopilot.ARDUPILOT: 3, Autopilot.PX4: 12}  # MAV_AUTOPILOT
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
 ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
+LANDING_GROUND = "landingGround"  # a key of ours
 CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and params[6] AMSL
 
 
@@ -78,7 +80,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         version.whole("2", 2, 2)
     autopilot = autopilot or autopilot_in(mission["firmwareType"])
     speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
-    return Mission(
+    read = Mission(
         home=_home(mission["plannedHomePosition"]),
         items=settle_frames(_items(mission["items"]), autopilot),
         autopilot=autopilot,
@@ -89,6 +91,11 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         findings=tuple(plan.findings),
         source=text,
     )
+    ground = plan.get(LANDING_GROUND)
+    if ground is None:
+        return read
+    numbers = (ground[name].number("a number") for name in ("aboveHome", "latitude", "longitude"))
+    return over_told_ground(read, *numbers)
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
@@ -119,7 +126,9 @@ def _plan(mission: Mission) -> dict[str, Any]:
         header |= {"cruiseSpeed": _tidy(mission.cruise_speed), "hoverSpeed": _tidy(mission.cruise_speed)}
     circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
     polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
+    ground = told_in_plan(mission)
     return {
+        **({LANDING_GROUND: ground} if ground else {}),
         "fileType": "Plan",
         "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
         "groundStation": "QGroundControl",

@@ -95,7 +95,7 @@ class _Flight:
         elif command == Command.DO_CHANGE_SPEED:
             self.copter.change_speed(int(params[0]), params[1])
         elif command == Command.NAV_RETURN_TO_LAUNCH:
-            self.come_down(self.copter.return_home())
+            self.come_down(self.copter.return_home(self.route.goal_of_return(self.copter.here)))
         elif command == Command.NAV_LAND:
             self.come_down(self.copter.land(self.target(n) if visit.item.has_position else None))
         elif command == Command.NAV_PAYLOAD_PLACE:
