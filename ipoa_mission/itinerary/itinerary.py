@@ -1,11 +1,11 @@
 """What the vehicle meets in flight, one visit after the other: jumps followed, nothing left open."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ipoa_mission.autopilots.renamed import by_old_names
 from ipoa_mission.autopilots.returning import HOME, goal_of_return
-from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Parameters
+from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import LEVEL, Ground, Item, Mission
@@ -40,7 +40,7 @@ class Itinerary:
     over_terrain: tuple[int, ...]
     ground: Ground = LEVEL
     rally: tuple[Place, ...] = ()
-    parameters: Parameters = NO_PARAMETERS
+    parameters: Parameters = field(default_factory=dict)
 
     def goal_of_return(self, here: Place) -> Place:
         """Where a return from `here` leads: home, or a rally point and its height."""

@@ -79,6 +79,8 @@ def led(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
         behind = math.sqrt(east * east + north * north)
     pace = 1.0 - min(behind / limits.most_error, 1.0)
     now = smoothed(was, within, limits, climb.accel, law.dt * pace)
+    if order.kind != LAND:
+        return now
     return Trajectory(in_single(now.east), in_single(now.north), now.up)
 
 
@@ -86,7 +88,8 @@ def in_single(axis: Axis) -> Axis:
     """The axis with its place in single precision, as PX4 keeps it.
 
     Away from home a trajectory so never quite arrives: steps that are too small are lost, and it keeps the direction
-    and the trace of speed that it came with. Whether it waits for the vehicle hangs on these for as long as it lands.
+    and the trace of speed that it came with. Whether it waits for the vehicle hangs on these for as long as it lands;
+    on the way nothing stands for so long.
     """
     wide = SPLIT * axis.place
     return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
