@@ -53,6 +53,8 @@ ARDUCOPTER_DEFAULTS: Parameters = {
     "DISARM_DELAY": 10.0,
     "RTL_CLIMB_MIN": 0.0,
     "RTL_CONE_SLOPE": 3.0,
+    "RALLY_LIMIT_KM": 0.3,
+    "RALLY_INCL_HOME": 1.0,
     "CIRCLE_RADIUS": 1000.0,
     "CIRCLE_RATE": 20.0,
     "ATC_RATE_R_MAX": 0.0,

@@ -48,6 +48,7 @@ PX4_DEFAULTS: Parameters = {
     "RTL_MIN_DIST": 10.0,
     "RTL_CONE_ANG": 45.0,
     "RTL_LAND_DELAY": 0.0,
+    "RTL_TYPE": 0.0,
     "MPC_XY_VEL_P_ACC": 1.8,
     "MPC_XY_VEL_I_ACC": 0.4,
     "MPC_XY_VEL_D_ACC": 0.2,
@@ -130,7 +131,10 @@ class Px4Touchdown(NamedTuple):
 
 
 class Px4Limits(NamedTuple):
-    """What moves a PX4 multicopter along a mission: m, s, m/s, m/s^2, m/s^3, rad."""
+    """What moves a PX4 multicopter along a mission: m, s, m/s, m/s^2, m/s^3, rad.
+
+    LAND slows down from `sinks_from` [m/s], which may be more than it ever sinks with.
+    """
 
     cruise: float
     most_speed: float
@@ -162,6 +166,7 @@ class Px4Limits(NamedTuple):
     land_speed: float
     land_high: float
     land_low: float
+    sinks_from: float
     crawl_below: float
     crawl_speed: float
     yaw_rate: float
@@ -224,6 +229,7 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         land_speed=min(p["MPC_LAND_SPEED"], p["MPC_Z_VEL_MAX_DN"]),
         land_high=max(p["MPC_LAND_ALT1"], p["MPC_LAND_ALT2"]),
         land_low=p["MPC_LAND_ALT2"],
+        sinks_from=p["MPC_Z_VEL_MAX_DN"],
         crawl_below=p["MPC_LAND_ALT3"],
         crawl_speed=p["MPC_LAND_CRWL"],
         yaw_rate=math.radians(p["MPC_YAWRAUTO_MAX"]),

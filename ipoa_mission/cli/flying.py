@@ -76,7 +76,8 @@ def fly(
 
     A scenario is planned first and its mission files are written. Without `--link` the built-in autopilot flies it, as
     fast as it goes. With `--link` a vehicle on the ground is waited for until it is ready, armed, started at its first
-    item, and watched. Every frame goes to the log. Exit code 0: it landed and was disarmed where its mission ends.
+    item, and watched. Every frame goes to the log. Exit code 0: it landed and was disarmed where its mission ends;
+    after an RTL that may be a rally point.
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
@@ -85,7 +86,7 @@ def fly(
     from ipoa_mission.cli.overwriting import expect_free, expect_log
     from ipoa_mission.cli.real_flight import RealFlight, begun_with, no_flight_yet
     from ipoa_mission.files import unused
-    from ipoa_mission.flight.landed import landed_elsewhere
+    from ipoa_mission.flight.landed import landed_at_rally, landed_elsewhere
     from ipoa_mission.flight.written import not_as_written
     from ipoa_mission.simulator.fly import fly as fly_here
 
@@ -119,7 +120,7 @@ def fly(
                 job = read_job(source, flown_by, there.autopilot)
             job = begun_with(job, begin)
             remarks, record = RealFlight(job, there, begin - 1, on_link.anyway, set_params).fly()
-    remarks += landed_elsewhere(job.mission, record, job.wind)
+    remarks += landed_at_rally(job.mission, record) + landed_elsewhere(job.mission, record, job.wind)
     written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)

@@ -1,12 +1,35 @@
-"""Whether a flight landed on the ground that its mission knows of: a simulator's may be as high as home everywhere."""
+"""Where a flight landed: at which rally point, and whether on the ground that its mission knows of.
+
+A simulator's ground may be as high as home everywhere.
+"""
+
+import math
 
 from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.itinerary import rally_places
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.landing_ground import landing_ground, landing_on
 from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.wind import Wind
+from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 NOTICED = 1.0  # [m]
+AT_A_POINT = 10.0  # who lands no farther from it has landed there [m]
+
+
+def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
+    """Words about a return that ended at a rally point; nothing where it ended at home or the mission has none."""
+    if not record.completed or not record.path or not mission.rally:
+        return ()
+    end, frame = record.path[-1], LocalFrame(mission.home)
+    there = Geodetic(end.latitude_deg, end.longitude_deg, mission.home.altitude)
+    here = tuple(map(float, frame.local(there)[:2]))
+    ways = [math.dist(here, place[:2]) for place in rally_places(mission)]
+    nearest = min(range(len(ways)), key=ways.__getitem__)
+    if ways[nearest] > AT_A_POINT or math.hypot(*here) <= ways[nearest]:
+        return ()
+    bearing = math.degrees(math.atan2(here[0], here[1])) % 360.0
+    return (f"it landed at rally point {nearest + 1}, {math.hypot(*here):.0f} m {bearing:.0f}° from home",)
 
 
 def landed_elsewhere(mission: Mission, record: FlightRecord, wind: Wind) -> tuple[str, ...]:

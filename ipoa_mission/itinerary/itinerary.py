@@ -1,13 +1,16 @@
 """What the vehicle meets in flight, one visit after the other: jumps followed, nothing left open."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
+from ipoa_mission.autopilots.renamed import by_old_names
+from ipoa_mission.autopilots.returning import HOME, goal_of_return
+from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item, Mission
-from ipoa_mission.itinerary.program import Program, as_flown
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.itinerary.program import Place, Program, as_flown
+from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
 
 #: ArduPilot's own bound on what a mission may hold, taken here as a bound on what a loop may unroll to.
@@ -30,13 +33,20 @@ class Visit:
 class Itinerary:
     """Visits in order, and the same as a program without jumps; `over_terrain` names items whose height is.
 
-    Landings come down to the `ground`.
+    Landings come down to the `ground`; a return leads home or to one of the `rally` points, by the `parameters`.
     """
 
     visits: tuple[Visit, ...]
     program: Program
     over_terrain: tuple[int, ...]
     ground: Ground = LEVEL
+    rally: tuple[Place, ...] = ()
+    parameters: Parameters = field(default_factory=dict)
+
+    def goal_of_return(self, here: Place) -> Place:
+        """Where a return from `here` leads: home, or a rally point and its height."""
+        n = goal_of_return(self.program.autopilot, self.parameters, here, self.rally)
+        return HOME if n is None else self.rally[n]
 
 
 def itinerary(mission: Mission) -> Itinerary:
@@ -56,7 +66,17 @@ def itinerary(mission: Mission) -> Itinerary:
     )
     visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
     program = Program(items, LocalFrame(mission.home), mission.autopilot)
-    return Itinerary(visits, program, tuple(over_terrain), mission.ground)
+    by_names = by_old_names(mission.parameters)
+    return Itinerary(visits, program, tuple(over_terrain), mission.ground, rally_places(mission), by_names)
+
+
+def rally_places(mission: Mission) -> tuple[Place, ...]:
+    """Its rally points, east, north and up of home as the autopilot keeps it [m]."""
+    if not mission.rally:
+        return ()
+    frame, home = LocalFrame(mission.home), mission.home
+    places = (frame.local(Geodetic(at.latitude_deg, at.longitude_deg, home.altitude)) for at in mission.rally)
+    return tuple((float(p[0]), float(p[1]), at.altitude) for p, at in zip(places, mission.rally, strict=True))
 
 
 def flying_already(route: Itinerary) -> float | None:

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
-from ipoa_mission.autopilots.px4 import Px4Return
 from ipoa_mission.autopilots.renamed import by_old_names
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
+from ipoa_mission.autopilots.returning import goal_of_return, return_height
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item, Mission
@@ -188,24 +188,32 @@ class _Flight:
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
 
     def returns(self, seq: int) -> Iterator[Leg]:
-        """Home, and to each rally point."""
-        for goal, (way,) in self.return_ways(self.at[None]):
+        """Home, or to the rally point that the autopilot chooses; and to all others, to which it may turn as well."""
+        places = [_triple(place) for place in self._rally_points()]
+        chosen = goal_of_return(self.mission.autopilot, self.parameters, _triple(self.at), places)
+        ways = list(self.return_ways(self.at[None]))
+        ways.insert(0, ways.pop(0 if chosen is None else chosen + 1))
+        landed = self.at
+        for n, (goal, (way,)) in enumerate(ways):
             self.at = way[-1]
             down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
-            at_times = goal is not self.home
-            yield from (replace(leg, alternative=at_times) for leg in (Leg(seq, Phase.RETURN, way), down))
+            yield from (replace(leg, alternative=n > 0) for leg in (Leg(seq, Phase.RETURN, way), down))
+            landed = self.at if n == 0 else landed
+        self.at = landed
 
     def return_ways(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
         """Each goal, and the ways to over it from places (n, 3), over them, (n, 3, 3).
 
         They are so high above home all the way: level is not straight, 10 km away it is 8 m lower.
         """
-        amsl, height = self.mission.home.altitude, _RETURN_HEIGHT[self.mission.autopilot]
+        amsl, autopilot = self.mission.home.altitude, self.mission.autopilot
         latitude, longitude, altitude = self.frame.to_geodetic(places)
-        for goal in (self.home, *self._rally_points()):
+        ups = (0.0, *(place.altitude for place in self.mission.rally))
+        for goal, up in zip((self.home, *self._rally_points()), ups, strict=True):
             there = self.frame.geodetic(goal)
             distances = np.hypot(*(goal - places)[:, :2].T)
-            heights = np.array([height(self.parameters, *one) for one in zip(altitude - amsl, distances, strict=True)])
+            both = zip(altitude - amsl, distances, strict=True)
+            heights = np.array([return_height(autopilot, self.parameters, *one, up) for one in both])
             ways = np.stack([places, places, np.tile(goal, (len(places), 1))], axis=1)
             ways[:, 1, 2] = self.frame.to_local(latitude, longitude, amsl + heights)[:, 2]
             beyond = np.full(len(places), there.latitude_deg), np.full(len(places), there.longitude_deg)
@@ -240,23 +248,3 @@ def _triple(point: Vector) -> Place:
 
 def _follows(item: Item) -> bool:
     return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
-
-
-def _ardupilot_return_height(parameters: Parameters, height: float, distance: float) -> float:
-    """ArduCopter's RTL: RTL_ALT [cm] at least, RTL_CLIMB_MIN [cm] more, less near home by RTL_CONE_SLOPE."""
-    least = max(0.0, height + max(0.0, parameters.get("RTL_CLIMB_MIN", 0.0) / 100))
-    top = max(parameters["RTL_ALT"] / 100, least)
-    slope = parameters.get("RTL_CONE_SLOPE", 3.0)
-    return min(top, max(distance * slope, least)) if slope >= 0.5 else top
-
-
-def _px4_return_height(parameters: Parameters, height: float, distance: float) -> float:
-    """PX4's RTL, as its manual has it."""
-    return Px4Return.of(parameters).height(height, distance)
-
-
-#: How high above home the autopilot returns.
-_RETURN_HEIGHT: dict[Autopilot, Callable[[Parameters, float, float], float]] = {
-    Autopilot.ARDUPILOT: _ardupilot_return_height,
-    Autopilot.PX4: _px4_return_height,
-}

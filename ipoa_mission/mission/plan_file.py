@@ -21,6 +21,7 @@ from ipoa_mission.finding import Severity
 from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
+from ipoa_mission.mission.landing_ground import over_told_ground, told_in_plan
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.scan_items import lay_out
 from ipoa_mission.mission.structure_scan import height_scanned
@@ -29,6 +30,7 @@ from ipoa_mission.world.frame import Geodetic
 FIRMWARE_TYPE = {Autopilot.ARDUPILOT: 3, Autopilot.PX4: 12}  # MAV_AUTOPILOT
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
 ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
+LANDING_GROUND = "landingGround"  # a key of ours
 CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and params[6] AMSL
 
 
@@ -82,7 +84,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     autopilot = autopilot or autopilot_in(mission["firmwareType"])
     speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
     home, listed = _home(mission["plannedHomePosition"]), _entries(mission["items"])
-    return Mission(
+    read = Mission(
         home=home,
         items=settle_frames(_items(listed), autopilot),
         autopilot=autopilot,
@@ -94,6 +96,11 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         source=text,
         scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
     )
+    ground = plan.get(LANDING_GROUND)
+    if ground is None:
+        return read
+    numbers = (ground[name].number("a number") for name in ("aboveHome", "latitude", "longitude"))
+    return over_told_ground(read, *numbers)
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
@@ -124,7 +131,9 @@ def _plan(mission: Mission) -> dict[str, Any]:
         header |= {"cruiseSpeed": _tidy(mission.cruise_speed), "hoverSpeed": _tidy(mission.cruise_speed)}
     circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
     polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
+    ground = told_in_plan(mission)
     return {
+        **({LANDING_GROUND: ground} if ground else {}),
         "fileType": "Plan",
         "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
         "groundStation": "QGroundControl",

@@ -29,7 +29,7 @@ class ArduPilotPilot:
 
     def __init__(self, body: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
         """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
-        self._body, self._now = body, situation
+        self._body, self._now, self._parameters = body, situation, parameters
         limits = copter_limits(usable(parameters))
         given = body.conditions
         airframe = airframe_of(given.vehicle).at_altitude(situation.program.frame.home.altitude)
@@ -52,7 +52,7 @@ class ArduPilotPilot:
             case FlightMode.MISSION:
                 self._begin(self._now.current)
             case FlightMode.RETURN:
-                self._come_down(self._copter.return_home())
+                self._come_down(self._copter.return_home(self._return_goal()))
             case FlightMode.LAND:
                 self._come_down(self._copter.land(None))
             case FlightMode.HOLD:
@@ -64,6 +64,9 @@ class ArduPilotPilot:
         ahead = slice(now, now + 3)
         if self._then == self._arrived and before[ahead] != after[ahead] and now < len(after):
             self._begin(now)
+
+    def _return_goal(self) -> Place:
+        return self._now.goal_of_return(self._copter.place, self._parameters)
 
     def climb(self, height: float) -> None:
         """Take off outside a mission, in GUIDED, to a height above home."""
@@ -107,7 +110,7 @@ class ArduPilotPilot:
             case _ if self._now.landed:  # it stays on the ground
                 self._flying = False
             case Command.NAV_RETURN_TO_LAUNCH:
-                self._come_down(self._copter.return_home())
+                self._come_down(self._copter.return_home(self._return_goal()))
             case Command.NAV_LAND:
                 self._come_down(self._copter.land(self._place(index) if item.has_position else None))
             case _:

@@ -131,6 +131,8 @@ class Autopilot(Commander):
 
     def _listed(self, kind: int) -> None:
         """A list has been replaced or cleared."""
+        if kind == MissionType.RALLY:
+            self.flight.know_rally(tuple(self.transfers.listed(MissionType.RALLY)))
         if kind != MissionType.MISSION:
             return
         items = self.transfers.listed(MissionType.MISSION)[self._first :]

@@ -172,6 +172,11 @@ class Flight:
         else:
             now.mission = MissionState.NOT_STARTED if self.landed else MissionState.PAUSED
 
+    def know_rally(self, items: tuple[Item, ...]) -> None:
+        """Take new rally points (as items, heights above home), for returns that begin from now on."""
+        at = [(self.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, self.home.altitude)), i) for i in items]
+        self._now.rally = tuple((float(place[0]), float(place[1]), item.height(self.home)) for place, item in at)
+
     def _program(self, items: tuple[Item, ...]) -> Program:
         return Program(items, self.frame, self.autopilot, first=0 if self.autopilot is Autopilot.PX4 else 1)
 

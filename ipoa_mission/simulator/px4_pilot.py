@@ -30,6 +30,7 @@ class PX4Pilot:
         airframe = airframe_of(given.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self._vehicle, self._now, self._ground = vehicle, situation, given.ground
+        self._parameters = parameters
         self._law = law(self._limits, airframe, SIH_SENSES, given.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
@@ -191,7 +192,9 @@ class PX4Pilot:
 
     def _return(self) -> None:
         self._cruise = self._limits.cruise
-        self._fly(way_home(self._over_home(), self._limits, self._down(Enu(0.0, 0.0, 0.0))))
+        here = self._over_home()
+        goal = Enu(*self._now.goal_of_return(here, self._parameters))
+        self._fly(way_home(here, self._limits, self._down(goal), goal.up))
 
     def _down(self, place: Enu) -> Enu:
         """The ground below a place."""

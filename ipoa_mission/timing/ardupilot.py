@@ -27,6 +27,8 @@ from ipoa_mission.wind import CALM, Wind
 NOWHERE = (math.nan,) * 3
 DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half the width of the interval: seconds, and share of the time
 
+LANDING_DOUBT = 0.6  # the centimetre before LAND takes so much more or less (`copter.LAND_BELOW`) [s]
+
 #: Of these only the flight to their place is modeled.
 ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})
 TO_A_PLACE = FLOWN_ON_INTO[Autopilot.ARDUPILOT] | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
@@ -62,7 +64,8 @@ def fly_arducopter(
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
     track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
     done = np.array(flight.done, dtype=np.float64)
-    doubt = DOUBT + DOUBT_SHARE * done
+    lands = np.array([visit.item.command == Command.NAV_LAND and visit.item.has_position for visit in route.visits])
+    doubt = np.hypot(DOUBT + DOUBT_SHARE * done, LANDING_DOUBT * np.maximum.accumulate(lands.astype(float)))
     return Prediction(done, done - doubt, done + doubt, tuple(flight.reasons), track, tuple(flight.remarks))
 
 
@@ -95,7 +98,7 @@ class _Flight:
         elif command == Command.DO_CHANGE_SPEED:
             self.copter.change_speed(int(params[0]), params[1])
         elif command == Command.NAV_RETURN_TO_LAUNCH:
-            self.come_down(self.copter.return_home())
+            self.come_down(self.copter.return_home(self.route.goal_of_return(self.copter.here)))
         elif command == Command.NAV_LAND:
             self.come_down(self.copter.land(self.target(n) if visit.item.has_position else None))
         elif command == Command.NAV_PAYLOAD_PLACE:

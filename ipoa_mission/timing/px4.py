@@ -30,6 +30,9 @@ STEP = 0.04  # [s]
 SAMPLE_STEPS = 3  # a sample of the track every so many steps
 
 
+LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
+
+
 @dataclass(frozen=True)
 class NoisyRuns:
     """How often an itinerary is flown with noise, and what the spread of the times makes of the interval."""
@@ -39,6 +42,7 @@ class NoisyRuns:
     known_share: float = 0.003  # the standard error of the mean is this share of it
     doubt_s: float = 0.8  # what the model itself may be off by, standard deviation: this,
     doubt_share: float = 0.0125  # and this share of the time
+    landing_s: float = 1.6  # what landings differ by beyond that, in recorded flights
     interval_deviations: float = 1.645  # nine in ten are so many standard deviations on either side of the mean
     missed_s: float = 3.0  # a waypoint that takes so much longer than in most runs has been missed
 
@@ -76,7 +80,9 @@ def fly_px4(
             remarks.append(f"some flights would not end: {lost}")
     runs = np.array(times or [smooth])
     done = runs.mean(axis=0)
-    half = RUNS.interval_deviations * np.sqrt(runs.var(axis=0) + RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2)
+    lands = np.array([visit.item.command in LANDINGS for visit in route.visits], dtype=bool)
+    doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
+    half = RUNS.interval_deviations * np.sqrt(runs.var(axis=0) + doubt)
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
     track = Track(warped, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))

@@ -9,11 +9,20 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from ipoa_mission.autopilots.ardupilot import CENTIMETRE, CopterLimits
+from ipoa_mission.autopilots.returning import HOME, ardupilot_height
 from ipoa_mission.commands import Command
 from ipoa_mission.dynamics.compiled import stepping
 from ipoa_mission.dynamics.copter import steps as plain_steps
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe
-from ipoa_mission.dynamics.copter.legs import at_speeds, hold_leg, joined, spline_leg, straight_leg, upright_leg
+from ipoa_mission.dynamics.copter.legs import (
+    at_speeds,
+    hold_leg,
+    joined,
+    speed_left,
+    spline_leg,
+    straight_leg,
+    upright_leg,
+)
 from ipoa_mission.dynamics.copter.motion import (
     CLIMB,
     DESCENT,
@@ -52,7 +61,6 @@ RETURN_ROUNDING = 0.7 * CENTIMETRE
 #: What rounding leaves to climb when a take-off counts as done: up to half a millimetre, for which the leg over the
 #: take-off takes 0.4 s, or nothing, for which it takes no time. This much takes 0.2 s [m].
 TAKEOFF_REST = 0.00003
-LEAST_CONE = 0.5  # RTL_CONE_SLOPE counts from here on
 STANDING = 0.1  # [m/s]
 SLOWEST = 0.5  # a copter that the wind leaves less headway does not get on [m/s]
 BLOWN_OFF = -2  # what the stepping code says of a copter that it has lost
@@ -106,6 +114,7 @@ class Copter:
         self._flat: dict[int, tuple[Leg, Any]] = {}
         self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
         self.passed = True
+        self._left = 0.0  # how fast the last spline that was planned ahead is left [m/s]
 
     @property
     def place(self) -> Place:
@@ -215,7 +224,9 @@ class Copter:
         onward = NO_LEG
         if following is not None:
             onward = self._leg(following, stop.place, this)
-            this = joined(this, onward, self.limits)
+            this = joined(this, onward, self.limits, self._left)
+            if onward.kind == SPLINE:
+                self._left = speed_left(onward)
         self._begin(this, onward)
 
     def _leg(self, stop: Stop, origin: Place, previous: Leg) -> Leg:
@@ -313,18 +324,19 @@ class Copter:
         self.descend(0.0 if place is None else place[2])
         yield
 
-    def return_home(self) -> Iterator[None]:
-        """RTL: climb if below its height (no higher than a cone over home asks for), fly home, loiter, come down."""
-        limits, (x, y, z) = self.limits, self.brake()
-        least = z + max(limits.rtl_climb, 0.0)
-        height = max(least, limits.rtl_height)
-        if limits.rtl_cone >= LEAST_CONE:
-            height = min(height, max(math.hypot(x, y) * limits.rtl_cone, least))
+    def return_home(self, goal: Place = HOME) -> Iterator[None]:
+        """RTL: climb if below its height (no higher than a cone over home asks for), fly home, loiter, come down.
+
+        `goal`: home, or the rally point that it returns to instead, with that one's height.
+        """
+        limits, (x, y, z), (east, north, _) = self.limits, self.brake(), goal
+        least, far = z + max(limits.rtl_climb, 0.0), math.hypot(x - east, y - north)
+        height = ardupilot_height(least, limits.rtl_height, limits.rtl_cone, far, goal[2])
         self.speeds = Bounds(limits.rtl_speed, limits.climb, limits.descent)
         self._follow_with_nose(limits.rtl_turns)
         height = max(z + RETURN_ROUNDING, height)
-        top, home = Stop((x, y, height)), Stop((0.0, 0.0, height))
-        away = math.hypot(x, y) > SAME_PLACE
+        top, home = Stop((x, y, height)), Stop((east, north, height))
+        away = far > SAME_PLACE
         self._fly_to(top, home if away else None)
         yield
         if away:
@@ -333,7 +345,7 @@ class Copter:
         self.hold(limits.rtl_loiter)
         yield
         if limits.rtl_final > 0:
-            self._fly_to(Stop((0.0, 0.0, limits.rtl_final)))
+            self._fly_to(Stop((east, north, limits.rtl_final)))
         else:
             self.descend()
         yield

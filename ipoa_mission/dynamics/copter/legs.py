@@ -88,14 +88,26 @@ def hold_leg(place: Place, lasts: float) -> Leg:
     return upright_leg(HOLD, place, place[2], Bounds(0.0, 0.0, 0.0), lasts)
 
 
-def joined(this: Leg, following: Leg, copter: CopterLimits) -> Leg:
-    """`this` with the speed at its end agreed with the next leg, where one of the two is a spline."""
+def joined(this: Leg, following: Leg, copter: CopterLimits, left: float = math.inf) -> Leg:
+    """`this` with the speed at its end agreed with the next leg, where one of the two is a spline.
+
+    A spline that follows is entered no faster than its chord leaves way to brake to `left`: the speed at which the
+    spline that was planned to follow before it was to be left [m/s].
+    """
     if this.kind == following.kind == STRAIGHT:
         return this
     speed = _speed_at(following, 0.0)
+    if following.kind == SPLINE:
+        brakes = along_limit(*bend(following, 0.0)[1], following.accel)
+        speed = min(speed, math.sqrt(2 * brakes * following.length + left**2))
     if this.kind == SPLINE:
         return this._replace(leave=min(speed, _speed_at(this, 1.0)))
     return straight_leg(this.origin, this.target, this.speeds, copter, leave=speed, turn=this.turn)
+
+
+def speed_left(leg: Leg) -> float:
+    """The speed at which a spline may be left, for all that comes after it; nothing where it ends at rest."""
+    return _speed_at(leg, 1.0) if any(leg.tangents[1]) else 0.0
 
 
 def at_speeds(leg: Leg, speeds: Bounds, elapsed: float, copter: CopterLimits) -> Leg:

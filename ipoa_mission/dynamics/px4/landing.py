@@ -8,6 +8,8 @@ from ipoa_mission.geometry import GRAVITY
 def sink_rate(state: State, order: Order, law: Law) -> float:
     """MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, from there ever slower to MPC_LAND_SPEED at MPC_LAND_ALT2; then it crawls.
 
+    Between the two it comes from MPC_Z_VEL_MAX_DN, though it never sinks with more than MPC_Z_V_AUTO_DN.
+
     These are over the ground where a range finder sees it, whose height lags, and there it crawls; else over home.
     """
     limits, sees = law.limits, law.senses.sees_ground
@@ -15,7 +17,7 @@ def sink_rate(state: State, order: Order, law: Law) -> float:
     if sees and height <= limits.crawl_below and not state.contact.lost:
         return limits.crawl_speed
     share = (height - limits.land_low) / max(limits.land_high - limits.land_low, 1e-6)
-    return limits.land_speed + min(max(share, 0.0), 1.0) * (limits.descent - limits.land_speed)
+    return min(limits.land_speed + min(max(share, 0.0), 1.0) * (limits.sinks_from - limits.land_speed), limits.descent)
 
 
 def stands(state: State, order: Order) -> bool:

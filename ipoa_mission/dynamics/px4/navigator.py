@@ -67,14 +67,18 @@ def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: fl
     return [*way, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, holds=holds)]
 
 
-def way_home(here: Enu, limits: Px4Limits, home: Enu) -> list[Order]:
-    """The orders of RTL: climb as `Px4Return` says, fly to the ground at home at MPC_XY_CRUISE, wait, disarm."""
-    height, cruise = limits.returning.height(here.up, math.hypot(here.east, here.north)), limits.cruise
+def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
+    """The orders of RTL: climb as `Px4Return` says, fly to the ground at home at MPC_XY_CRUISE, wait, disarm.
+
+    `home` may be a rally point's ground; the heights then count from `up`, the rally point's own.
+    """
+    far = math.hypot(here.east - home.east, here.north - home.north)
+    height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(here, top, None, limits, cruise)] if top != here else []
     *way, down = way_down(top, home, limits, cruise, limits.disarm_delay)
     over = down.goal._replace(up=top.up)
-    low = over._replace(up=max(min(top.up, limits.land_delay_height), home.up))
+    low = over._replace(up=max(min(top.up, up + limits.land_delay_height), home.up))
     waits = [leg(over, low, None, limits, cruise), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
     return [*climb, *way, *waits, down]
 
@@ -145,7 +149,8 @@ class _Navigator:
             return stay(self.here, self.limits, params[0])
         if command == Command.NAV_RETURN_TO_LAUNCH:
             self.cruise = self.limits.cruise
-            return self.down(way_home(self.here, self.limits, self.ground(Enu(0.0, 0.0, 0.0))))
+            goal = Enu(*self.route.goal_of_return(tuple(self.here)))
+            return self.down(way_home(self.here, self.limits, self.ground(goal), goal.up))
         if command == Command.NAV_LAND:
             return self.down(way_down(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
         if command == Command.DO_CHANGE_SPEED and params[0] < 2:

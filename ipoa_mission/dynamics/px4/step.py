@@ -34,6 +34,7 @@ from ipoa_mission.dynamics.px4.state import (
 )
 
 STANDING = 1e-6  # a trajectory slower than this stands still, and always waits for the vehicle [m/s]
+SPLIT = 2.0**29 + 1.0  # leaves the 24 bits of single precision (Veltkamp's splitting)
 GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m/s]
 
 
@@ -77,7 +78,21 @@ def led(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
     if standing or east * was.east.speed + north * was.north.speed >= 0.0:
         behind = math.sqrt(east * east + north * north)
     pace = 1.0 - min(behind / limits.most_error, 1.0)
-    return smoothed(was, within, limits, climb.accel, law.dt * pace)
+    now = smoothed(was, within, limits, climb.accel, law.dt * pace)
+    if order.kind != LAND:
+        return now
+    return Trajectory(in_single(now.east), in_single(now.north), now.up)
+
+
+def in_single(axis: Axis) -> Axis:
+    """The axis with its place in single precision, as PX4 keeps it.
+
+    Away from home a trajectory so never quite arrives: steps that are too small are lost, and it keeps the direction
+    and the trace of speed that it came with. Whether it waits for the vehicle hangs on these for as long as it lands;
+    on the way nothing stands for so long.
+    """
+    wide = SPLIT * axis.place
+    return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
 
 
 def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool:

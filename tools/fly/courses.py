@@ -1,0 +1,197 @@
+"""Courses to be flown on real autopilots: long ones with many near passes, and short ones of every kind.
+
+    python -m tools.fly.courses DIR --kind long|short
+
+Every course is made from its number alone, so that the same flights can be had again; each is a scenario for one
+autopilot, NAME-px4.toml and NAME-ardupilot.toml, which differ in nothing else (but that PX4 knows no splines).
+"""
+
+import argparse
+import math
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+
+HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
+Place = tuple[float, float, float]
+Course = dict[str, Any]
+
+
+def slalom(rng: random.Random, count: int) -> Course:
+    """Past masts in a line, on the left of one and the right of the next."""
+    spacing, radius, beside = rng.uniform(55, 90), rng.uniform(2, 6), rng.uniform(4.5, 7)
+    masts, via = [], []
+    for n in range(count):
+        east, north = spacing * (n + 1), rng.uniform(-8, 8)
+        masts.append(_mast(n, east, north, radius, 60.0))
+        via.append((east, north + (radius + beside) * (1 if n % 2 else -1), 15.0 + rng.uniform(-3, 3)))
+    return _course(via, masts, rng.uniform(6, 9))
+
+
+def lawn(rng: random.Random, count: int) -> Course:
+    """To and fro between rows of trees."""
+    row, long, tall = rng.uniform(15, 19), rng.uniform(110, 170), rng.uniform(14, 22)
+    trees, via = [], []
+    for n in range(count):
+        ends = [(15.0, row * n), (15.0 + long, row * n)]
+        via += [(*end, 9.0) for end in (ends if n % 2 == 0 else ends[::-1])]
+        if n < count - 1:
+            places = [25.0 + k * 22.0 for k in range(int(long // 22.0))]
+            trees += [_mast(100 * n + k, x, row * (n + 0.5), 1.5, tall) for k, x in enumerate(places)]
+    return _course(via, trees, rng.uniform(5, 7))
+
+
+def perimeters(rng: random.Random, count: int) -> Course:
+    """Round one block after the other, near its walls."""
+    blocks, via, east = [], [], 45.0
+    for n in range(count):
+        wide, deep, beside, up = rng.uniform(30, 55), rng.uniform(25, 45), rng.uniform(4.5, 6.5), rng.uniform(10, 18)
+        east += wide / 2
+        blocks.append(_block(n, east, 0.0, wide, deep, up + 15.0))
+        w, d = wide / 2 + beside, deep / 2 + beside
+        via += [(east + x, y, up) for x, y in ((-w, -d), (-w, d), (w, d), (w, -d))]
+        east += wide / 2 + 30.0
+    return _course(via, blocks, rng.uniform(5, 8))
+
+
+def hurdles(rng: random.Random, count: int) -> Course:
+    """Over low walls and under their height again."""
+    walls, via, east = [], [], 30.0
+    for n in range(count):
+        tall = rng.uniform(8, 20)
+        east += rng.uniform(35, 60)
+        walls.append(_block(n, east, 0.0, 6.0, 60.0, tall))
+        via.append((east, rng.uniform(-5, 5), tall + rng.uniform(5.0, 6.5)))
+        east += rng.uniform(35, 60)
+        via.append((east, rng.uniform(-10, 10), max(tall - 4.0, 8.0)))
+    return _course(via, walls, rng.uniform(5, 8))
+
+
+def gates(rng: random.Random, count: int) -> Course:
+    """Through the gaps of walls, each elsewhere."""
+    walls, via, east = [], [], 20.0
+    for n in range(count):
+        gap, north = rng.uniform(11, 14), rng.uniform(-18, 18)
+        east += rng.uniform(55, 85)
+        for k, side in enumerate((-1, 1)):
+            walls.append(_block(10 * n + k, east, north + side * (gap / 2 + 15.0), 5.0, 30.0, 40.0))
+        via += [(east - 14.0, north, 14.0), (east + 14.0, north, 14.0)]
+    return _course(via, walls, rng.uniform(5, 8))
+
+
+LONG: tuple[tuple[Callable[[random.Random, int], Course], int], ...] = (
+    (slalom, 32), (lawn, 14), (perimeters, 10), (hurdles, 16), (gates, 20),
+    (slalom, 36), (lawn, 16), (perimeters, 11), (hurdles, 18), (gates, 22),
+    (slalom, 34), (lawn, 15), (perimeters, 12), (hurdles, 17), (gates, 21),
+)  # fmt: skip
+
+
+def free(rng: random.Random, kind: int) -> Course:
+    """A short flight past two or three obstacles, every `kind` of ending, waypoints, height and ground in turn."""
+    span, turn = rng.uniform(90, 320), rng.uniform(-math.pi, math.pi)
+    goal = (span * math.cos(turn), span * math.sin(turn), (5.0, 9.0, 14.0, 22.0, 31.0)[kind % 5])
+    course = _course([goal], [], rng.uniform(4, 12))
+    course["start"]["up"] = rng.choice((8.0, 12.0, 20.0))
+    for n in range(rng.randint(1, 3)):
+        share = (n + 1) / 4
+        place = (goal[0] * share + rng.uniform(-8, 8), goal[1] * share + rng.uniform(-8, 8))
+        course["obstacles"].append(_mast(n, *place, rng.uniform(3, 9), 60.0))
+    course["route"]["ending"] = "rtl" if kind % 4 in (1, 3) else "land"
+    if kind % 4 == 3:  # a return to a rally point beside the goal
+        course["rally"] = [{"east": goal[0] + 25.0, "north": goal[1] - 20.0, "up": rng.choice((10.0, 25.0))}]
+        if kind % 8 == 7:
+            course["rally"].append({"east": goal[0] / 2, "north": goal[1] / 2 + 30.0, "up": 20.0})
+    if kind % 5 == 2:  # a hill under the goal: the landing heights are raised
+        hill = {"height": rng.uniform(6, 25), "east": goal[0], "north": goal[1], "a": 60.0, "b": 60.0}
+        course["terrain"] = {"kind": "analytic", "peaks": [hill]}
+        course["goal"]["up"] = goal[2] + hill["height"]
+        course["start"]["up"] = 12.0
+    return course
+
+
+SHORT = 20
+
+
+def _mast(n: int, east: float, north: float, radius: float, height: float) -> Course:
+    return {"kind": "cylinder", "name": f"mast {n}", "east": east, "north": north, "radius": radius, "height": height}
+
+
+def _block(n: int, east: float, north: float, width: float, depth: float, height: float) -> Course:
+    size = {"width": width, "depth": depth, "height": height}
+    return {"kind": "box", "name": f"block {n}", "east": east, "north": north, **size}
+
+
+def _course(places: list[Place], obstacles: list[Course], speed: float) -> Course:
+    """From over home by way of the places to the last of them."""
+    *via, goal = ({"east": x, "north": y, "up": z} for x, y, z in places)
+    course = {
+        "safety_distance": 1.0,
+        "safety": {"confidence": 0.9},
+        "home": HOME,
+        "start": {"east": 0.0, "north": 0.0, "up": 12.0},
+        "goal": goal,
+        "vehicle": {"radius": 0.5, "cruise_speed": speed},
+        "route": {"ending": "land"},
+        "obstacles": obstacles,
+    }
+    return course | ({"via": via} if via else {})
+
+
+def long_courses() -> dict[str, Course]:
+    """By name."""
+    made = enumerate(LONG)
+    return {f"long{n:02d}_{kind.__name__}": kind(random.Random(1000 + n), count) for n, (kind, count) in made}
+
+
+def short_courses() -> dict[str, Course]:
+    """By name."""
+    courses = {f"short{n:02d}": free(random.Random(2000 + n), n) for n in range(SHORT)}
+    for n, course in enumerate(courses.values()):
+        if n % 3 == 0:
+            course["route"] |= {"mode": "even", "spacing": 12.0}
+        if n % 3 == 1:
+            course["route"] |= {"mode": "spline", "spacing": 20.0}
+    return courses
+
+
+def as_toml(course: Course) -> str:
+    """A scenario's text."""
+    plain = {key: value for key, value in course.items() if not isinstance(value, dict | list)}
+    lines = [f"{key} = {_value(value)}" for key, value in plain.items()]
+    for key, value in course.items():
+        tables = value if isinstance(value, list) else [value] if isinstance(value, dict) else []
+        head = f"[[{key}]]" if isinstance(value, list) else f"[{key}]"
+        for table in tables:
+            lines += ["", head, *(f"{name} = {_value(one)}" for name, one in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list):
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{name} = {_value(one)}' for name, one in value.items())} }}"
+    return f"{value:.7f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--kind", choices=["long", "short"], required=True)
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    for name, course in (long_courses() if given.kind == "long" else short_courses()).items():
+        for autopilot in Autopilot:
+            own = course | {"vehicle": course["vehicle"] | {"autopilot": str(autopilot)}}
+            if autopilot is Autopilot.PX4 and course["route"].get("mode") == "spline":
+                own["route"] = course["route"] | {"mode": "corridor"}
+            (given.folder / f"{name}-{autopilot}.toml").write_text(as_toml(own), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
