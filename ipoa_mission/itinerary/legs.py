@@ -7,7 +7,7 @@ terrain by the ground that is handed in. Loops are not unrolled: each jump adds 
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 

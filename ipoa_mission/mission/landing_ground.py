@@ -62,7 +62,7 @@ def over_told_ground(mission: Mission, above_home: float, latitude: float, longi
 
 def over_known_ground(mission: Mission, path: Path, text: str) -> Mission:
     """The mission that a file at `path` holds, over the ground that NAME.json knows of it, if that is of this text."""
-    if mission.ground is not LEVEL:
+    if not mission.ground.is_level:
         return mission
     told = _read(path.with_suffix(".json"))
     height = told.get(KEY)

@@ -74,7 +74,7 @@ def test_an_upload_needs_the_messages_besides(link: str, tmp_path: Path) -> None
 
 
 def test_a_picture_without_matplotlib_is_an_error_that_names_the_extra(tmp_path: Path) -> None:
-    log = MISSIONS.parent / "tests" / "logs" / "campus-ardupilot.tlog"
+    log = MISSIONS / "logs" / "campus-arducopter.tlog"
     code = "import sys; sys.modules['matplotlib'] = None\nfrom ipoa_mission.cli.app import main\nmain()"
     command = [sys.executable, "-c", code, "compare", str(log), "--picture", str(tmp_path / "flown.png")]
     run = subprocess.run(command, capture_output=True, text=True, timeout=120)

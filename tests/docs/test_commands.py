@@ -14,6 +14,7 @@ from tests.docs.forked import forked
 from tools.generate import tutorial
 
 HOW_TO = sorted((tutorial.TUTORIAL.parent / "how-to").glob("*.md"))
+EXACT = (tutorial.TUTORIAL, tutorial.README)
 FILES = re.compile(r'^```python title="([\w.]+)"\n(.*?)^```$', re.MULTILINE | re.DOTALL)
 #: How far a number may be from the one that stands in the page: another processor finds another path, a little.
 SHARE, UNITS = 0.2, 1.5
@@ -45,12 +46,12 @@ def follow_page(page: Path, folder: Path, programs: Path) -> Followed:
 def follow(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Follow]:
     """What has become of a page's commands. All pages are begun at once: most of their time they wait for a flight.
 
-    The tutorial shows the numbers of a plan; what the others plan may be looked for less hard.
+    README and tutorial show the numbers of a plan; what the others plan may be looked for less hard.
     """
-    with forked(tmp_path_factory.mktemp("programs")) as programs, ThreadPoolExecutor(1 + len(HOW_TO)) as pool:
+    with forked(tmp_path_factory.mktemp("programs")) as programs, ThreadPoolExecutor(len(EXACT) + len(HOW_TO)) as pool:
+        pages = [*((page, programs.usual) for page in EXACT), *((page, programs.quick) for page in HOW_TO)]
         begun = {
-            page: pool.submit(follow_page, page, tmp_path_factory.mktemp(page.stem), there)
-            for page, there in [(tutorial.TUTORIAL, programs.usual), *((page, programs.quick) for page in HOW_TO)]
+            page: pool.submit(follow_page, page, tmp_path_factory.mktemp(page.stem), there) for page, there in pages
         }
         yield lambda page: begun[page].result()
 
@@ -73,16 +74,28 @@ def test_every_command_of_the_tutorial_prints_what_stands_below_it(follow: Follo
     pytest.importorskip("rasterio")
     followed = follow(tutorial.TUTORIAL)
     assert sum(step.command.startswith("ipoa-mission") for step in followed.steps) >= 9
+    expect_shown(followed)
+    flight = followed.folder / "flight"
+    assert len(read_mission(flight / "out" / "town.plan").items) >= 4
+    for file in ("out/town.html", "flown/town.tlog"):
+        assert (flight / file).stat().st_size > 5000
+
+
+@needs_a_shell
+def test_every_command_of_the_readme_prints_what_stands_below_it(follow: Follow) -> None:
+    followed = follow(tutorial.README)
+    assert [step.command.split()[1] for step in followed.steps] == ["fly", "compare"]
+    expect_shown(followed)
+
+
+def expect_shown(followed: Followed) -> None:
+    """That every command printed the lines that stand below it, numbers and all."""
     for step, lines in zip(followed.steps, followed.printed, strict=True):
         assert "Traceback" not in "\n".join(lines)
         for here, there in tutorial.matched(step, lines):
             for one, other in zip(tutorial.numbers(here), tutorial.numbers(there), strict=True):
                 message = f"{step.command}: {here!r} is now {there!r}: run python -m tools.generate.tutorial"
                 assert one == pytest.approx(other, rel=SHARE, abs=UNITS), message
-    flight = followed.folder / "flight"
-    assert len(read_mission(flight / "out" / "town.plan").items) >= 4
-    for file in ("out/town.html", "flown/town.tlog"):
-        assert (flight / file).stat().st_size > 5000
 
 
 def test_numbers_are_told_from_words() -> None:

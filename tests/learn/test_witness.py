@@ -26,7 +26,7 @@ from ipoa_mission.mission.files import write_mission
 from tests.learn.test_learning import ARDUPILOT, PX4, recorded
 
 HERE = Path(__file__).parent
-LOGS = [HERE / f"other_vehicle-{n}.bin" for n in (0, 4)]  # at 6 and 8 m/s
+LOGS = [HERE.parents[1] / "missions" / "logs" / f"copter-{speed}.bin" for speed in (6, 8)]  # [m/s]
 
 
 def one(path: Path) -> Evidence:

@@ -88,7 +88,7 @@ def test_a_list_that_another_station_is_just_sending_is_not_flown() -> None:
             receive(Count(len(items) + 5), STRANGER, now)
         receive(message, client, now)
 
-    mock.receive = sending  # type: ignore[method-assign]
+    mock.receive = sending  # type: ignore[method-assign,assignment]
     with pytest.raises((NotReady, Replaced, NoAnswer)):
         vehicle.start()
     assert not mock.flight.armed
@@ -163,7 +163,7 @@ def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:
             replaced_by(vehicle, OTHERS["shorter"](MISSION))
             mock._say(Current(0, 2, 3), Target(0, 0))
 
-    mock.receive = arming  # type: ignore[method-assign]
+    mock.receive = arming  # type: ignore[method-assign,assignment]
     with pytest.raises(ReplacedSince, match="it has 2 items, and ours has 3"):
         vehicle.start()
     assert not mock.flight.armed
@@ -177,7 +177,7 @@ def test_a_vehicle_that_does_not_tell_what_it_holds_after_a_flight_is_taken_at_i
     vehicle.start()
     mock = mock_of(vehicle)
     transfers = mock.transfers
-    transfers.receive = lambda *_: False  # type: ignore[method-assign,assignment]
+    transfers.receive = lambda *_: False  # type: ignore[method-assign]
     assert vehicle.watch().completed
 
 

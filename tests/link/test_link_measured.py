@@ -127,8 +127,8 @@ def test_px4s_attitude_is_that_of_its_quaternions_by_scipy() -> None:
 
 
 def test_copters_attitude_is_what_pymavlink_reads() -> None:
-    flight = read_flights(RECORDED / "other_vehicle-0.bin").flights[0]
-    log, degrees = mavutil.mavlink_connection(str(RECORDED / "other_vehicle-0.bin")), []
+    flight = read_flights(RECORDED.parents[1] / "missions" / "logs" / "copter-6.bin").flights[0]
+    log, degrees = mavutil.mavlink_connection(str(RECORDED.parents[1] / "missions" / "logs" / "copter-6.bin")), []
     while (record := log.recv_match(type="ATT")) is not None:
         degrees.append((record.TimeUS / 1e6 - flight.armed_s, record.Roll, record.Pitch, record.Yaw))
     log.close()

@@ -30,7 +30,7 @@ FLOWN = [
     ("sitl-ardupilot.bin", 0, SITL_COPTER),
     ("sitl-ardupilot.tlog", 0, SITL_COPTER),
     ("n4_slow-ardupilot.bin", 0, SLOW_COPTER),
-    ("campus-ardupilot.tlog", 0, CAMPUS_COPTER),
+    ("../../missions/logs/campus-arducopter.tlog", 0, CAMPUS_COPTER),
     ("twice-ardupilot.bin", 0, TWICE_COPTER[0]),
     ("twice-ardupilot.tlog", 0, TWICE_COPTER[0]),
     ("twice-ardupilot.bin", 1, TWICE_COPTER[1]),

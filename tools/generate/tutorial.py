@@ -1,4 +1,4 @@
-"""Run every command of docs/tutorial.md in a folder of its own, and write its output where it stands.
+"""Run every command of docs/tutorial.md, and of the README, in a folder of its own; write its output where it stands.
 
     python -m tools.generate.tutorial
 
@@ -18,6 +18,7 @@ from pathlib import Path
 from tools import REPOSITORY
 
 TUTORIAL = REPOSITORY / "docs" / "tutorial.md"
+README = REPOSITORY / "README.md"
 PORT = "14550"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?![\w.]*\w)")
 MARK = "@@@ command"
@@ -110,8 +111,14 @@ def matched(step: Step, printed: list[str]) -> list[tuple[str, str]]:
 
 
 def main() -> None:
-    """Write the page anew."""
-    text = TUTORIAL.read_text(encoding="utf-8")
+    """Write the pages anew."""
+    for page in (README, TUTORIAL):
+        write(page)
+
+
+def write(page: Path) -> None:
+    """Write a page anew."""
+    text = page.read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
         tutorial = steps(text)
         outputs = run([step.command for step in tutorial], Path(folder))
@@ -123,8 +130,8 @@ def main() -> None:
             start = text.index(f"{old}\n", position)
             text = text[:start] + new + text[start + len(old) :]
             position = start + len(new) + 1
-    TUTORIAL.write_text(text, encoding="utf-8")
-    print(f"written: {TUTORIAL}")
+    page.write_text(text, encoding="utf-8")
+    print(f"written: {page}")
 
 
 if __name__ == "__main__":

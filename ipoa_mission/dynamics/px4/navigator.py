@@ -149,7 +149,7 @@ class _Navigator:
             return stay(self.here, self.limits, params[0])
         if command == Command.NAV_RETURN_TO_LAUNCH:
             self.cruise = self.limits.cruise
-            goal = Enu(*self.route.goal_of_return(tuple(self.here)))
+            goal = Enu(*self.route.goal_of_return((self.here.east, self.here.north, self.here.up)))
             return self.down(way_home(self.here, self.limits, self.ground(goal), goal.up))
         if command == Command.NAV_LAND:
             return self.down(way_down(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
