@@ -55,7 +55,7 @@ def test_a_plan_whose_ground_is_no_number_says_where(tmp_path: Path) -> None:
     told = json.loads(plan_text(landing_on(MISSION, 8.5)))
     told[LANDING_GROUND]["aboveHome"] = "high"
     path.write_text(json.dumps(told), encoding="utf-8")
-    with pytest.raises(api.BadInput, match="landingGround.aboveHome"):
+    with pytest.raises(api.BadInput, match=r"landingGround\.aboveHome"):
         api.read_mission(path)
 
 
