@@ -1,0 +1,24 @@
+"""Splines of unequal length, from rest: how fast the next one may be entered is planned from the one before it."""
+
+import math
+
+import pytest
+
+from ipoa_mission.autopilots.ardupilot import copter_limits
+from ipoa_mission.dynamics.copter.legs import joined, speed_left, spline_leg
+from ipoa_mission.dynamics.copter.motion import Bounds
+
+LIMITS = copter_limits({})
+SPEEDS = Bounds(10.0, 2.5, 1.5)
+
+
+def test_a_short_spline_after_a_long_first_one_is_entered_slowly() -> None:
+    """Flown on ArduCopter 4.7: a leg of 23.3 m, then 11.7 m, from rest; it braked from 6.2 to 5.4 m/s."""
+    begin, middle, third, beyond = (0.0, 0.0, 10.0), (23.3, 0.0, 10.0), (35.0, 0.0, 10.0), (46.7, 0.0, 10.0)
+    this = spline_leg(begin, middle, None, (third, True), SPEEDS, LIMITS)
+    following = spline_leg(middle, third, this, (beyond, True), SPEEDS, LIMITS)
+    first = joined(this, following, LIMITS, 0.0).leave
+    assert first == pytest.approx(math.sqrt(2 * 1.25 * 11.7), abs=1e-3)
+    assert joined(this, following, LIMITS, speed_left(following)).leave > first + 2.0
+    last = spline_leg(third, beyond, following, None, SPEEDS, LIMITS)
+    assert speed_left(last) == 0.0
