@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.centimetres import down
 from ipoa_mission.commands import Command
 from ipoa_mission.items import return_to_launch
 from ipoa_mission.itinerary.legs import join
@@ -153,14 +154,26 @@ def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None
     scenario, mission, timed = bowed("campus.toml")
     kept = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).clearance
     assert kept is not None
-    page = report_html(scenario, None, mission, timed)
-    assert f'class="verdict good"><b aria-hidden="true">✓</b> Clear by {kept.kept:.2f}' in page
-    assert "from teaching block A: 99\N{NO-BREAK SPACE}% of flights keep it" in page
+    page = report_html(scenario, None, mission.with_parameters({"RTL_ALT": 6500.0}), timed)
+    words = f"Clear of teaching block A: 99 % of flights keep {down(kept.kept):.2f} m"
+    assert f'class="verdict good"><b aria-hidden="true">✓</b> {words}' in page
     assert 'class="bad"' not in page
+    assert "Before you fly" not in page
+    figure = f"99\N{NO-BREAK SPACE}% of flights keep</dt><dd>{down(kept.kept):.2f}\N{NO-BREAK SPACE}m<small>"
+    assert figure in page  # the same number, and no other beside it
+    assert "least clearance" not in page
+
+
+def test_a_return_through_a_building_is_read_before_it_flies_and_under_no_green_sign(bowed: Bowed) -> None:
+    page = report_html(bowed("campus.toml")[0], None, *bowed("campus.toml")[1:])
+    assert re.search(
+        r'class="verdict amber"><b aria-hidden="true">!</b> Clear of .* RTL on the way there flies home', page
+    )
+    assert re.search(r'<h2>Before you fly</h2><ul><li class="amber">items 9 to 11: RTL on the way there', page)
 
 
 def test_a_way_home_through_a_hill_is_a_warning(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("campus.toml")
+    scenario, mission, _ = bowed("campus.toml")
     hill = scenario.model_dump(mode="json") | {
         "obstacles": [],
         "terrain": {"kind": "analytic", "peaks": [{"height": 70, "east": 115, "north": 80, "a": 20, "b": 20}]},
@@ -168,7 +181,6 @@ def test_a_way_home_through_a_hill_is_a_warning(bowed: Bowed) -> None:
     home = replace(mission, items=(*mission.items[:-1], return_to_launch()))
     over_it = report_html(Scenario.model_validate(hill), None, home, estimate(home))
     assert re.search(r'class="verdict bad".*Not to be flown: the path as predicted runs into the ground after', over_it)
-    assert "Before you fly" not in report_html(scenario, None, mission, timed)
 
 
 def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Planned) -> None:
@@ -191,7 +203,7 @@ def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed)
     stricter = Scenario.model_validate(text)
     danger = dangers(course, stricter)
     assert [one.touching for one in danger] == [False]
-    assert f"comes within {beside:.2f} m" in danger[0].words
+    assert f"comes within {down(beside):.2f} m" in danger[0].words
     told = [float(v) for v in re.findall(r"(?:east|north|up) (-?\d+)", danger[0].words)]
     near = course.points[int(np.argmin(course.apart))]
     assert told == pytest.approx(near.tolist(), abs=1.5)
