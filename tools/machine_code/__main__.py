@@ -52,7 +52,8 @@ def copy_made(folder: Path, cpu: str) -> bool:
     if (made["sources"], made.get("made_by")) != (sources_digest(), makers_digest()):
         return False
     for file in (library, index):
-        shutil.copy(file, folder)
+        if not (folder / file.name).exists() or not file.samefile(folder / file.name):
+            shutil.copy(file, folder)
     return True
 
 
