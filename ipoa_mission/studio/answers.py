@@ -201,7 +201,6 @@ class Plan(Message):
     total_s: float
     low_s: float
     high_s: float
-    qgroundcontrol_s: float
     length: float
     energy_wh: Number
     battery_left: Number

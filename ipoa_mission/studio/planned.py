@@ -67,7 +67,6 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         total_s=round(estimate.total_s, 2),
         low_s=round(estimate.low_s, 2),
         high_s=round(estimate.high_s, 2),
-        qgroundcontrol_s=round(estimate.qgroundcontrol_s, 1),
         length=round(float(course.along[-1]), 1),
         energy_wh=None if energy is None else round(energy.energy_wh, 2),
         battery_left=None if energy is None or battery is None else round(float(energy.left(battery.build())), 3),

@@ -54,7 +54,7 @@ function Figures({ now }: { now: Studio }) {
       <dl class="figures">
         <div><dt>flight</dt><dd>{seconds(plan.total_s)}<small>{seconds(plan.low_s)} to {seconds(plan.high_s)}</small></dd></div>
         <div><dt>{plan.confidence === null ? "predicted clearance" : "flights keep"}</dt><dd>{plan.kept === null ? "–" : meters(plan.kept, 2)}<small>{meters(plan.required, 2)} required</small></dd></div>
-        <div><dt>path</dt><dd>{meters(plan.length, 0)}<small>QGroundControl: {seconds(plan.qgroundcontrol_s)}</small></dd></div>
+        <div><dt>path</dt><dd>{meters(plan.length, 0)}</dd></div>
         {plan.energy_wh !== null && <div><dt>energy</dt><dd>{plan.energy_wh.toFixed(1)} Wh<small>{plan.battery_left === null ? "" : `${share(plan.battery_left)} left`}</small></dd></div>}
       </dl>
     );
