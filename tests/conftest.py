@@ -23,7 +23,7 @@ sys.dont_write_bytecode = False  # and every worker rewrites the assertions of a
 #: A shell has its background jobs ignore Ctrl-C, and so would every command that a test starts and ends so.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 #: No test waits for ever for something that does not come: so long it may take [s].
-LONGEST_S = 600.0
+LONGEST_S = 900.0
 
 #: A file's tests are run by one worker, which begins these files first: no other is left with one of them at the end.
 LONGEST = (

@@ -71,14 +71,18 @@ def test_fly_takes_what_plan_takes() -> None:
     "words",
     ["show {m} --scenario {s}", "estimate {m} --scenario {s}", "export {m} x.KML", "export {m} x.Plan --format plan"],
 )
-def test_tables_fit_eighty_columns_in_a_pipe_too(run: Run, words: str) -> None:
+@pytest.mark.parametrize("columns", [None, "64"])
+def test_tables_fit_eighty_columns_in_a_pipe_too_or_what_is_asked_for(
+    run: Run, words: str, columns: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS") if columns is None else monkeypatch.setenv("COLUMNS", columns)
     for name in ("sitl", "campus"):
         Path("x.KML").unlink(missing_ok=True)
         Path("x.Plan").unlink(missing_ok=True)
         ended = run(words.format(m=MISSIONS / f"{name}.plan", s=MISSIONS / f"{name}.toml"))
         assert ended.code == 0, ended.err
         table = ended.out.split("\n\n")[1].splitlines() if "\n\n" in ended.out else []
-        assert all(len(line) <= 80 for line in table)
+        assert all(len(line) <= int(columns or 80) for line in table)
 
 
 def test_parameters_and_wind_change_what_every_verb_tells(run: Run) -> None:

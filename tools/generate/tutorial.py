@@ -59,7 +59,7 @@ def run(commands: list[str], folder: Path, programs: Path = Path(sys.executable)
     script += "jobs -p | xargs -r kill\n"
     environment = os.environ | {
         "PATH": os.pathsep.join((str(programs), str(Path(sys.executable).parent), os.environ["PATH"])),
-        "COLUMNS": "100",
+        "COLUMNS": "80",
         "NO_COLOR": "1",
         "XDG_STATE_HOME": str(folder),
     }
