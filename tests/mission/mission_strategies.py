@@ -8,6 +8,7 @@ from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.waypoints_file import OTHER_LISTS
 from ipoa_mission.world.frame import Geodetic
 
 LATITUDE = st.floats(-90, 90)
@@ -26,7 +27,7 @@ def items(autopilot: Autopilot, frames: tuple[int, ...], nan: bool) -> st.Search
     firmware = FIRMWARE[autopilot]
     param = PARAM_OR_NAN if nan else PARAM
     params = st.tuples(param, param, param, param)
-    placed = st.sampled_from(sorted(set(firmware.placed) - set(firmware.plain)))
+    placed = st.sampled_from(sorted(set(firmware.placed) - set(firmware.plain) - OTHER_LISTS))
     plain = st.sampled_from(sorted(set(firmware.plain) - set(firmware.placed) - {Command.DO_JUMP}))
     return st.builds(
         Item, placed, st.sampled_from(frames), params, LATITUDE, LONGITUDE, METRES, st.booleans()

@@ -172,11 +172,11 @@ def test_a_leg_above_terrain_follows_the_ground() -> None:
     assert np.allclose(leg.points[:, 2] - 0.1 * leg.points[:, 0], np.linspace(20.0, 10.0, 13), atol=0.01)
 
 
-def test_rally_points_are_places_to_return_to() -> None:
+def test_a_rally_point_is_where_it_returns_as_high_above_it_as_above_home() -> None:
     scenario = world()
     mission = replace(flight(scenario, (60.0, 0.0, 20.0)), rally=(replace(place(scenario, 60.0, 30.0), altitude=10.0),))
     ways = [corners(leg)[-1] for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.RETURN]
-    assert ways == [[0, 0, 30], [60, 30, 30]]
+    assert ways == [[60, 30, 40], [0, 0, 30]]  # home as well, where rally points are not taken
 
 
 def test_a_clear_flight_is_found_without_fault() -> None:

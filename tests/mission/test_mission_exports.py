@@ -81,7 +81,8 @@ def test_a_kml_file_reads_as_lines_and_points_at_amsl(tmp_path: Path) -> None:
     coordinates = np.array(line.geometry.coords)
     assert coordinates[0] == pytest.approx([HOME.longitude_deg, HOME.latitude_deg, 20.5])
     assert coordinates[:, 2].max() == pytest.approx(65.5, abs=0.01)
-    assert coordinates[-1] == pytest.approx([HOME.longitude_deg, HOME.latitude_deg, 20.5], abs=1e-6)
+    (place,) = MISSION.rally  # RTL goes to it
+    assert coordinates[-1] == pytest.approx([place.longitude_deg, place.latitude_deg, 20.5], abs=1e-6)
     assert [point.name for point in items.features] == ["0 home", "1 NAV_TAKEOFF", "3 NAV_WAYPOINT", "4 NAV_WAYPOINT"]
     assert [point.geometry.z for point in items.features] == [20.5, 60.5, 65.5, 50.5]
     assert {point.kml_geometry.altitude_mode.value for point in items.features} == {"absolute"}
@@ -181,7 +182,8 @@ def test_legs_in_the_table_are_as_long_and_point_as_the_geodesics_do() -> None:
         assert row.climb == pytest.approx(climb, abs=0.01)
     assert (rows[1].length, rows[1].heading_deg) == (pytest.approx(40.0), None)
     assert rows[3].hold_s == 3.0
-    back = EARTH.inv(B.longitude_deg, B.latitude_deg, HOME.longitude_deg, HOME.latitude_deg)
+    (place,) = MISSION.rally
+    back = EARTH.inv(B.longitude_deg, B.latitude_deg, place.longitude_deg, place.latitude_deg)
     assert rows[5].length == pytest.approx(back[2] + 30.0, abs=0.05)
     assert rows[5].heading_deg == pytest.approx(back[0] % 360.0, abs=0.01)
 

@@ -165,7 +165,8 @@ def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None
 
 
 def test_a_return_through_a_building_is_read_before_it_flies_and_under_no_green_sign(bowed: Bowed) -> None:
-    page = report_html(bowed("campus.toml")[0], None, *bowed("campus.toml")[1:])
+    scenario, mission, timed = bowed("campus.toml")
+    page = report_html(scenario, None, mission.with_parameters({"RTL_ALT": 1500.0}), timed)
     assert re.search(
         r'class="verdict amber"><b aria-hidden="true">!</b> Clear of .* RTL on the way there flies home', page
     )
