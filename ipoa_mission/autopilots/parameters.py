@@ -30,6 +30,9 @@ OTHER_PARAMETERS: Mapping[Autopilot, Parameters] = {
         "FENCE_ACTION": 1.0,
         "FENCE_OPTIONS": 0.0,
         "FENCE_MARGIN": 2.0,
+        "FENCE_RADIUS": 300.0,
+        "FENCE_ALT_MAX": 100.0,
+        "FENCE_ALT_MIN": -10.0,
         "RTL_ALT_TYPE": 0.0,
     },
     Autopilot.PX4: {

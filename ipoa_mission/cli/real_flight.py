@@ -59,11 +59,14 @@ class RealFlight:
         job, vehicle = self.job, self.vehicle
         try:
             vehicle.expect_on_ground()
-            with left_behind("nothing was sent"), progress_bar("waiting for a position") as show:
+            with left_behind("nothing was sent"), progress_bar("waiting for a position", is_waiting=True) as show:
                 await_home(vehicle, show)
             self.remarks += self._parameters()
             self.remarks += put(job.mission, vehicle, self.anyway)
-            with left_behind("the vehicle was not armed"), progress_bar("getting ready") as show:
+            with (
+                left_behind("the vehicle was not armed"),
+                progress_bar("waiting until it is ready", is_waiting=True) as show,
+            ):
                 vehicle.prepare(self.first, show, self._permit)
             with left_behind("see the hint", hint="look at it"):
                 vehicle.start()

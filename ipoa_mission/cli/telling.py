@@ -101,13 +101,13 @@ def speak_anywhere() -> None:
 
 
 @contextmanager
-def progress_bar(words: str) -> Iterator[Callable[[float, str], None]]:
-    """A bar with the time gone and left on a terminal, nothing elsewhere.
+def progress_bar(words: str, is_waiting: bool = False) -> Iterator[Callable[[float, str], None]]:
+    """A bar with the time gone and left on a terminal; elsewhere nothing, or once what is waited for (`is_waiting`).
 
     Call what you get with the fraction done and a few words.
     """
     if not sys.stderr.isatty():
-        yield lambda _fraction, _words: None
+        yield _said_once(words) if is_waiting else lambda _fraction, _words: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -117,3 +117,15 @@ def progress_bar(words: str) -> Iterator[Callable[[float, str], None]]:
     with Progress(*what, *when, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(words, total=1.0, words="")
         yield lambda fraction, words: progress.update(task, completed=fraction, words=shown(words))
+
+
+def _said_once(task: str) -> Callable[[float, str], None]:
+    """A progress callback that says its first words, and nothing after them."""
+    said: list[str] = []
+
+    def say(_fraction: float, words: str) -> None:
+        if words and not said:
+            said.append(words)
+            print(f"{task}: {shown(words)}", file=sys.stderr, flush=True)
+
+    return say

@@ -4,10 +4,13 @@ import logging
 import math
 from dataclasses import replace
 
+from ipoa_mission.autopilots.own_fence import OWN_FENCE, own_fence
 from ipoa_mission.autopilots.said import vehicle_says
 from ipoa_mission.autopilots.slow_landing import DECIDED_BY, slow_stretch
+from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.ground import landings, touches_down
+from ipoa_mission.checks.own_fence import breaches
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.commands import Frame, plain_frame
@@ -24,6 +27,11 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
 FAR = 100.0  # [m] over the ground
 HIGHER = 5.0  # [m]
+WIDER = {
+    Autopilot.ARDUPILOT: "give the vehicle a wider fence, or take that part out of its FENCE_TYPE (4: what the mission "
+    "brings alone); --anyway sends it all the same",
+    Autopilot.PX4: "give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
+}
 log = logging.getLogger(__name__)
 
 
@@ -101,6 +109,10 @@ def expect_slow_landing(mission: Mission, vehicle: Vehicle) -> None:
             )
 
 
+class OutsideOwnFence(MissionError):
+    """The vehicle's own fence would break the flight off."""
+
+
 def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
     """Wait until a vehicle knows where it is; `progress` is told what it says meanwhile.
 
@@ -124,7 +136,8 @@ def expect_fit(mission: Mission, vehicle: Vehicle, anyway: bool = False) -> tupl
     """Check a mission as this vehicle would meet it; what comes back are remarks for the user. Nothing is sent.
 
     Raises:
-        Unsafe, FarFromHome: it would crash or be refused, and `anyway` does not say to send it all the same.
+        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or be broken off, and `anyway` does not say to
+            send it all the same.
         MissionError: it was made for another autopilot.
     """
     if mission.autopilot is not vehicle.autopilot and not anyway:
@@ -137,18 +150,37 @@ def expect_fit(mission: Mission, vehicle: Vehicle, anyway: bool = False) -> tupl
     findings = check_mission(replace(mission, autopilot=vehicle.autopilot, firmware_version=version))
     warnings = findings if anyway else refuse_errors(findings)
     said = vehicle_says(vehicle.autopilot, version)
+    there = _home_of(vehicle)
     return (
-        *_compare_home(mission, vehicle, anyway),
+        *_compare_home(mission, there, anyway),
+        *_compare_fence(mission, vehicle, there, anyway),
         *([said] if said else []),
         *(finding.message for finding in warnings),
     )
 
 
-def _compare_home(mission: Mission, vehicle: Vehicle, anyway: bool) -> tuple[str, ...]:
+def _compare_fence(mission: Mission, vehicle: Vehicle, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
+    """Hold the mission against the fence that the vehicle has by its own parameters."""
     try:
-        there = vehicle.home()
+        fence = own_fence(vehicle.autopilot, vehicle.parameters(OWN_FENCE[vehicle.autopilot]))
     except NoAnswer:
-        there = None
+        return ("the vehicle does not tell whether it has a fence of its own: nobody compared the mission with it",)
+    if fence is None or refusals(mission):
+        return ()
+    wrong = breaches(replace(mission, autopilot=vehicle.autopilot), fence, there or mission.home)
+    if wrong and not anyway:
+        raise OutsideOwnFence("\n".join(wrong), hint=WIDER[vehicle.autopilot])
+    return wrong
+
+
+def _home_of(vehicle: Vehicle) -> Geodetic | None:
+    try:
+        return vehicle.home()
+    except NoAnswer:
+        return None
+
+
+def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
     if there is None:
         return ("the vehicle does not say where its home is: nobody compared it with the mission's",)
     log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)

@@ -171,6 +171,11 @@ def is_old(frame: bytes) -> bool:
     return frame[0] == MAGIC_1
 
 
+def is_signed(frame: bytes) -> bool:
+    """Whether a whole frame has a signature."""
+    return frame[0] == MAGIC_2 and bool(frame[2] & SIGNED)
+
+
 def next_magic(data: bytes, at: int) -> int:
     """Where, from here on, a frame may begin; -1 if nowhere."""
     match = _BEGINNING.search(data, at)

@@ -8,6 +8,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.borrowed import MavutilChannel
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.deafness import DOUBTED_S, SignsOtherwise
 from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
 from ipoa_mission.link.line import Line
@@ -41,6 +42,7 @@ def connect(
     Raises:
         BadInput, LinkDown: the link cannot be opened; there is no such dialect.
         NoAnswer: there is no vehicle.
+        SignsOtherwise: there is one, and what it says is not believed.
         NotFlown: it is no multicopter of ArduPilot or PX4; nothing but our presence was told to it.
         MissionError: there are several, and `system` does not say which.
         Contested: there are two with this system id; `anyway` takes the first.
@@ -83,6 +85,7 @@ def meet(
 
     Raises:
         NoAnswer: there is none.
+        SignsOtherwise: there is one, and what it says is not believed.
         NotFlown: it is no multicopter of ArduPilot or PX4, and not only to be read from (`reading`).
         MissionError: there are several, and `system` does not say which.
         Contested: there are two with this system id; `anyway` takes the first.
@@ -92,9 +95,12 @@ def meet(
     autopilots: dict[int, Found] = {}
     trips: dict[int, float] = {}
     until = line.now() + min(PRESENCE_S, patience.total_s)
-    is_met = False
+    is_met = is_doubted = False
     while line.now() < until:
         heard = line.receive(until)
+        if not is_doubted and _disbelieved(line, system):
+            is_doubted = True
+            until = min(until, line.now() + DOUBTED_S)
         autopilots |= autopilots_in(heard)
         trips |= round_trips_in(heard, line.now())
         if not is_met and (system in autopilots if system is not None else autopilots):
@@ -102,6 +108,8 @@ def meet(
             until = line.now() + OTHERS_S
             if reading or all(one.kind.is_flown for one in autopilots.values()):
                 line.send(Ping(round(line.now() * 1e6), 0))
+    if (disbelieved := _disbelieved(line, system)) and not (autopilots if system is None else system in autopilots):
+        raise disbelieved
     if system is not None and system not in autopilots:
         others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
         raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
@@ -118,6 +126,12 @@ def meet(
     if not anyway:
         line.expect_alone(one.system)
     return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
+
+
+def _disbelieved(line: Line, system: int | None) -> SignsOtherwise | None:
+    """The autopilot with this system id, or any, that is there and signs otherwise than we do."""
+    doubted = line.doubted()
+    return next(iter(doubted.values()), None) if system is None else doubted.get(system)
 
 
 def _named(one: Found) -> str:

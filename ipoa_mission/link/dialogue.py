@@ -19,9 +19,11 @@ from typing import Generic, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
-from ipoa_mission.link.messages import Message
+from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
 T = TypeVar("T")
+#: What is said only in answer to something; the rest is also sent unasked.
+ANSWERS = (Ack, CommandAck, Count, FileTransfer, ItemAt, Request)
 
 
 class NoAnswer(MissionError):
@@ -269,7 +271,7 @@ class Exchange(Generic[T]):
         step = self._resume(message)
         if step is None and not self.finished:
             return
-        self.was_answered |= not isinstance(self._awaited, Pause)
+        self.was_answered |= isinstance(message, ANSWERS) and not isinstance(self._awaited, Pause)
         if isinstance(self._awaited, Ask):
             if self._repeats == 0:
                 self._tempo.sample(now - self._said)

@@ -3,13 +3,16 @@
 from ipoa_mission.autopilots.modes import HOLD_MODE, MISSION_MODE, RETURN_MODE, mode_name
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Order
-from ipoa_mission.link.dialogue import Dialogue, until
-from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandResult
+from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
+from ipoa_mission.link.dialogue import Dialogue, Pause, until
+from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandAck, CommandResult, Message
 from ipoa_mission.link.orders import CommandRefused, command
 from ipoa_mission.link.state import NotReady, VehicleState
 
 #: How long a vehicle may take to show its mode [s].
 SHOWN_S = 5.0
+#: Answers after which the mode may still come.
+HOPEFUL = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})
 
 
 def pause(state: VehicleState) -> Dialogue[None]:
@@ -59,11 +62,28 @@ def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
         return ""
     numbers = (mode,) if state.autopilot is Autopilot.ARDUPILOT else (mode >> 16 & 0xFF, mode >> 24)
     result, words = yield from command(Order.DO_SET_MODE, CUSTOM_MODE_FLAG, *numbers)
-    if result != CommandResult.ACCEPTED:
-        return words or str(CommandRefused(f"change to {mode_name(state.autopilot, mode)}", result))
-    if (yield from until(lambda: state.custom_mode == mode, SHOWN_S)):
+    texts = VehicleTexts(words=[words] if words else [])
+    if result == CommandResult.ACCEPTED:
+        result = yield from _taken_back(state, mode, texts)
+    if state.custom_mode == mode:
         return ""
-    return f"it accepted {mode_name(state.autopilot, mode)} but does not show it"
+    name = mode_name(state.autopilot, mode)
+    if result == CommandResult.ACCEPTED:
+        return f"it accepted {name} but does not show it"
+    return str(texts) or str(CommandRefused(f"change to {name}", result))
+
+
+def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue[int]:
+    """Wait for a mode that was accepted; PX4 says so first, and refuses in a second answer what it cannot fly."""
+    heard: Message | None = None if state.custom_mode == mode else (yield Pause(SHOWN_S))
+    while heard is not None and state.custom_mode != mode:
+        texts.note(heard)
+        match heard:
+            case CommandAck(Order.DO_SET_MODE, result) if result not in HOPEFUL:
+                yield from listen_for_words(texts)
+                return result
+        heard = yield None
+    return CommandResult.ACCEPTED
 
 
 def _enter(state: VehicleState, mode: int) -> Dialogue[None]:

@@ -11,9 +11,10 @@ from typing import Protocol, TypeVar
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import Channel, Peer
-from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old
+from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
+from ipoa_mission.link.deafness import CAUSE_S, SignsOtherwise, SpeaksMavlink1
 from ipoa_mission.link.definitions import Definition
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, Patience, Tempo, TimeUp
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Patience, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.item_frames import ItemFrames
 from ipoa_mission.link.item_run import ItemRun
@@ -46,8 +47,8 @@ class Carrier(Protocol):
     def understands(self, target: Target) -> None:
         """This target has answered what we said."""
 
-    def is_too_old(self, target: Target) -> bool:
-        """Whether it speaks MAVLink 1 only, and has never answered."""
+    def deafness(self, target: Target) -> MissionError | None:
+        """Why this target, which is heard and has never answered, will not; None where nothing shows."""
 
     def expect_alone(self, system: int) -> None:
         """Raise Contested where another vehicle uses this system id too, as far as can be told."""
@@ -67,16 +68,6 @@ class Contested(MissionError):
         )
 
 
-class SpeaksMavlink1(MissionError):
-    """The vehicle is heard in MAVLink 1 only, and understands nothing that we say."""
-
-    def __init__(self, system: int) -> None:
-        super().__init__(
-            f"vehicle {system} speaks MAVLink 1 only, and does not answer to MAVLink 2",
-            hint="set it to MAVLink 2 on this link (ArduPilot: SERIALn_PROTOCOL 2, PX4: MAV_PROTO_VER 2)",
-        )
-
-
 class Line:
     """A ground station's end of a link; `close` it, or use it with `with`."""
 
@@ -88,6 +79,7 @@ class Line:
         self._rivals: dict[Target, tuple[float, float]] = {}  # first and last heard
         self._is_warned = False
         self._is_old: dict[Target, bool] = {}
+        self._signing: set[Target] = set()
         self._understands: set[Target] = set()
         self._next_heartbeat = channel.now()
         self._frames: ItemFrames | None = None
@@ -196,9 +188,22 @@ class Line:
         """See `Carrier`."""
         self._understands.add(target)
 
-    def is_too_old(self, target: Target) -> bool:
+    def deafness(self, target: Target) -> MissionError | None:
         """See `Carrier`."""
-        return self._is_old.get(target, False) and target not in self._understands
+        if target in self._understands:
+            return None
+        if self._is_old.get(target, False):
+            return SpeaksMavlink1(target.system)
+        return SignsOtherwise(target.system, None) if target in self._signing and not self.codec.signer else None
+
+    def doubted(self) -> dict[int, SignsOtherwise]:
+        """The autopilots whose frames are not believed, by system id, and why."""
+        doubts = self.codec.signer.doubts if self.codec.signer else {}
+        return {
+            system: SignsOtherwise(system, doubt)
+            for (system, component), doubt in sorted(doubts.items())
+            if component == AUTOPILOT_COMPONENT
+        }
 
     def close(self) -> None:
         """Close the channel and the log, and keep the timestamp of what was signed last."""
@@ -217,6 +222,8 @@ class Line:
                 self._rivals.pop(name, None)
             self._routes.learn(name, peer, now)
             self._is_old[name] = is_old(one.raw) and self._is_old.get(name, True)
+            if is_signed(one.raw):
+                self._signing.add(name)
             return True
         if isinstance(one.message, Heartbeat) and one.message.autopilot != Firmware.INVALID:
             first, last = self._rivals.get(name, (now, now))
@@ -248,7 +255,7 @@ def converse(
     `TimeUp` is raised in it.
 
     Raises:
-        SpeaksMavlink1: the target has never answered, and all that is heard of it is MAVLink 1.
+        SpeaksMavlink1, SignsOtherwise: the target is heard, and has never answered.
     """
     now = line.now
     with noted_interrupts() as interrupt:
@@ -270,14 +277,16 @@ def converse(
                         exchange.receive(heard.message, now())
                 if exchange.was_answered:
                     line.understands(target)
-                elif exchange.asked_for_s(now()) >= patience.silence_s and line.is_too_old(target):
-                    exchange.interrupt(SpeaksMavlink1(target.system), now())
+                elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := line.deafness(target)):
+                    exchange.interrupt(cause, now())
                 exchange.tick(now())
                 if not exchange.finished and interrupt.take():
                     exchange.interrupt(Cancelled("cancelled"), now())
                 if now() >= until:
                     until = math.inf
                     exchange.interrupt(TimeUp("the time is up"), now())
+        except NoAnswer as silence:
+            raise line.deafness(target) or silence from None
         finally:
             for message in exchange.outgoing():
                 line.send(message, target)

@@ -153,9 +153,8 @@ class MavsdkLine:
     def understands(self, target: Target) -> None:
         """See `Carrier`: not asked here."""
 
-    def is_too_old(self, target: Target) -> bool:
+    def deafness(self, target: Target) -> None:
         """See `Carrier`: MAVSDK speaks what the vehicle speaks."""
-        return False
 
     def expect_alone(self, system: int) -> None:
         """See `Carrier`: MAVSDK does not tell who sent a message."""

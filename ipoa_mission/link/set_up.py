@@ -65,7 +65,8 @@ def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
     switch = FENCE_SWITCH[vehicle.autopilot]
     if vehicle.parameters([switch]).get(switch, 1.0) != 0.0:
         return None
-    return f"the fence does nothing on this vehicle: its {switch} is 0"
+    more = "; FENCE_TYPE says what it puts into force: 4 is this fence alone" if switch == "FENCE_ENABLE" else ""
+    return f"the fence does nothing on this vehicle: its {switch} is 0{more}"
 
 
 def _names(name: str) -> list[tuple[str, float]]:

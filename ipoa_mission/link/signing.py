@@ -11,6 +11,7 @@ import logging
 import os
 import re
 import stat
+from enum import StrEnum
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
@@ -71,6 +72,14 @@ def _is_text(raw: bytes) -> bool:
         return False
 
 
+class Doubt(StrEnum):
+    """Why a frame is not believed."""
+
+    UNSIGNED = "unsigned"
+    FOREIGN = "foreign"  # signed with another key
+    STALE = "stale"  # signed with ours, and no newer than what was heard before
+
+
 class Signer:
     """Signs what we say and judges what we hear, with one key."""
 
@@ -82,6 +91,8 @@ class Signer:
         self._mark = self._last
         self._is_warned = False
         self._streams: dict[tuple[int, int, int], int] = {}
+        self.doubts: dict[tuple[int, int], Doubt] = {}
+        """Why a frame of this system and component was not believed, the last of them."""
 
     def signature(self, frame: bytes, unix_s: float) -> bytes:
         """The 13 bytes that follow a frame said at `unix_s`."""
@@ -109,17 +120,23 @@ class Signer:
 
     def accepts(self, frame: bytes, system: int, component: int) -> bool:
         """Whether a frame is signed with our key, and newer than all before it in its stream."""
+        doubt = self._doubt(frame, system, component)
+        if doubt is not None:
+            self.doubts[system, component] = doubt
+        return doubt is None
+
+    def _doubt(self, frame: bytes, system: int, component: int) -> Doubt | None:
         if frame[0] != 0xFD or not frame[2] & SIGNED_FLAG:
-            return False
+            return Doubt.UNSIGNED
         if not hmac.compare_digest(self._digest(frame[:-6]), frame[-6:]):
-            return False
+            return Doubt.FOREIGN
         stream = (frame[-13], system, component)
         stamp = int.from_bytes(frame[-12:-6], "little")
         if stamp <= self._streams.get(stream, self._last - NEW_STREAM_TICKS - 1):
-            return False
+            return Doubt.STALE
         self._streams[stream] = stamp
         self._last = max(self._last, stamp)
-        return True
+        return None
 
     def _digest(self, data: bytes) -> bytes:
         return hashlib.sha256(self.key + data).digest()[:6]

@@ -310,3 +310,14 @@ def test_names_in_files_do_not_reach_the_terminal_as_commands(run: Run, missions
     assert ended.code == 2
     assert r"\x1b[2J" in ended.err
     assert "\x1b" not in ended.err
+
+
+def test_without_a_terminal_what_is_waited_for_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_bar("waiting until it is ready", is_waiting=True) as show:
+        for words in ("", "PreArm: GPS 1: Bad fix\x1b[2J", "PreArm: Battery 1 low"):
+            show(0.0, words)
+    with progress_bar("upload") as show:
+        show(0.5, "1 of 2")
+    said = capsys.readouterr()
+    assert said.err == "waiting until it is ready: PreArm: GPS 1: Bad fix\\x1b[2J\n"
+    assert said.out == ""

@@ -8,11 +8,11 @@ import pytest
 
 from ipoa_mission.autopilots.modes import MISSION_MODE
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.commands import Order
+from ipoa_mission.commands import Command, Order
 from ipoa_mission.items import Mission
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.hold import SHOWN_S, return_to_launch
-from ipoa_mission.link.messages import CommandAck, CommandResult
+from ipoa_mission.link.messages import CommandAck, CommandResult, Message
 from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
@@ -107,6 +107,37 @@ def test_a_vehicle_whose_mission_is_gone_says_why_it_does_not_go_on() -> None:
             vehicle.resume()
         assert "the vehicle is armed and in the air" in str(refused.value.hint)
         assert vehicle.mode == "RTL"
+
+
+def test_px4_says_why_it_takes_back_its_yes() -> None:
+    """Its first answer is only that the order was heard."""
+    _, vehicle = flying("sitl.plan")
+    with vehicle:
+        later(vehicle, 25.0)
+        vehicle.return_to_launch()
+        vehicle.clear()
+        begun = vehicle.line.now()
+        with pytest.raises(NotReady, match=r"^Switching to Mission is currently not available$") as refused:
+            vehicle.resume()
+        assert vehicle.line.now() - begun < SHOWN_S
+        assert "in AUTO.RTL" in str(refused.value.hint)
+
+
+def answered(*answers: Message) -> Exchange[None]:
+    """A vehicle in AUTO.MISSION, told to come home, that answers so and shows nothing."""
+    state = VehicleState(Autopilot.PX4, armed=True, custom_mode=MISSION_MODE[Autopilot.PX4])
+    exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
+    for n, answer in enumerate(answers, start=1):
+        exchange.receive(answer, 0.2 * n)
+    return exchange
+
+
+def test_a_later_refusal_without_words_is_named_by_its_result() -> None:
+    yes, no = (CommandAck(Order.DO_SET_MODE, one) for one in (CommandResult.ACCEPTED, CommandResult.DENIED))
+    other = CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.DENIED)
+    exchange = answered(yes, other, no)
+    with pytest.raises(NotReady, match=r"change to AUTO\.RTL: the vehicle answered DENIED"):
+        exchange.tick(SHOWN_S)
 
 
 def test_a_mode_that_is_accepted_and_not_shown_is_no_return() -> None:

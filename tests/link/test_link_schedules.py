@@ -1,16 +1,21 @@
 """Random radios: whatever they lose, double, delay and reorder, an upload is exact or an error, never false."""
 
+from collections import Counter
+
+import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.conversations import download
+from ipoa_mission.link.conversations import download, offer
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, home_item
 from tests.link_pair import HOME, Air, Fate, Vehicle, items_of
+from tools.fuzz import strangers
+from tools.fuzz.strangers import Ending
 
 DELAYS_S = (0.0, 0.01, 0.05, 0.3, 0.9, 0.3, 2.5)
 FATES = [Fate(copies, delay_s) for copies in (1, 0, 1, 1, 1, 2, 1, 0) for delay_s in DELAYS_S]
@@ -111,3 +116,18 @@ def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot
     if autopilot is Autopilot.ARDUPILOT and read:
         assert read[0] == home_item(HOME)
     assert compare(before, read, autopilot) is None
+
+
+@pytest.mark.parametrize("first", [0, 100])
+def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
+    """Others, some with our own ids, send lists of theirs; `python -m tools.fuzz.strangers` runs many more."""
+    endings = Counter(strangers.schedule(seed)[0] for seed in range(first, first + 15))
+    assert endings[Ending.FALSE] == endings[Ending.HANG] == 0
+    assert endings[Ending.EXACT] >= 3
+    assert endings[Ending.ERROR] >= 1
+
+
+def test_the_judge_of_schedules_knows_a_false_success(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An uploader that believes the Ack, and neither reads back nor listens on."""
+    monkeypatch.setattr(strangers, "upload", lambda job: offer(job.items, job.kind))
+    assert any(strangers.schedule(seed)[0] is Ending.FALSE for seed in range(30, 60))

@@ -3,6 +3,8 @@
 import gc
 import hashlib
 import os
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -12,14 +14,16 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import EVERYONE, Codec
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.deafness import CAUSE_S, DOUBTED_S, SignsOtherwise
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import MissionType, Text
+from ipoa_mission.link.messages import Heartbeat, MissionType, Text
 from ipoa_mission.link.signing import (
     EPOCH_2015_S,
     RESERVE_TICKS,
     TICKS_PER_S,
+    Doubt,
     Signer,
     key_of,
     persistent_signer,
@@ -45,16 +49,51 @@ def test_a_mission_goes_over_a_signed_link() -> None:
     meet(signed_pair(KEY, KEY)).upload(MISSION)
 
 
-@pytest.mark.parametrize(("ours", "theirs"), [(KEY, None), (KEY, bytes(32))])
-def test_whoever_does_not_sign_with_our_key_is_not_heard(ours: bytes, theirs: bytes | None) -> None:
-    with pytest.raises(NoAnswer, match="no autopilot is heard"):
-        meet(signed_pair(ours, theirs))
+@pytest.mark.parametrize(
+    ("theirs", "words"),
+    [
+        (None, "vehicle 1 is there, but it does not sign, and what is not signed with our key is not believed"),
+        (bytes(32), "vehicle 1 is there, but it signs with another key than ours"),
+    ],
+)
+@pytest.mark.parametrize("system", [None, 1])
+def test_whoever_does_not_sign_with_our_key_is_named(theirs: bytes | None, words: str, system: int | None) -> None:
+    line = signed_pair(KEY, theirs)
+    with pytest.raises(SignsOtherwise, match=f"^{words}$"):
+        meet(line, system)
+    assert line.now() < DOUBTED_S + 1.5
 
 
-def test_a_vehicle_with_a_key_does_nothing_for_a_stranger() -> None:
-    line = signed_pair(None, KEY)
-    with pytest.raises(NoAnswer):
-        meet(line).upload(MISSION)
+def test_another_vehicle_that_is_not_believed_is_not_the_one_that_is_sought() -> None:
+    line = signed_pair(KEY, None)
+    with pytest.raises(NoAnswer, match="no autopilot with system id 7 is heard"):
+        meet(line, 7)
+
+
+def test_a_replay_of_what_a_vehicle_said_before_is_named() -> None:
+    codec, ours = Codec(1, 1, Signer(KEY)), Codec(245, 190, Signer(KEY))
+    beat = codec.encode(Heartbeat(2, 12), EVERYONE, EPOCH_2015_S + 1e8)
+    assert ours.decode(beat) is not None
+    assert ours.decode(beat) is None
+    assert ours.signer is not None
+    assert ours.signer.doubts == {(1, 1): Doubt.STALE}
+
+
+@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("is_parameter", [False, True])
+def test_a_vehicle_with_a_key_does_nothing_for_a_stranger_who_is_told_why(
+    autopilot: Autopilot, is_parameter: bool
+) -> None:
+    line = Line(Loopback(Station(Mock(autopilot, HOME), signer=Signer(KEY))), Codec(245, 190))
+    vehicle = meet(line)
+    vehicle.state.booted = True
+    mission, begun = replace(MISSION, autopilot=autopilot), line.now()
+    order = partial(vehicle.parameters, ["A"]) if is_parameter else partial(vehicle.upload, mission, checked=False)
+    with pytest.raises(SignsOtherwise, match="it signs what it says, and does not answer us") as told:
+        order()
+    assert "--key" in str(told.value.hint)
+    assert "mixture" not in str(told.value.hint)
+    assert line.now() - begun < (15.0 if is_parameter else CAUSE_S + 1.0)
     assert far_end(line).autopilot.transfers.listed(MissionType.MISSION) == ()
 
 

@@ -66,7 +66,10 @@ def test_a_parameter_is_held_against_the_vehicle_by_whichever_name_that_has_for_
 def test_a_fence_that_does_nothing_is_told_of(switch: float | None, idle: bool) -> None:
     fenced = Mission(HOME, (takeoff(HOME, 10.0), return_to_launch()), fence=(FenceCircle((47.4, 8.5), 100.0),))
     vehicle = Table(Autopilot.ARDUPILOT, {} if switch is None else {"FENCE_ENABLE": switch})
-    words = "the fence does nothing on this vehicle: its FENCE_ENABLE is 0"
+    words = (
+        "the fence does nothing on this vehicle: its FENCE_ENABLE is 0; "
+        "FENCE_TYPE says what it puts into force: 4 is this fence alone"
+    )
     assert idle_fence(vehicle, fenced) == (words if idle else None)
     assert idle_fence(vehicle, Mission(HOME, fenced.items)) is None
 

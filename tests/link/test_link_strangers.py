@@ -13,8 +13,8 @@ from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
-from ipoa_mission.link.dialogue import SPECIFIED
-from ipoa_mission.link.line import Contested, Line, SpeaksMavlink1
+from ipoa_mission.link.deafness import CAUSE_S, SpeaksMavlink1
+from ipoa_mission.link.line import Contested, Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Request, Result
 from ipoa_mission.link.tlog import read_tlog
@@ -295,10 +295,13 @@ def test_what_is_said_to_others_and_what_we_do_not_read_is_logged_and_not_heard(
 
 
 class OldOnly:
-    """A vehicle of MAVLink 1: it beats, and understands nothing else; or it answers all of it, in MAVLink 1."""
+    """A vehicle of MAVLink 1: it beats, and understands nothing else; or it answers all of it, in MAVLink 1.
 
-    def __init__(self, station: Station | None = None) -> None:
-        self._station = station
+    `tells_home`: it streams HOME_POSITION.
+    """
+
+    def __init__(self, station: Station | None = None, tells_home: bool = False) -> None:
+        self._station, self._tells_home = station, tells_home
         self._voice = dialect.MAVLink(None, 1, 1)
         self._next_beat = 0.0
         self._is_due = False
@@ -321,7 +324,12 @@ class OldOnly:
             return []
         self._is_due = False
         beat = dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3)
-        return [(beat.pack(self._voice, force_mavlink1=True), None)]
+        said = [beat]
+        if self._tells_home:
+            said.append(
+                dialect.MAVLink_home_position_message(int(47.4e7), int(8.5e7), 400_000, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0)
+            )
+        return [(one.pack(self._voice, force_mavlink1=True), None) for one in said]
 
     def _in_old_words(self, frame: bytes) -> bytes:
         (message,) = dialect.MAVLink(None).parse_buffer(frame) or [None]
@@ -332,14 +340,17 @@ class OldOnly:
         return self._station.deadline if self._station else self._next_beat
 
 
-def test_a_vehicle_of_mavlink_1_only_is_named_within_the_usual_patience() -> None:
-    line = Line(Loopback(OldOnly()), Codec(*US))
+@pytest.mark.parametrize("tells_home", [False, True])
+def test_a_vehicle_of_mavlink_1_only_is_named_after_some_seconds(tells_home: bool) -> None:
+    line = Line(Loopback(OldOnly(tells_home=tells_home)), Codec(*US))
     vehicle = meet(line)
+    if tells_home:
+        assert vehicle.home() is not None
     began = line.channel.now()
     with pytest.raises(SpeaksMavlink1, match="vehicle 1 speaks MAVLink 1 only") as told:
         vehicle.upload(MISSION)
     assert "MAV_PROTO_VER 2" in str(told.value.hint)
-    assert line.channel.now() - began <= SPECIFIED.silence_s + 1.0
+    assert line.channel.now() - began <= CAUSE_S + 1.0
 
 
 def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None:

@@ -1,0 +1,241 @@
+"""Random schedules under strangers: uploads while others, some with our own ids, transfer lists of theirs.
+
+Everything is in virtual time and behind one address, so nobody can tell who said what but by the ids. Each schedule
+ends in one of these: the vehicle holds what was sent; a clear error; what was sent was replaced so late that the news
+could not have arrived; a false success; no end.
+
+    python -m tools.fuzz.strangers --count 10000 --seed 0
+"""
+
+import argparse
+import heapq
+import math
+import random
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.link.codec import EVERYONE, Target
+from ipoa_mission.link.conversations import clear, download, offer
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
+from ipoa_mission.link.messages import Message, MissionType
+from ipoa_mission.link.upload import Upload, upload
+from ipoa_mission.mission.firmware import compare, to_wire
+from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+US = Target(245, 190)
+OTHERS = (US, US, Target(254, 190), Target(255, 190), Target(245, 191))
+LONGEST_S = 1800.0  # of virtual time
+TOLD_AGAIN_S = 1.2  # where a word of the vehicle's was lost: until it speaks of its mission again
+
+
+class Ending(StrEnum):
+    """What became of an upload."""
+
+    EXACT = "exact"
+    ERROR = "clear error"
+    UNKNOWABLE = "replaced too late to be heard of"
+    FALSE = "false success"
+    HANG = "hang"
+
+
+def wire_list(autopilot: Autopilot, count: int, shift: int) -> tuple[Item, ...]:
+    """A list as it goes over the wire; another `shift` makes another list."""
+    places = [Geodetic(47.4 + 1e-4 * n, 8.5 + 1e-5 * shift) for n in range(1, count - 1)]
+    items = (takeoff(HOME, 20.0), *(waypoint(place, 30.0) for place in places), return_to_launch())
+    return to_wire(Mission(HOME, items, autopilot))
+
+
+@dataclass(frozen=True)
+class Radio:
+    """What becomes of messages: chances, and seconds one way."""
+
+    loss: float
+    double: float
+    delay_s: float
+    late_s: float
+
+    @property
+    def news_s(self) -> float:
+        """How long news of the vehicle may be under way."""
+        return self.delay_s + self.late_s + (TOLD_AGAIN_S if self.loss else 0.05)
+
+
+@dataclass
+class Speaker:
+    """One end of the link, its dialogue, and when it begins and is cut off [s]."""
+
+    name: Target
+    dialogue: Callable[[], Dialogue[Any]]
+    begins_s: float
+    ends_s: float = math.inf
+    exchange: Exchange[Any] | None = None
+
+
+@dataclass
+class World:
+    """A vehicle, its radio and all who speak with it; `changed_s`: since when it does not hold `sent`."""
+
+    chance: random.Random
+    mock: Mock
+    radio: Radio
+    sent: tuple[Item, ...]
+    now: float = 0.0
+    changed_s: float | None = None
+    _air: list[tuple[float, int, Target | None, Target, Message]] = field(default_factory=list)
+    _count: int = 0
+
+    def run(self, ours: Speaker, others: list[Speaker]) -> None:
+        """Live until our dialogue is over; raises what it raises."""
+        speakers = [ours, *others]
+        while ours.exchange is None or not ours.exchange.finished:
+            self._advance(speakers)
+            self._land(speakers)
+            self.mock.tick(self.now)
+            for speaker in speakers:
+                self._live(speaker, must_end_well=speaker is ours)
+            self._launch_answers()
+            self._look()
+            if self.now > LONGEST_S:
+                return
+
+    def _advance(self, speakers: list[Speaker]) -> None:
+        moments = [self._air[0][0] if self._air else math.inf, self.mock.deadline]
+        for one in speakers:
+            moments.append(one.begins_s if one.exchange is None else min(one.exchange.deadline, one.ends_s))
+        self.now = max(self.now, min(moments))
+
+    def _land(self, speakers: list[Speaker]) -> None:
+        while self._air and self._air[0][0] <= self.now:
+            _, _, source, target, message = heapq.heappop(self._air)
+            if source is not None:
+                self.mock.receive(message, source, self.now)
+                self._look()
+                continue
+            for one in speakers:
+                if one.exchange is not None and target in (EVERYONE, one.name):
+                    self._hear(one, message, must_end_well=one is speakers[0])
+
+    def _hear(self, speaker: Speaker, message: Message, must_end_well: bool) -> None:
+        try:
+            if speaker.exchange is not None:
+                speaker.exchange.receive(message, self.now)
+        except MissionError:
+            if must_end_well:
+                raise
+            self._end(speaker)
+
+    def _live(self, speaker: Speaker, must_end_well: bool) -> None:
+        try:
+            if speaker.exchange is None and self.now >= speaker.begins_s:
+                speaker.begins_s = math.inf
+                speaker.exchange = Exchange(speaker.dialogue(), self.now, SPECIFIED)
+            if speaker.exchange is not None:
+                speaker.exchange.tick(self.now)
+                for message in speaker.exchange.outgoing():
+                    self._launch(speaker.name, Target(1, 1), message)
+                if speaker.exchange.finished or self.now >= speaker.ends_s:
+                    self._end(speaker, keep=must_end_well)
+        except MissionError:
+            if must_end_well:
+                raise
+            self._end(speaker)
+
+    def _end(self, speaker: Speaker, keep: bool = False) -> None:
+        if not keep:
+            speaker.exchange, speaker.begins_s, speaker.ends_s = None, math.inf, math.inf
+
+    def _launch_answers(self) -> None:
+        for message, target in self.mock.outgoing():
+            self._launch(None, Target(*target), message)
+
+    def _launch(self, source: Target | None, target: Target, message: Message) -> None:
+        radio, chance = self.radio, self.chance.random
+        for _ in range(2 if chance() < radio.double else 1):
+            if chance() < radio.loss:
+                continue
+            self._count += 1
+            lands_s = self.now + radio.delay_s + radio.late_s * chance()
+            heapq.heappush(self._air, (lands_s, self._count, source, target, message))
+
+    def _look(self) -> None:
+        held = self.mock.transfers.listed(MissionType.MISSION)
+        if compare(self.sent, held, self.mock.habits.autopilot) is None:
+            self.changed_s = None
+        elif self.changed_s is None:
+            self.changed_s = self.now
+
+
+def stranger(chance: random.Random, autopilot: Autopilot, ours: int) -> Speaker:
+    """Somebody who sends a list, perhaps as long as ours, or clears or reads it, and perhaps does not end it."""
+    theirs = wire_list(autopilot, chance.choice([ours, ours, chance.randrange(3, 9)]), chance.randrange(1, 50))
+    kind = MissionType.MISSION
+    dialogues: list[Callable[[], Dialogue[Any]]] = [
+        lambda: upload(Upload(theirs, autopilot)),
+        lambda: offer(theirs, kind),
+        lambda: offer(theirs, kind),
+        lambda: clear(kind),
+        lambda: download(kind),
+    ]
+    begins_s = chance.choice([chance.uniform(0.0, 0.5), chance.uniform(0.0, 3.0), chance.uniform(0.0, 10.0)])
+    ends_s = begins_s + chance.uniform(0.01, 1.0) if chance.random() < 0.2 else math.inf
+    return Speaker(chance.choice(OTHERS), chance.choice(dialogues), begins_s, ends_s)
+
+
+def schedule(seed: int) -> tuple[Ending, str]:
+    """How the upload of this schedule ends, and in which words."""
+    chance = random.Random(seed)
+    autopilot, count = chance.choice(list(Autopilot)), chance.randrange(3, 9)
+    poor = chance.random() < 0.5
+    radio = Radio(
+        loss=chance.uniform(0.0, 0.3) if poor else 0.0,
+        double=chance.uniform(0.0, 0.2) if poor else 0.0,
+        delay_s=chance.choice([0.0, 0.01, 0.05, 0.1, 0.3]),
+        late_s=chance.choice([0.0, 0.02, 0.2]) if poor else 0.0,
+    )
+    sent = wire_list(autopilot, count, 0)
+    world = World(chance, Mock(autopilot, HOME, seed=seed), radio, sent)
+    ours = Speaker(US, lambda: upload(Upload(sent, autopilot)), chance.uniform(0.0, 1.0))
+    others = [stranger(chance, autopilot, count) for _ in range(chance.randrange(1, 4))]
+    try:
+        world.run(ours, others)
+    except MissionError as error:
+        return Ending.ERROR, str(error)
+    if ours.exchange is None or not ours.exchange.finished:
+        return Ending.HANG, f"{autopilot}: no end after {world.now:.0f} s"
+    if world.changed_s is None:
+        return Ending.EXACT, ""
+    age = world.now - world.changed_s
+    words = f"{autopilot}: replaced {age:.3f} s before the end, {radio}"
+    return (Ending.UNKNOWABLE if age <= radio.news_s else Ending.FALSE), words
+
+
+def main() -> int:
+    """Run schedules and count how they end; 1 if one ended in a false success, or never."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+    endings, begun = Counter[Ending](), time.process_time()
+    for seed in range(arguments.seed, arguments.seed + arguments.count):
+        ending, words = schedule(seed)
+        endings[ending] += 1
+        if ending in (Ending.FALSE, Ending.HANG):
+            print(f"seed {seed}: {ending}: {words}", flush=True)
+    print(
+        ", ".join(f"{ending} {endings[ending]}" for ending in Ending), f"in {time.process_time() - begun:.0f} s of CPU"
+    )
+    return 1 if endings[Ending.FALSE] or endings[Ending.HANG] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
