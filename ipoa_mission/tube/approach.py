@@ -151,7 +151,9 @@ def approaches(course: Course, airspace: Airspace, law: Law, kept: float) -> App
     passings = [airspace.obstacles[i].passing(a[on], b[on]) for i, on in _by_obstacle(piece, obstacle)]
     aside, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     over = above >= below
-    return Approaches(law, piece, obstacle, course.times[piece], aside, np.maximum(above, below), over, stretch[piece], sides)
+    return Approaches(
+        law, piece, obstacle, course.times[piece], aside, np.maximum(above, below), over, stretch[piece], sides
+    )
 
 
 def _by_obstacle(piece: Numbers, obstacle: Numbers) -> list[tuple[int, Numbers]]:
