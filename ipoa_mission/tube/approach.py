@@ -25,6 +25,33 @@ Numbers = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
+class _Draws:
+    """Pairs by the stretches of time that know nothing of each other.
+
+    `taken` (n,) are the pairs, `one` (n,) numbers what is one obstacle in one stretch, `stretch` (m,) is which one.
+    """
+
+    taken: Numbers
+    one: Numbers
+    stretch: Numbers
+
+    def chance(self, chances: Vector, sides: float) -> float:
+        """The chance that any of the pairs comes about, of the chances of all pairs.
+
+        In one stretch a vehicle is beside its path to one side, of so many `sides` at most, and every obstacle counts
+        by the pair that is the likeliest.
+        """
+        if len(self.taken) == 0:
+            return 0.0
+        likeliest = np.zeros(len(self.stretch))
+        np.maximum.at(likeliest, self.one, chances[self.taken])
+        greatest = np.zeros(int(self.stretch.max()) + 1)
+        np.maximum.at(greatest, self.stretch, likeliest)
+        summed = np.bincount(self.stretch, likeliest, len(greatest))
+        return float(1.0 - np.prod(1.0 - np.minimum(np.minimum(summed, sides * greatest), 1.0)))
+
+
+@dataclass(frozen=True, eq=False)
 class Approaches:
     """Pairs of a piece and an obstacle: numbers, and distances that the piece nowhere falls short of, (n,) each [m].
 
@@ -62,10 +89,9 @@ class Approaches:
         """The chance at most that a flight somewhere comes nearer than `kept` [m]."""
         if len(self.piece) == 0:
             return 0.0
-        chance, over = self._each(kept), self.by_height
-        beside = self._anywhere(np.where(over, 0.0, chance), self.seconds // self.law.memory, 2.0)
-        high = self._anywhere(np.where(over, chance, 0.0), self.seconds // self.law.height_memory, 1.0)
-        beside, high = min(beside, self._side_of_a_flight(kept)), min(high, self._height_of_a_flight(kept))
+        chance = self._each(kept)
+        beside = min(self._beside.chance(chance, 2.0), self._side_of_a_flight(kept))
+        high = min(self._high.chance(chance, 1.0), self._height_of_a_flight(kept))
         return 1.0 - (1.0 - beside) * (1.0 - high)
 
     def likeliest(self, kept: float) -> tuple[int, int]:
@@ -107,23 +133,20 @@ class Approaches:
         room = np.maximum(self.aside - kept, (self.distance - kept) / self.facing) / self.stretch
         return float(min(2.0 * self.law.farthest.chance(room[~self.by_height]).max(initial=0.0), 1.0))
 
-    def _anywhere(self, chance: Vector, during: Vector, sides: float) -> float:
-        """The chance that any pair comes about, of chances (n,) of pairs in numbered stretches of time (n,).
+    @cached_property
+    def _beside(self) -> "_Draws":
+        return self._draws(~self.by_height, self.law.memory)
 
-        In one stretch a vehicle is beside its path to one side, of so many `sides` at most, and every obstacle counts by
-        the pair that is the likeliest; one stretch knows nothing of the next.
-        """
-        during = (during - during.min()).astype(np.intp)
+    @cached_property
+    def _high(self) -> "_Draws":
+        return self._draws(self.by_height, self.law.height_memory)
+
+    def _draws(self, taken: NDArray[np.bool_], memory: float) -> "_Draws":
+        during = self.seconds[taken] // memory
+        during = (during - during.min(initial=np.inf)).astype(np.intp)
         count = int(self.obstacle.max()) + 1
-        _, pairs = np.unique(during * count + self.obstacle, return_inverse=True)
-        likeliest = np.zeros(int(pairs.max()) + 1)
-        np.maximum.at(likeliest, pairs, chance)
-        owner = np.zeros(len(likeliest), dtype=np.intp)
-        owner[pairs] = during
-        summed, greatest = np.zeros(int(owner.max()) + 1), np.zeros(int(owner.max()) + 1)
-        np.add.at(summed, owner, likeliest)
-        np.maximum.at(greatest, owner, likeliest)
-        return float(1.0 - np.prod(1.0 - np.minimum(np.minimum(summed, sides * greatest), 1.0)))
+        numbers, likeliest = np.unique(during * count + self.obstacle[taken], return_inverse=True)
+        return _Draws(np.flatnonzero(taken), likeliest, numbers // count)
 
     def kept(self, chance: float) -> float:
         """The clearance that a flight falls short of with at most this chance [m]; infinite if nothing is near."""

@@ -7,7 +7,6 @@ import numpy as np
 from ipoa_mission.geometry import Vector
 from ipoa_mission.tube.spread import Spread
 
-
 A_FEW = 4  # moments that know nothing of each other, for which a flight is near to a limit that is no obstacle
 
 
@@ -18,9 +17,9 @@ class Law:
     `level` is to one side at a moment, in a straight flight; a lateral acceleration of `turn` [m/s^2] doubles it, and
     after the last waypoint it is `ending` times as wide. What it is `memory` seconds later is as good as independent.
     `down` and `up` are the heights at a moment, new every `height_memory` seconds; and as a height that is known
-    wrongly stays so, `lowest` and `highest` are the most of a whole flight, whatever it does; so is `farthest` to one
-    side, of an autopilot that does not get farther the longer it flies. In wind all of them grow by `growth` [m for each
-    m/s, to the side, down and up]. `source` says on what it was measured, `not_valid` where it says nothing.
+    wrongly stays so, `lowest` and `highest` are the most of a whole flight, whatever it does. So is `farthest` to one
+    side, of an autopilot that does not get farther the longer it flies. In wind all of them grow by `growth` [m for
+    each m/s, to the side, down, up]. `source` says on what it was measured, `not_valid` where it says nothing.
     """
 
     level: Spread

@@ -2,10 +2,10 @@
 
     python -m tools.benchmarks.tube [--scenarios DIR...] FLIGHT... [--passes FILE] [--traces FILE]
 
-A FLIGHT is a folder that `tools.fly.flown` reads; its scenario is in it or in a DIR. Two tables go to standard output: a
-line a mission, and how many flights fell short of what 50, 90 and 99 % were to keep, by autopilot and length. `--passes`
-writes for every pass of some seconds how far the flight got to the east, north, west, south, up and down of its
-predicted path, `--traces` where it was beside it, every second: what the law is made of.
+A FLIGHT is a folder that `tools.fly.flown` reads; its scenario is in it or in a DIR. Two tables go to standard output:
+a line a mission, and how many flights fell short of what 50, 90 and 99 % were to keep, by autopilot and length.
+`--passes` writes for every pass of some seconds how far the flight got to the east, north, west, south, up and down of
+its predicted path, `--traces` where it was beside it, every second: what the law is made of.
 """
 
 import argparse
