@@ -15,13 +15,40 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
 from ipoa_mission.tube.course import Course
-from ipoa_mission.tube.law import PASS, Law
+from ipoa_mission.tube.law import Law
 from ipoa_mission.world.airspace import Airspace
 
 RARE_CHANCE = 1e-5  # what is so far away that it is reached with less than this chance is not looked at
 USUAL_CHANCE = 0.01  # the chance at which heights are compared with what is level
 RESOLUTION = 1e-3  # to which a clearance is found [m]
 Numbers = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class _Draws:
+    """Pairs by the stretches of time that know nothing of each other.
+
+    `taken` (n,) are the pairs, `one` (n,) numbers what is one obstacle in one stretch, `stretch` (m,) is which one.
+    """
+
+    taken: Numbers
+    one: Numbers
+    stretch: Numbers
+
+    def chance(self, chances: Vector, sides: float) -> float:
+        """The chance that any of the pairs comes about, of the chances of all pairs.
+
+        In one stretch a vehicle is beside its path to one side, of so many `sides` at most, and every obstacle counts
+        by the pair that is the likeliest.
+        """
+        if len(self.taken) == 0:
+            return 0.0
+        likeliest = np.zeros(len(self.stretch))
+        np.maximum.at(likeliest, self.one, chances[self.taken])
+        greatest = np.zeros(int(self.stretch.max()) + 1)
+        np.maximum.at(greatest, self.stretch, likeliest)
+        summed = np.bincount(self.stretch, likeliest, len(greatest))
+        return float(1.0 - np.prod(1.0 - np.minimum(np.minimum(summed, sides * greatest), 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +62,7 @@ class Approaches:
     law: Law
     piece: Numbers
     obstacle: Numbers
-    passing: Numbers
+    seconds: Vector
     aside: Vector
     above: Vector
     is_over: NDArray[np.bool_]
@@ -55,44 +82,71 @@ class Approaches:
 
     def of(self, taken: NDArray[np.bool_]) -> "Approaches":
         """Some of the pairs (n,)."""
-        columns = ("piece", "obstacle", "passing", "aside", "above", "is_over", "stretch", "sides")
+        columns = ("piece", "obstacle", "seconds", "aside", "above", "is_over", "stretch", "sides")
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
     def chance(self, kept: float) -> float:
         """The chance at most that a flight somewhere comes nearer than `kept` [m]."""
         if len(self.piece) == 0:
             return 0.0
-        total, vertical = self._chances(kept)
-        return float(min(total.sum() + vertical.max(initial=0.0), 1.0))
+        chance = self._each(kept)
+        beside = min(self._beside.chance(chance, 2.0), self._side_of_a_flight(kept))
+        high = min(self._high.chance(chance, 1.0), self._height_of_a_flight(kept))
+        return 1.0 - (1.0 - beside) * (1.0 - high)
 
     def likeliest(self, kept: float) -> tuple[int, int]:
         """The piece and the obstacle that are the likeliest to be nearer to each other than `kept` [m]."""
-        pair = int(np.argmax(self._each(kept)[0]))
+        pair = int(np.argmax(self._each(kept)))
         return int(self.piece[pair]), int(self.obstacle[pair])
 
-    def _each(self, kept: float) -> tuple[Vector, NDArray[np.bool_]]:
-        """The chance of each pair, and whether it is that of a height."""
+    @cached_property
+    def by_height(self) -> NDArray[np.bool_]:
+        """The pairs that heights keep apart rather than what is level, (n,)."""
+        spreads = (self.law.level, self.law.down, self.law.up)
+        kept = self.distance - max(spread.distance(USUAL_CHANCE) for spread in spreads)
+        return np.asarray(self._vertical(kept) < self._sideways(kept))
+
+    def _each(self, kept: float) -> Vector:
+        """The chance of each pair at its moment, (n,)."""
+        return np.minimum(self._sideways(kept), self._vertical(kept))
+
+    def _sideways(self, kept: Vector | float) -> Vector:
         level = self.law.level.chance((self.aside - kept) / self.stretch)
         towards = self.law.level.chance((self.distance - kept) / (self.stretch * self.facing))
-        room = self.above - kept
-        vertical = np.where(self.is_over, self.law.down.chance(room), self.law.up.chance(room))
-        sideways = self.sides * np.minimum(level, towards)
-        return np.minimum(sideways, vertical), vertical < sideways
+        return np.minimum(self.sides * np.minimum(level, towards), 1.0)
 
-    def _chances(self, kept: float) -> tuple[Vector, Vector]:
-        """Of each pass, to one side and the other; and of heights, which are wrong in a whole flight."""
-        chance, is_height = self._each(kept)
-        sideways = np.where(is_height, 0.0, chance)
+    def _vertical(self, kept: Vector | float) -> Vector:
+        room = self.above - kept
+        return np.where(self.is_over, self.law.down.chance(room), self.law.up.chance(room))
+
+    def _height_of_a_flight(self, kept: float) -> float:
+        """The chance that a height is anywhere so wrong in a whole flight."""
+        room = self.above - kept
+        low = self.law.lowest.chance(room[self.by_height & self.is_over]).max(initial=0.0)
+        high = self.law.highest.chance(room[self.by_height & ~self.is_over]).max(initial=0.0)
+        return float(min(low + high, 1.0))
+
+    def _side_of_a_flight(self, kept: float) -> float:
+        """The chance that a whole flight is anywhere so far beside its path, to one of two sides."""
+        if self.law.farthest is None:
+            return 1.0
+        room = np.maximum(self.aside - kept, (self.distance - kept) / self.facing) / self.stretch
+        return float(min(2.0 * self.law.farthest.chance(room[~self.by_height]).max(initial=0.0), 1.0))
+
+    @cached_property
+    def _beside(self) -> "_Draws":
+        return self._draws(~self.by_height, self.law.memory)
+
+    @cached_property
+    def _high(self) -> "_Draws":
+        return self._draws(self.by_height, self.law.height_memory)
+
+    def _draws(self, taken: NDArray[np.bool_], memory: float) -> "_Draws":
+        during = self.seconds[taken] // memory
+        during = (during - during.min(initial=np.inf)).astype(np.intp)
         count = int(self.obstacle.max()) + 1
-        _, pairs = np.unique(self.passing * count + self.obstacle, return_inverse=True)
-        least = np.zeros(int(pairs.max()) + 1)
-        np.maximum.at(least, pairs, sideways)
-        owner = np.zeros(len(least), dtype=np.intp)
-        owner[pairs] = self.passing
-        summed, greatest = np.zeros(int(owner.max()) + 1), np.zeros(int(owner.max()) + 1)
-        np.add.at(summed, owner, least)
-        np.maximum.at(greatest, owner, least)
-        return np.minimum(summed, 2 * greatest), chance[is_height]
+        numbers, likeliest = np.unique(during * count + self.obstacle[taken], return_inverse=True)
+        return _Draws(np.flatnonzero(taken), likeliest, numbers // count)
 
     def kept(self, chance: float) -> float:
         """The clearance that a flight falls short of with at most this chance [m]; infinite if nothing is near."""
@@ -119,9 +173,10 @@ def approaches(course: Course, airspace: Airspace, law: Law, kept: float) -> App
     piece, obstacle = piece[order], obstacle[order]
     passings = [airspace.obstacles[i].passing(a[on], b[on]) for i, on in _by_obstacle(piece, obstacle)]
     aside, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
-    passing = ((course.times[piece] - course.times[0]) // PASS).astype(np.intp)
     over = above >= below
-    return Approaches(law, piece, obstacle, passing, aside, np.maximum(above, below), over, stretch[piece], sides)
+    return Approaches(
+        law, piece, obstacle, course.times[piece], aside, np.maximum(above, below), over, stretch[piece], sides
+    )
 
 
 def _by_obstacle(piece: Numbers, obstacle: Numbers) -> list[tuple[int, Numbers]]:

@@ -7,24 +7,31 @@ import numpy as np
 from ipoa_mission.geometry import Vector
 from ipoa_mission.tube.spread import Spread
 
-PASS = 4.0  # for about so long what a vehicle is beside its path to one side is one and the same [s]
+A_FEW = 4  # moments that know nothing of each other, for which a flight is near to a limit that is no obstacle
 
 
 @dataclass(frozen=True)
 class Law:
     """How far a vehicle flies beside its predicted path.
 
-    `level` is to one side within a pass of `PASS` seconds, in a straight flight; a lateral acceleration of `turn`
-    [m/s^2] doubles it, and after the last waypoint it is `ending` times as wide. `down` and `up` are the most of a
-    whole flight, whatever it does: a height that is known wrongly stays wrong for minutes. In wind the three grow by
-    `growth` [m for each m/s]. `source` says on what it was measured, `not_valid` where it says nothing.
+    `level` is to one side at a moment, in a straight flight; a lateral acceleration of `turn` [m/s^2] doubles it, and
+    after the last waypoint it is `ending` times as wide. What it is `memory` seconds later is as good as independent.
+    `down` and `up` are the heights at a moment, new every `height_memory` seconds; and as a height that is known
+    wrongly stays so, `lowest` and `highest` are the most of a whole flight, whatever it does. So is `farthest` to one
+    side, of an autopilot that does not get farther the longer it flies. In wind all of them grow by `growth` [m for
+    each m/s, to the side, down, up]. `source` says on what it was measured, `not_valid` where it says nothing.
     """
 
     level: Spread
     down: Spread
     up: Spread
+    lowest: Spread
+    highest: Spread
+    farthest: Spread | None
     turn: float
     ending: float
+    memory: float
+    height_memory: float
     growth: tuple[float, float, float]
     source: str
     not_valid: str
@@ -32,6 +39,10 @@ class Law:
     def stretch(self, across: Vector) -> Vector:
         """How many times as wide as straight ahead the tube is at lateral accelerations (n,) [m/s^2], (n,)."""
         return np.asarray(1.0 + across / self.turn)
+
+    def beside(self, chance: float) -> float:
+        """How far to one side a flight gets with this chance in a few times its memory [m]."""
+        return self.level.distance(chance / A_FEW)
 
     def in_wind(self, speed: float) -> "Law":
         """The law in a wind of this speed [m/s], gusts and all: every distance is longer by a share of it."""
@@ -42,11 +53,21 @@ class Law:
 
         if speed == 0.0:
             return self
-        spreads = zip((self.level, self.down, self.up), self.growth, strict=True)
-        level, down, up = (longer(spread, share) for spread, share in spreads)
-        return replace(self, level=level, down=down, up=up)
+        level, down, up = self.growth
+        return replace(
+            self,
+            level=longer(self.level, level),
+            down=longer(self.down, down),
+            up=longer(self.up, up),
+            lowest=longer(self.lowest, down),
+            highest=longer(self.highest, up),
+            farthest=self.farthest and longer(self.farthest, level),
+        )
 
     def after_the_way(self) -> "Law":
         """The law after the last waypoint."""
-        wider = tuple(self.ending * distance for distance in self.level.distances)
-        return replace(self, level=replace(self.level, distances=wider))
+
+        def wider(spread: Spread) -> Spread:
+            return replace(spread, distances=tuple(self.ending * distance for distance in spread.distances))
+
+        return replace(self, level=wider(self.level), farthest=self.farthest and wider(self.farthest))

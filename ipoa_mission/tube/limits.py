@@ -45,7 +45,7 @@ NO_TUBE = Rim(0.0, 0.0, 0.0)
 def rim_of(law: Law, chance: float) -> Rim:
     """The rim beyond which a flight gets with at most this chance, in a straight flight."""
     heights = (1 - SHARE) * chance
-    return Rim(law.level.distance(SHARE * chance), law.down.distance(heights), law.up.distance(heights))
+    return Rim(law.beside(SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights))
 
 
 def limits_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:

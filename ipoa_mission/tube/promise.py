@@ -146,7 +146,7 @@ def _rim(law: Law, chance: float | None) -> Rim:
 def _tight(scenario: Scenario, law: Law) -> tuple[TightPlace, ...]:
     """Given places nearer to an obstacle than the tube is wide in one pass."""
     chance = scenario.safety.chance
-    return tight_places(scenario, 2 * STRAY + (0.0 if chance is None else law.level.distance(chance)))
+    return tight_places(scenario, 2 * STRAY + (0.0 if chance is None else law.beside(chance)))
 
 
 def promise_of(mission: Mission, scenario: Scenario) -> Promise:

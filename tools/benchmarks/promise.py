@@ -3,8 +3,8 @@
     python -m tools.benchmarks.promise [--scenes 50] [--flights 20] [--autopilot px4]
 
 Each scene is planned at the scenario's confidence, and flown with as many seeds, by the vehicle's true place from the
-end of its take-off to its last waypoint. For 90 and 99 % it counts the flights that came nearer to an obstacle than was
-to be kept, and asks by a binomial test whether more did than may.
+end of its take-off to its last waypoint. For 50, 90 and 99 % it counts the flights that came nearer to an obstacle than
+was to be kept, and asks by a binomial test whether more did than may.
 """
 
 import argparse
@@ -23,7 +23,7 @@ from ipoa_mission.simulator.flight import Flight as Simulated
 from ipoa_mission.simulator.flight import MissionState
 from ipoa_mission.tube.promise import promise_of
 
-LEVELS = (0.9, 0.99)
+LEVELS = (0.5, 0.9, 0.99)
 LONGEST_S = 600.0
 LOOK_S = 0.1
 

@@ -1,10 +1,11 @@
 """Hold recorded flights against the tube: what each promised and kept, and how far it lay beside its predicted path.
 
-    python -m tools.benchmarks.tube --scenarios DIR FLIGHT... [--passes FILE]
+    python -m tools.benchmarks.tube [--scenarios DIR...] FLIGHT... [--passes FILE] [--traces FILE]
 
-A FLIGHT is a folder that `tools.fly.flown` reads. The table, a line a mission, goes to standard output; `--passes`
-writes for every pass of some seconds how far the flight got to the east, north, west, south, up and down of its
-predicted path: what the law is made of.
+A FLIGHT is a folder that `tools.fly.flown` reads; its scenario is in it or in a DIR. Two tables go to standard output:
+a line a mission, and how many flights fell short of what 50, 90 and 99 % were to keep, by autopilot and length.
+`--passes` writes for every pass of some seconds how far the flight got to the east, north, west, south, up and down of
+its predicted path, `--traces` where it was beside it, every second: what the law is made of.
 """
 
 import argparse
@@ -15,45 +16,56 @@ from pathlib import Path
 import numpy as np
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.timing.estimate import in_local_frame, predict
 from ipoa_mission.tube.course import Course, course_of
-from ipoa_mission.tube.law import PASS
 from ipoa_mission.tube.promise import PredictedFlight
 from tools.fly.flown import Flown, is_flown, read_flown
 
-LEVELS = (0.9, 0.99)
-COLUMNS = ("mission", "flights", "required", "nominal", "90 % keep", "99 % keep", "flown", "short of 90, 99 %")
+LEVELS = (0.5, 0.9, 0.99)
+PASS = 4.0  # a line of `--passes` [s]
+LONG = 120.0  # a longer way from the take-off to the last waypoint is a long one [s]
+COLUMNS = ("mission", "flights", "required", "nominal", "50 % keep", "90 %", "99 %", "flown", "short of 50, 90, 99 %")
+GROUPS = ("autopilot", "way", "flights", "short of 50 %", "of 90 %", "of 99 %")
 
 
-def promises(mission: Mission, scenario: Scenario) -> tuple[float, float, list[float]]:
+def promises(flown: Flown, scenario: Scenario) -> tuple[float, float, list[float]]:
     """Required, nominal, and what is kept at each level, to obstacles on the way [m]."""
-    route, prediction = predict(mission, fast=True, sure=True)
-    flight = PredictedFlight(route, prediction, mission.autopilot, scenario)
+    route, prediction = predict(flown.mission, flown.wind, fast=True, sure=True)
+    flight = PredictedFlight(route, prediction, flown.mission.autopilot, scenario)
     found = [next(k for k in flight.limits(1 - level) if k.limit == "obstacles" and k.on_the_way) for level in LEVELS]
     return found[0].required, found[0].nominal, [each.kept for each in found]
 
 
-def table(flights: list[Flown], scenarios: Path) -> Iterator[str]:
-    """The table by mission, as Markdown."""
-    groups = defaultdict(list)
+def table(flights: list[Flown], scenarios: list[Path]) -> Iterator[str]:
+    """The table by mission, as Markdown, and the one by length."""
+    missions = defaultdict(list)
     for flight in flights:
-        groups[flight.name, str(flight.mission.autopilot)].append(flight)
-    yield f"| {' | '.join(COLUMNS)} |"
-    yield f"|{'---|' * len(COLUMNS)}"
-    short, count = [0, 0], 0
-    for (name, autopilot), group in sorted(groups.items(), key=lambda pair: (pair[0][1], pair[0][0])):
-        path = scenarios / f"{name.split('_v')[0]}.toml"
-        if not path.exists() or not (scenario := read_scenario(path)).airspace.obstacles:
+        missions[flight.name, str(flight.mission.autopilot)].append(flight)
+    counts: dict[tuple[str, str], list[list[bool]]] = defaultdict(list)
+    yield from _head(COLUMNS)
+    for (name, autopilot), group in sorted(missions.items(), key=lambda pair: (pair[0][1], pair[0][0])):
+        paths = [folder / f"{stem}.toml" for stem in (name, name.split("_v")[0]) for folder in scenarios]
+        path = group[0].scenario or next((path for path in paths if path.exists()), None)
+        if path is None or not (scenario := read_scenario(path)).airspace.obstacles:
             continue
-        required, nominal, kept = promises(group[0].mission, scenario)
+        required, nominal, kept = promises(group[0], scenario)
         flown = np.array([_flown_clearance(flight, scenario) for flight in group])
-        missed = [int((flown < level - 0.005).sum()) for level in kept]
-        short, count = [a + b for a, b in zip(short, missed, strict=True)], count + len(group)
+        short = [[value < level for level in kept] for value in flown]
+        for flight, row in zip(group, short, strict=True):
+            counts[autopilot, "long" if flight.end - flight.begin >= LONG else "short"].append(row)
         numbers = " | ".join(f"{value:.2f}" for value in (required, nominal, *kept, flown.min()))
-        yield f"| {name}, {autopilot} | {len(group)} | {numbers} | {missed[0]}, {missed[1]} |"
-    yield f"| all | {count} | | | | | | {short[0]}, {short[1]} |"
+        yield f"| {name}, {autopilot} | {len(group)} | {numbers} | {', '.join(map(str, np.sum(short, axis=0)))} |"
+    yield ""
+    yield from _head(GROUPS)
+    for (autopilot, way), rows in sorted(counts.items()):
+        total = " | ".join(f"{n} ({n / len(rows):.0%})" for n in np.sum(rows, axis=0))
+        yield f"| {autopilot} | {way} | {len(rows)} | {total} |"
+
+
+def _head(columns: tuple[str, ...]) -> Iterator[str]:
+    yield f"| {' | '.join(columns)} |"
+    yield f"|{'---|' * len(columns)}"
 
 
 def _flown_clearance(flight: Flown, scenario: Scenario) -> float:
@@ -63,14 +75,8 @@ def _flown_clearance(flight: Flown, scenario: Scenario) -> float:
 def passes(flights: list[Flown]) -> Iterator[str]:
     """A line a pass: mission, autopilot, number of the flight, second, on the way or not, bend, six distances."""
     yield "mission,autopilot,flight,at_s,on_the_way,across,east,north,west,south,up,down"
-    courses: dict[tuple[str, str], Course] = {}
-    for number, flight in enumerate(flights):
-        key = flight.name, str(flight.mission.autopilot)
-        if key not in courses:
-            courses[key] = course_of(
-                in_local_frame(predict(flight.mission, flight.wind, fast=True, sure=True)[1].track)
-            )
-        course, times = courses[key], flight.track[:, 0]
+    for number, (flight, course) in enumerate(_with_courses(flights)):
+        key, times = (flight.name, str(flight.mission.autopilot)), flight.track[:, 0]
         beside, piece = _beside(flight.track[:, 1:], course)
         across, during = course.across[piece], ((times - times[0]) // PASS).astype(int)
         for n in np.unique(during):
@@ -81,6 +87,29 @@ def passes(flights: list[Flown]) -> Iterator[str]:
             way = int(flight.begin <= middle <= flight.end)
             told = ",".join(f"{value:.2f}" for value in (across[here].max(), *ends))
             yield f"{key[0]},{key[1]},{number},{middle:.0f},{way},{told}"
+
+
+def traces(flights: list[Flown], judged: int) -> Iterator[str]:
+    """A line a second on the way: autopilot, number of the flight, judged or not, second, bend, east, north, up."""
+    for number, (flight, course) in enumerate(_with_courses(flights)):
+        way = (flight.track[:, 0] >= flight.begin) & (flight.track[:, 0] <= flight.end)
+        times = flight.track[way, 0] - flight.begin
+        _, each = np.unique(times.astype(int), return_index=True)
+        beside, piece = _beside(flight.track[way][each, 1:], course)
+        for at, across, (east, north, up) in zip(times[each], course.across[piece], beside, strict=True):
+            numbers = f"{at:.0f},{across:.1f},{east:.2f},{north:.2f},{up:.2f}"
+            yield f"{flight.mission.autopilot},{number},{judged},{numbers}"
+
+
+def _with_courses(flights: list[Flown]) -> Iterator[tuple[Flown, Course]]:
+    """Every flight with its predicted path; a mission that is flown again is predicted once."""
+    courses: dict[tuple[str, str], Course] = {}
+    for flight in flights:
+        key = flight.name, str(flight.mission.autopilot)
+        if key not in courses:
+            track = predict(flight.mission, flight.wind, fast=True, sure=True)[1].track
+            courses[key] = course_of(in_local_frame(track))
+        yield flight, courses[key]
 
 
 def _beside(places: Points, course: Course) -> tuple[Points, np.ndarray]:
@@ -99,13 +128,18 @@ def _beside(places: Points, course: Course) -> tuple[Points, np.ndarray]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("flights", type=Path, nargs="+")
-    parser.add_argument("--scenarios", type=Path, required=True)
+    parser.add_argument("--scenarios", type=Path, nargs="+", default=[])
     parser.add_argument("--passes", type=Path)
+    parser.add_argument("--traces", type=Path)
+    parser.add_argument("--judged", type=int, choices=(0, 1), default=1, help="what the traces are for")
     given = parser.parse_args()
     missions: dict[str, Path] = {}
     flights = [read_flown(folder, missions) for folder in sorted(given.flights) if is_flown(folder)]
     if given.passes:
         given.passes.write_text("\n".join(passes(flights)) + "\n", encoding="utf-8")
+    if given.traces:
+        lines = ["autopilot,flight,judged,second,across,east,north,up", *traces(flights, given.judged)]
+        given.traces.write_text("\n".join(lines) + "\n", encoding="utf-8")
     print("\n".join(table(flights, given.scenarios)))
 
 

@@ -3,7 +3,8 @@
 A folder is named SCENARIO-AUTOPILOT or SCENARIO_CONDITION-AUTOPILOT (anything before a `_` that begins with `r` and
 anything after `__` left out). It has the mission and either what `fly --json` printed (`fly.json`) with the simulated
 vehicle's own log (`log.BIN`, `log.ulg`), or `flight.json` (autopilot, `item_done_s`) with `truth.csv`, or `trace.csv`
-where the true position was not recorded. A flight that was repeated may leave its mission to the first one. `wind.json`
+where the true position was not recorded; or `track.csv` (the true position, heights from the ground) with `times.json`
+and SCENARIO-AUTOPILOT.plan and .toml. A flight that was repeated may leave its mission to the first one. `wind.json`
 has the fields of a `Wind`.
 """
 
@@ -45,6 +46,7 @@ class Flown:
     estimated_s: float = np.nan
     flown_s: float = np.nan
     wind: Wind = CALM
+    scenario: Path | None = None
 
     @property
     def on_the_way(self) -> Points:
@@ -55,14 +57,14 @@ class Flown:
 
 def is_flown(folder: Path) -> bool:
     """Whether a folder has a flight that came to its end."""
-    return (folder / "flight.json").exists() or (folder / "fly.json").exists()
+    return any((folder / name).exists() for name in ("flight.json", "fly.json", "times.json"))
 
 
 def read_flown(folder: Path, missions: dict[str, Path]) -> Flown:
     """Read a folder; `missions` are those read before, by scenario and autopilot."""
     stem = re.sub(r"^(r\d*|rep\d+)_", "", folder.name).split("__")[0]
     name, autopilot = stem.rsplit("-", 1)
-    own = [folder / file for file in MISSIONS if (folder / file).exists()]
+    own = [folder / file for file in (*MISSIONS, f"{stem}.plan") if (folder / file).exists()]
     missions.setdefault(stem, own[0] if own else folder.parent / stem / MISSIONS[-1])
     mission = read_mission(missions[stem], Autopilot(autopilot))
     if (folder / "fly.json").exists():
@@ -70,6 +72,12 @@ def read_flown(folder: Path, missions: dict[str, Path]) -> Flown:
         done = sorted(float(item["done_s"]) for item in told["items"])
         estimated, flown = float(told["estimate"]["total_s"]), float(told["flown_s"])
         track = _from_log(folder, mission)
+    elif (folder / "times.json").exists():
+        told = json.loads((folder / "times.json").read_text())
+        done = sorted(float(item["done_s"]) for item in told["items"])
+        estimated, flown = np.nan, float(told["flown_s"])
+        rows = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1)
+        track = _in_frame(rows + np.array([0.0, 0.0, 0.0, mission.home.altitude]), mission)
     else:
         told = json.loads((folder / "flight.json").read_text())
         done = sorted(float(at) for at in told["item_done_s"].values())
@@ -77,7 +85,10 @@ def read_flown(folder: Path, missions: dict[str, Path]) -> Flown:
         track = _from_csv(folder, mission)
     air = folder / "wind.json"
     wind = Wind(**json.loads(air.read_text())) if air.exists() else CALM
-    return Flown(name, mission, track[track[:, 0] >= 0], done[0], done[-2], estimated, flown, wind)
+    world = folder / f"{stem}.toml"
+    begun = track[track[:, 0] >= 0]
+    scenario = world if world.exists() else None
+    return Flown(name, mission, begun, done[0], done[-2], estimated, flown, wind, scenario)
 
 
 def _from_csv(folder: Path, mission: Mission) -> Points:
