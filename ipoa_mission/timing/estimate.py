@@ -1,6 +1,6 @@
 """How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from ipoa_mission.dynamics.copter.airframe import airframe_of as copter_airframe
 from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
 from ipoa_mission.dynamics.px4.airframe import airframe_of as px4_airframe
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
 from ipoa_mission.timing.ardupilot import fly_arducopter
@@ -144,8 +145,10 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
     items, begun = [], 0.0
     times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
     risks = prediction.missed or (NEVER_MISSED,) * len(route.visits)
+    track = prediction.track  # whose axes NumPy would copy whole for each item, did they not lie in one piece each
+    clock, speeds, *axes = map(np.ascontiguousarray, (track.times, track.speeds, *track.points.T))
     for visit, done, low, high, reason, missed in zip(route.visits, *times, prediction.reasons, risks, strict=True):
-        length, peak = _flown(prediction.track, begun, done)
+        length, peak = _flown(clock, axes, speeds, begun, done)
         lasted = done - begun
         items.append(
             ItemTime(
@@ -166,15 +169,15 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
     return tuple(items)
 
 
-def _flown(track: Track, begin: float, end: float) -> tuple[float, float]:
-    """Length flown and peak speed between two times."""
+def _flown(clock: Vector, axes: Sequence[Vector], speeds: Vector, begin: float, end: float) -> tuple[float, float]:
+    """Length flown and peak speed between two times, of a track's times, east, north, up and speeds, each (n,)."""
     if end <= begin:
         return 0.0, 0.0
-    first, last = np.searchsorted(track.times, [begin, end])
-    times = np.concatenate([[begin], track.times[first:last], [end]])
-    points = np.column_stack([np.interp(times, track.times, axis) for axis in track.points.T])
+    first, last = np.searchsorted(clock, [begin, end])
+    times = np.concatenate([[begin], clock[first:last], [end]])
+    points = np.column_stack([np.interp(times, clock, axis) for axis in axes])
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-    return length, float(np.interp(times, track.times, track.speeds).max())
+    return length, float(np.interp(times, clock, speeds).max())
 
 
 def in_local_frame(track: Track) -> Track:

@@ -86,7 +86,8 @@ def fly_px4(
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
     track = Track(warped, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
-    reasons = tuple(flights.why_slow(n, smooth, samples) for n in range(len(route.visits)))
+    clock = np.ascontiguousarray(samples[:, 0])
+    reasons = tuple(flights.why_slow(n, smooth, clock, samples) for n in range(len(route.visits)))
     return Prediction(done, done - half, done + half, reasons, track, tuple(remarks), _missed(route, runs))
 
 
@@ -146,8 +147,8 @@ class Flights:
 
         return once
 
-    def why_slow(self, n: int, done: Vector, samples: Points) -> str:
-        """The reasons why visit n, flown as the samples say, was slow."""
+    def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
+        """The reasons why visit n, flown as the samples at these times (m,) [s] say, was slow."""
         command, params = self.route.visits[n].item.command, self.route.visits[n].item.params
         if command == Command.NAV_DELAY:
             return "hold" if params[0] > 0 else ""
@@ -156,7 +157,7 @@ class Flights:
         order = self.plan.orders[self.plan.done[n] - 1]
         if order.holds > 0:
             return "hold"
-        rows = samples[(samples[:, 0] > (done[n - 1] if n else 0.0)) & (samples[:, 0] <= done[n])]
+        rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
         length, limits = math.dist(order.start[:2], order.goal[:2]), self.limits
         stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
         wind = self.wind.along(order.goal.east - order.start.east, order.goal.north - order.start.north)
@@ -165,7 +166,7 @@ class Flights:
             allowed=self.allowed(order),
             asked=order.cruise,
             top=self.airframe.top_speed(limits.lean) + wind,
-            flown=float(np.hypot(rows[:, 4], rows[:, 5]).max(initial=0.0)),
+            flown=float(np.hypot(samples[rows, 4], samples[rows, 5]).max(initial=0.0)),
             corner=corner_deg(order.start, order.goal, order.beyond),
             stops=order.beyond == order.goal,
         )
