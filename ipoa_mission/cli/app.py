@@ -65,7 +65,7 @@ def command() -> Any:
     """The command line as Click has it; flags that take no value show none in the help."""
     whole = typer.main.get_command(app)
     for one in (whole, *whole.commands.values()):  # type: ignore[attr-defined]
-        helps = one.get_help_option(whole.make_context("ipoa-mission", [], resilient_parsing=True))
+        helps = one.get_help_option(typer.Context(one))
         for option in (*one.params, *([] if helps is None else [helps])):
             if getattr(option, "is_flag", False) and option.metavar is None:
                 option.metavar = ""

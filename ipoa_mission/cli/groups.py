@@ -21,6 +21,7 @@ from ipoa_mission.cli.options import (
     SystemOption,
     bad_link_option,
     link_option,
+    optimizers_like,
     read_parameter_options,
     read_wind_option,
 )
@@ -62,7 +63,10 @@ class SearchOptions:
     optimizer: Annotated[
         str | None,
         typer.Option(
-            "--optimizer", metavar="NAME", help="Search by this: ipoa, poa, adaptive-pelican, or one that is installed."
+            "--optimizer",
+            metavar="NAME",
+            autocompletion=optimizers_like,
+            help="Search by this: ipoa, poa, adaptive-pelican, or one that is installed.",
         ),
     ] = None
     planner: Annotated[

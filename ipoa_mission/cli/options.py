@@ -38,6 +38,13 @@ class Planner(StrEnum):
     PAPER = "paper"
 
 
+def optimizers_like(beginning: str) -> list[str]:
+    """The optimizers whose names begin so, for a shell that completes."""
+    from ipoa_mission.optimize.registry import optimizer_names
+
+    return [name for name in optimizer_names() if name.startswith(beginning)]
+
+
 def or_packed(path: Path) -> Path:
     """The file that was named; where there is none and the name is one of `NAMES`, the scenario of that name."""
     if str(path) not in NAMES or path.exists():

@@ -7,7 +7,7 @@ from ipoa_mission.link.signing import Doubt
 CAUSE_S = 5.0
 #: How long one listens for another vehicle after frames of one that is not believed [s].
 DOUBTED_S = 3.0
-_WORDS = {
+_WORDS: dict[Doubt | None, tuple[str, str]] = {
     Doubt.UNSIGNED: (
         "it does not sign, and what is not signed with our key is not believed",
         "give it this key, or connect without one",
@@ -35,7 +35,7 @@ class SignsOtherwise(MissionError):
 
     def __init__(self, system: int, doubt: Doubt | None) -> None:
         words, hint = _WORDS.get(
-            doubt or "",
+            doubt,
             ("it signs what it says, and does not answer us, who do not sign", "give the key that it has: --key FILE"),
         )
         super().__init__(f"vehicle {system} is there, but {words}", hint=hint)

@@ -268,7 +268,7 @@ def test_new_asks_again(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_new_asks_for_what_a_map_suggests(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    answers = iter([""] * 9)
+    answers = iter([""] * 15)
     for place in ("typer._click.termui.visible_prompt_func", "click.termui.visible_prompt_func"):
         monkeypatch.setattr(place, lambda _: next(answers), raising=False)
     ended = run(f"new first.toml --buildings {MISSIONS / 'oldtown.geojson'} --json")

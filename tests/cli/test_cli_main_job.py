@@ -89,7 +89,9 @@ def test_a_scenario_that_is_wrong_is_told_by_place(run: Run, missions: Path) -> 
 def test_an_unknown_optimizer_is_bad_input(run: Run, missions: Path) -> None:
     ended = run(f"plan {missions / 'sitl.toml'} --optimizer ipao")
     assert ended.code == 2
-    assert "'ipao' is not one of 'ipoa', 'dbo'" in " ".join(ended.err.split())
+    assert "expected ipoa, poa, adaptive-pelican, dbo, hho, mpoa or ssa, not 'ipao' (did you mean 'ipoa'?)" in " ".join(
+        ended.err.split()
+    )
 
 
 def _essence(item: Item) -> tuple[float, ...]:

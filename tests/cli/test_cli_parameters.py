@@ -1,5 +1,6 @@
 """`--param` and its like: the other firmware's names, and names that nobody has, are told with the right one."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -57,7 +58,7 @@ def test_a_file_of_the_other_firmware_is_named(run: Run, mission: Path) -> None:
 
 def test_the_parameters_beside_a_waypoints_file_say_whose_it_is(missions: Path, tmp_path: Path) -> None:
     path = tmp_path / "x.waypoints"
-    write_mission(read_mission(missions / "campus.plan"), path)
+    write_mission(replace(read_mission(missions / "campus.plan"), parameters={}), path)
     assert read_mission(path).autopilot is Autopilot.PX4
     (tmp_path / "x.params").write_text("WPNAV_ACCEL,100\n")
     assert read_mission(path).autopilot is Autopilot.ARDUPILOT

@@ -97,7 +97,9 @@ except MissionError as error:
     run = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | {library.NUMBA: "1"}
     )
-    assert "no machine code for this system, and numba is not installed pip install numba" in run.stdout
+    assert (
+        "no machine code of these sources for this system, and numba is not installed pip install numba" in run.stdout
+    )
 
 
 @pytest.mark.parametrize("made_of", ["no library", "a library without kernels"])
