@@ -1,5 +1,7 @@
 """Why a vehicle that is on the line does not hear us, or is not heard: it signs otherwise, or speaks MAVLink 1."""
 
+from collections.abc import Mapping
+
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.signing import Doubt
 
@@ -7,7 +9,8 @@ from ipoa_mission.link.signing import Doubt
 CAUSE_S = 5.0
 #: How long one listens for another vehicle after frames of one that is not believed [s].
 DOUBTED_S = 3.0
-_WORDS: dict[Doubt | None, tuple[str, str]] = {
+_WORDS: Mapping[Doubt | None, tuple[str, str]] = {
+    None: ("it signs what it says, and does not answer us, who do not sign", "give the key that it has: --key FILE"),
     Doubt.UNSIGNED: (
         "it does not sign, and what is not signed with our key is not believed",
         "give it this key, or connect without one",
@@ -34,8 +37,5 @@ class SignsOtherwise(MissionError):
     """The vehicle is there; it signs and we do not, or not as we do. Nothing that we said had an effect."""
 
     def __init__(self, system: int, doubt: Doubt | None) -> None:
-        words, hint = _WORDS.get(
-            doubt,
-            ("it signs what it says, and does not answer us, who do not sign", "give the key that it has: --key FILE"),
-        )
+        words, hint = _WORDS[doubt]
         super().__init__(f"vehicle {system} is there, but {words}", hint=hint)

@@ -120,9 +120,14 @@ def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot
 
 @pytest.mark.parametrize("first", [0, 100])
 def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
-    """Others, some with our own ids, send lists of theirs; `python -m tools.fuzz.strangers` runs many more."""
-    endings = Counter(strangers.schedule(seed)[0] for seed in range(first, first + 15))
-    assert endings[Ending.FALSE] == endings[Ending.HANG] == 0
+    """Others, some with our own ids, send lists of theirs; `python -m tools.fuzz.strangers` runs many more.
+
+    An ArduPilot whose list is replaced while it is read back can still deceive: the tool counts how often.
+    """
+    ended = [strangers.schedule(seed) for seed in range(first, first + 15)]
+    assert [words for ending, words in ended if ending is Ending.FALSE and words.startswith(Autopilot.PX4)] == []
+    endings = Counter(ending for ending, _ in ended)
+    assert endings[Ending.HANG] == 0
     assert endings[Ending.EXACT] >= 3
     assert endings[Ending.ERROR] >= 1
 

@@ -25,7 +25,7 @@ from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoin
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import clear, download, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
-from ipoa_mission.link.messages import Message, MissionType
+from ipoa_mission.link.messages import Ack, Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
@@ -35,7 +35,7 @@ HOME = Geodetic(47.4, 8.5, 400.0)
 US = Target(245, 190)
 OTHERS = (US, US, Target(254, 190), Target(255, 190), Target(245, 191))
 LONGEST_S = 1800.0  # of virtual time
-TOLD_AGAIN_S = 1.2  # where a word of the vehicle's was lost: until it speaks of its mission again
+TOLD_AGAIN_S = 1.2  # within this time a vehicle speaks of its mission again
 
 
 class Ending(StrEnum):
@@ -67,7 +67,7 @@ class Radio:
     @property
     def news_s(self) -> float:
         """How long news of the vehicle may be under way."""
-        return self.delay_s + self.late_s + (TOLD_AGAIN_S if self.loss else 0.05)
+        return self.delay_s + self.late_s + TOLD_AGAIN_S
 
 
 @dataclass
@@ -83,7 +83,10 @@ class Speaker:
 
 @dataclass
 class World:
-    """A vehicle, its radio and all who speak with it; `changed_s`: since when it does not hold `sent`."""
+    """A vehicle, its radio and all who speak with it; `changed_s`: since when it does not hold `sent`.
+
+    `was_told`: since then we have heard the vehicle name another list, by its id.
+    """
 
     chance: random.Random
     mock: Mock
@@ -91,6 +94,8 @@ class World:
     sent: tuple[Item, ...]
     now: float = 0.0
     changed_s: float | None = None
+    was_told: bool = False
+    ours_is: int = 0  # the id under which the vehicle keeps it
     _air: list[tuple[float, int, Target | None, Target, Message]] = field(default_factory=list)
     _count: int = 0
 
@@ -121,6 +126,8 @@ class World:
                 self.mock.receive(message, source, self.now)
                 self._look()
                 continue
+            if target in (EVERYONE, US) and self.changed_s is not None:
+                self.was_told |= self._names_another(message)
             for one in speakers:
                 if one.exchange is not None and target in (EVERYONE, one.name):
                     self._hear(one, message, must_end_well=one is speakers[0])
@@ -167,10 +174,16 @@ class World:
             lands_s = self.now + radio.delay_s + radio.late_s * chance()
             heapq.heappush(self._air, (lands_s, self._count, source, target, message))
 
+    def _names_another(self, message: Message) -> bool:
+        named = message.mission_id if isinstance(message, Current) else 0
+        named = message.opaque_id if isinstance(message, Ack) and message.kind == MissionType.MISSION else named
+        return named not in (0, self.ours_is)
+
     def _look(self) -> None:
         held = self.mock.transfers.listed(MissionType.MISSION)
         if compare(self.sent, held, self.mock.habits.autopilot) is None:
-            self.changed_s = None
+            self.changed_s, self.was_told = None, False
+            self.ours_is = self.mock.transfers.list_id(MissionType.MISSION)
         elif self.changed_s is None:
             self.changed_s = self.now
 
@@ -216,7 +229,8 @@ def schedule(seed: int) -> tuple[Ending, str]:
         return Ending.EXACT, ""
     age = world.now - world.changed_s
     words = f"{autopilot}: replaced {age:.3f} s before the end, {radio}"
-    return (Ending.UNKNOWABLE if age <= radio.news_s else Ending.FALSE), words
+    is_unknowable = age <= radio.news_s and not world.was_told
+    return (Ending.UNKNOWABLE if is_unknowable else Ending.FALSE), words
 
 
 def main() -> int:
