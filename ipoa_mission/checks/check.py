@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilots.kinds import NO_AIRCRAFT
 from ipoa_mission.checks.finding import Finding, Severity
-from ipoa_mission.checks.firmware import check_firmware
+from ipoa_mission.checks.firmware import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, refusals
 from ipoa_mission.checks.sound import between_sound, sound_part
 from ipoa_mission.items import Mission
@@ -56,7 +56,7 @@ def check_mission(
         from ipoa_mission.tube.flown_in import flown_in
 
         flown = flown_in(sound[0], scenario)
-        if refusals(mission):
+        if refusals(mission) or is_too_long(mission):
             promise = None
         elif promise is None:
             promise = promise_if_known(flown, scenario)

@@ -48,6 +48,11 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     yield from _terrain(mission)
 
 
+def is_too_long(mission: Mission) -> bool:
+    """Whether its firmware holds fewer mission items than it has: it is refused, and nothing flies it."""
+    return len(to_wire(mission)) > tables.firmware(mission.autopilot, mission.firmware_version).max_items
+
+
 def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
     if not (mission.items or mission.fence or mission.rally):
         yield Finding(Severity.ERROR, None, "the mission: expected at least one item, but there is none")

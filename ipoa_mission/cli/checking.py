@@ -29,6 +29,7 @@ def check(
     from ipoa_mission.autopilots.said import as_json as as_json_of
     from ipoa_mission.autopilots.said import checked_for
     from ipoa_mission.checks.check import Severity, check_mission
+    from ipoa_mission.checks.firmware import is_too_long
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_with_parameters, read_world
 
@@ -42,7 +43,7 @@ def check(
     if world is not None:
         from ipoa_mission.checks.clearance import promise_if_known
 
-        promise = None if refusals(mission) else promise_if_known(mission, world)
+        promise = None if refusals(mission) or is_too_long(mission) else promise_if_known(mission, world)
     findings = check_mission(mission, world, promise)
     version = mission.firmware_version
     if version is None and world is not None and world.vehicle.autopilot is mission.autopilot:

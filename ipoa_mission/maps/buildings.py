@@ -31,7 +31,7 @@ from ipoa_mission.maps.kinds import (
     why_passed_over,
 )
 from ipoa_mission.maps.passed import FAR, MOST_NAMED, PassedOver, passed_over
-from ipoa_mission.maps.planar import polygons_of, to_plane
+from ipoa_mission.maps.planar import clean_polygons, polygons_of, to_plane
 from ipoa_mission.maps.wires import Wire, raise_span, spans, wire_of
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
@@ -102,10 +102,10 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
     mistakes = Mistakes()
     standing: list[Standing] = []
     passed: list[PassedOver] = []
-    for feature, shape, counted in zip(features, shapes, near, strict=True):
+    for feature, shape, sound, counted in zip(features, *clean_polygons(shapes), near, strict=True):
         why = _why_passed_over(feature, rules, every) if counted else FAR
         if why is None:
-            standings = mistakes.attempt(_standings, feature, shape, rules, counts, odd) or []
+            standings = mistakes.attempt(_standings, feature, shape, sound, rules, counts, odd) or []
             standing += [_over_home(s, feature, frame) for s in standings]
         else:
             passed.append(passed_over(feature, shape, why, path))
@@ -166,9 +166,12 @@ def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:
 
 
 def _standings(
-    feature: Feature, shape: Any, rules: BuildingRules, counts: Counter[str], unread: list[str]
+    feature: Feature, shape: Any, sound: bool, rules: BuildingRules, counts: Counter[str], unread: list[str]
 ) -> list[Standing]:
-    """One obstacle for each part of the feature's shape; tags that cannot be read are named in `unread`."""
+    """One obstacle for each part of the feature's shape; tags that cannot be read are named in `unread`.
+
+    A `sound` shape is one polygon that needs no mending.
+    """
 
     def odd(key: str, value: str) -> None:
         unread.append(f"{feature.name} ({key} {value[:20]!r})")
@@ -203,7 +206,7 @@ def _standings(
                 )
             made.append(Standing(feature.name, part, _reach(feature, rules.point_radius, odd), foot, top))
             continue
-        polygons, wrong = polygons_of(part, feature.place)
+        polygons, wrong = ([part], None) if sound else polygons_of(part, feature.place)
         if wrong is not None:
             counts[f"outline(s) mended ({wrong})"] += 1
         made += [Standing(feature.name, polygon, 0.0, foot, top) for polygon in polygons]

@@ -102,6 +102,14 @@ def _far(degrees: NDArray[Any], place: str, frame: LocalFrame) -> BadInput:
     )
 
 
+def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Local shapes (n,), and which of them are one polygon of which `polygons_of` makes just that; these are clean."""
+    clean = shapely.remove_repeated_points(shapes)
+    sound = (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON) & shapely.is_valid(clean)
+    sound &= shapely.area(clean) > LEAST_AREA
+    return np.where(sound, clean, shapes), sound
+
+
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
     """The valid polygons that a local polygon is or can be mended to, and what was wrong with it, if anything was.
 

@@ -23,10 +23,12 @@ from ipoa_mission.items import (
     waypoint,
 )
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.frame import Geodetic
 from tests.mission.mission_strategies import missions
 
 FILES = Path(__file__).parent / "files"
+SHIPPED = Path(__file__).parents[2] / "missions"
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(39.101, 121.82, 20.0)
 NORTH = Geodetic(39.102, 121.82)
@@ -317,6 +319,20 @@ def test_what_is_over_the_limit_is_an_error_and_what_is_at_it_is_not(
     (finding,) = check_mission(fill(empty, most + 1))
     assert str(finding).startswith(f"error: the mission: expected at most {most} {what}")
     assert str(finding).endswith(f"not {most + 1}")
+
+
+def test_what_is_too_long_for_its_autopilot_is_refused_before_its_flight_is_predicted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Mission] = []
+    monkeypatch.setattr("ipoa_mission.checks.clearance.promise_if_known", lambda mission, _: asked.append(mission))
+    scenario = read_scenario(SHIPPED / "campus.toml")
+    for items, predicted in ((647, 1), (648, 0)):
+        mission = flight(UP, *[AWAY] * items, DOWN, autopilot=ARDUPILOT)
+        words = [str(finding) for finding in check_mission(mission, scenario)]
+        refused = "error: the mission: expected at most 650 mission items for ArduPilot, not 651" in words
+        assert (len(asked), refused) == (predicted, not predicted)
+        asked.clear()
 
 
 @pytest.mark.parametrize(("name", "autopilot"), [("corners-ardupilot", ARDUPILOT), ("hold-px4", PX4)])

@@ -1,0 +1,21 @@
+import numpy as np
+import shapely
+
+from ipoa_mission.maps.planar import clean_polygons, polygons_of
+
+SQUARE = shapely.Polygon([(0, 0), (9, 0), (9, 9), (0, 9)])
+TWICE = shapely.Polygon([(0, 0), (9, 0), (9, 0), (9, 9), (0, 9)])
+BOW = shapely.Polygon([(0, 0), (9, 9), (9, 0), (0, 9)])
+FLAT = shapely.Polygon([(0, 0), (9, 0), (4, 0)])
+OTHERS = [shapely.MultiPolygon([SQUARE]), shapely.LineString(SQUARE.exterior), shapely.Point(0, 0), shapely.Polygon()]
+
+
+def test_polygons_found_sound_together_are_those_that_each_makes_alone():
+    shapes = np.array([SQUARE, TWICE, BOW, FLAT, *OTHERS], dtype=object)
+    clean, sound = clean_polygons(shapes)
+    assert sound.tolist() == [True, True, *[False] * 6]
+    for shape, alone in zip(clean[:2], shapes[:2], strict=True):
+        polygons, wrong = polygons_of(alone, "map")
+        assert wrong is None
+        assert [polygon.wkb for polygon in polygons] == [shape.wkb]
+    assert all(kept is given for kept, given in zip(clean[2:], shapes[2:], strict=True))
