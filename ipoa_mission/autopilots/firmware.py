@@ -70,8 +70,12 @@ class Firmware:
 
 
 def _rows(rows: Mapping[str, str]) -> Mapping[int, str]:
-    """Row of each command, from the commands of each row."""
-    return {int(Command[name]): row for row, names in rows.items() for name in names.split()}
+    """Row of each command, from the commands of each row; one that the package has no name for is its number."""
+    return {
+        int(name) if name.isdigit() else int(Command[name]): row
+        for row, names in rows.items()
+        for name in names.split()
+    }
 
 
 def _numbers(words: str) -> frozenset[int]:

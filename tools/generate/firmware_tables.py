@@ -32,7 +32,7 @@ def table(autopilot: Autopilot, source: Source) -> dict[str, Any]:
 
 def _by_row(rows: Mapping[str, str]) -> dict[str, str]:
     """The commands of each row, in the order of their numbers."""
-    named = sorted(rows, key=lambda name: Command[name])
+    named = sorted(rows, key=lambda name: int(name) if name.isdigit() else Command[name])
     return {row: " ".join(name for name in named if rows[name] == row) for row in sorted(set(rows.values()))}
 
 

@@ -84,4 +84,5 @@ def _used(text: str) -> dict[str, dict[str, str]]:
         if MULTICOPTER in types:
             masks[int(command)] |= int(mask, 16)
     taken = {command: listed(n + 1 for n in range(7) if mask >> n & 1) for command, mask in masks.items()}
-    return {"used": {command_name(command): slots for command, slots in taken.items() if command in set(Command)}}
+    names = {command: Command(command).name if command in set(Command) else str(command) for command in taken}
+    return {"used": {names[command]: slots for command, slots in taken.items()}}
