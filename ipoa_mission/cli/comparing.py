@@ -9,7 +9,7 @@ import typer
 
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.centimetres import down
+from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, ScenarioOption, expect_mission
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.centimetres import down
+from ipoa_mission.centimeters import down
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table

@@ -1,5 +1,6 @@
 """`mock`: the built-in autopilot behind a port, for any ground station."""
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import typer
@@ -20,27 +21,34 @@ from ipoa_mission.cli.options import (
 from ipoa_mission.cli.telling import tell, tell_json
 
 
-def mock(
-    worse: FaultOptions,
+@dataclass
+class StandsOptions:
+    """Who stands where, in what world."""
+
     autopilot: Annotated[
         Autopilot | None, typer.Option("--autopilot", help="Whom to answer as; left out, the scenario's, or px4.")
-    ] = None,
-    link: Annotated[
-        str, link_option("--link", metavar="URL", help="udpin or udpout, tcpin; loopback unless you name another host.")
-    ] = "udpin:127.0.0.1:14540",
-    scenario: ScenarioOption = None,
+    ] = None
+    scenario: ScenarioOption = None
     home: Annotated[
         tuple[float, float, float] | None,
         typer.Option("--home", metavar="LAT LON ALT", help="Where it stands: degrees, and metres AMSL."),
-    ] = None,
+    ] = None
+    firmware_version: Annotated[
+        str | None, typer.Option("--firmware-version", metavar="X.Y", help="Of which version; left out, the measured.")
+    ] = None
+    param: ParameterOption = None
+    param_file: ParameterFileOption = None
+
+
+def mock(
+    worse: FaultOptions,
+    one: StandsOptions,
+    link: Annotated[
+        str, link_option("--link", metavar="URL", help="udpin or udpout, tcpin; loopback unless you name another host.")
+    ] = "udpin:127.0.0.1:14540",
     speedup: Annotated[
         float, typer.Option("--speedup", metavar="N", min=0.01, max=1000, help="So many times as fast as real.")
     ] = 1.0,
-    firmware_version: Annotated[
-        str | None, typer.Option("--firmware-version", metavar="X.Y", help="Of which version; left out, the measured.")
-    ] = None,
-    param: ParameterOption = None,
-    param_file: ParameterFileOption = None,
     system: SystemOption = None,
     key: KeyOption = None,
     seed: Annotated[int, bad_link_option("--seed", metavar="N", min=0, help="Same seed, same losses.")] = 0,
@@ -63,12 +71,12 @@ def mock(
     from ipoa_mission.simulator.server import serve
 
     address = parse_address(link)
-    given = read_parameter_options(param, param_file)
-    there = stands(scenario, home, autopilot, given)
+    given = read_parameter_options(one.param, one.param_file)
+    there = stands(one.scenario, one.home, one.autopilot, given)
     expect_own(there.parameters, there.autopilot)
     version = MEASURED[there.autopilot]
-    if firmware_version is not None:
-        version = expect_known_version(there.autopilot, Version.parsed(firmware_version))
+    if one.firmware_version is not None:
+        version = expect_known_version(there.autopilot, Version.parsed(one.firmware_version))
     signer = signer_of(key, "mock")
     place = there.home
     about = {

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ipoa_mission.centimetres import down, falls_short, up
+from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission

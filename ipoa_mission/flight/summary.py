@@ -4,7 +4,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from ipoa_mission.centimetres import down, up
+from ipoa_mission.centimeters import down, up
 from ipoa_mission.maps.passed import count_passed_over
 
 if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what plans

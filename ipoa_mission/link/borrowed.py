@@ -4,11 +4,16 @@ Frames, checksums, signatures and logs stay ours.
 """
 
 import select
-from typing import Any
+from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import LONGEST_READ, LinkDown, Peer, RealTime
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, dialect_of
+from ipoa_mission.link.messages import Message
+
+if TYPE_CHECKING:
+    from ipoa_mission.link.line import Line
 
 PEER = "mavutil"  # it answers where it was spoken to, and does not tell who spoke
 
@@ -60,7 +65,7 @@ def payload_of(message: Any) -> tuple[Definition, bytes]:
     if definition is None or definition.name != message.get_type():
         raise BadInput(
             f"message: expected one of pymavlink's, not {type(message).__name__}",
-            hint="connect(..., dialect=NAME) makes another dialect known",
+            hint="add_dialect(NAME) makes another dialect known",
         )
     fields = {name: getattr(message, name) for name in definition.names if hasattr(message, name)}
     return definition, definition.pack({k: v.encode() if isinstance(v, str) else v for k, v in fields.items()})
@@ -70,3 +75,33 @@ def as_pymavlink(frame: bytes) -> Any:
     """A whole frame as one of pymavlink's messages."""
     number = int.from_bytes(frame[7:10], "little") if frame[0] == 0xFD else frame[5]
     return dialect_of(number).MAVLink(None).decode(bytearray(frame))
+
+
+def own_line(line: object) -> "Line":
+    """The line, if it is of our own.
+
+    Raises:
+        BadInput: it is MAVSDK's, which has messages of its own.
+    """
+    from ipoa_mission.link.line import Line
+
+    if not isinstance(line, Line):
+        raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's")
+    return line
+
+
+def messages_from(
+    line: "Line", system: int, seconds: float, names: Collection[str], note: Callable[[Message], object]
+) -> list[Any]:
+    """What a vehicle says in so many seconds, as pymavlink's messages; of `names`, if given. `note` hears all."""
+    frames, until = list[bytes](), line.now() + seconds
+    line.overhearing = frames.append
+    try:
+        while line.now() < until:
+            for heard in line.receive(until):
+                if heard.system == system and heard.message is not None:
+                    note(heard.message)
+    finally:
+        line.overhearing = None
+    found = [message for frame in frames if (message := as_pymavlink(frame)).get_srcSystem() == system]
+    return [message for message in found if not names or message.get_type() in names]

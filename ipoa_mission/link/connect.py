@@ -1,7 +1,6 @@
 """The vehicle on a link: found by its heartbeat, by its system id where there are several."""
 
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from ipoa_mission.errors import MissionError
@@ -9,7 +8,6 @@ from ipoa_mission.link.borrowed import MavutilChannel
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.deafness import DOUBTED_S, SignsOtherwise
-from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
@@ -30,25 +28,21 @@ def connect(
     patience: Patience = SPECIFIED,
     fast: bool = True,
     anyway: bool = False,
-    dialect: str | ModuleType | None = None,
     reading: bool = False,
 ) -> Vehicle:
     """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
 
     `link` is a connection string, an open connection of pymavlink's mavutil, or a System of MAVSDK's, which stay open.
-    `dialect`, one of pymavlink's by its name or a module that it generated, adds messages: to the log, to `messages`.
     `reading`: any vehicle will do, and nothing can be changed on one that is no multicopter.
 
     Raises:
-        BadInput, LinkDown: the link cannot be opened; there is no such dialect.
+        BadInput, LinkDown: the link cannot be opened.
         NoAnswer: there is no vehicle.
         SignsOtherwise: there is one, and what it says is not believed.
         NotFlown: it is no multicopter of ArduPilot or PX4; nothing but our presence was told to it.
         MissionError: there are several, and `system` does not say which.
         Contested: there are two with this system id; `anyway` takes the first.
     """
-    if dialect is not None:
-        add_dialect(dialect)
     if hasattr(link, "get_system_id"):
         from ipoa_mission.link.mavsdk_backend import borrow
 

@@ -69,6 +69,14 @@ def prove(holdings: Iterable[Holding], state: VehicleState) -> Dialogue[None]:
         holding.changed = ""
 
 
+def read_again(holding: Holding, state: VehicleState) -> Dialogue[None]:
+    """Look once more, after a flight, at a list without an id: one of the same length may have come in its place."""
+    try:
+        yield from prove([holding], state)
+    except Replaced as replaced:
+        holding.changed = f"when it was read after the flight, {replaced.difference}"
+
+
 def expect_unchanged(holdings: Iterable[Holding]) -> None:
     """Raise ReplacedSince where the vehicle has spoken of another list since it was proved to hold ours."""
     for holding in holdings:

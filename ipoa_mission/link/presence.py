@@ -5,8 +5,10 @@ from dataclasses import dataclass
 
 from ipoa_mission.autopilots.kinds import Kind
 from ipoa_mission.link.codec import Heard
-from ipoa_mission.link.line import Line
+from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, Firmware, Heartbeat, Ping
+from ipoa_mission.link.state import VehicleState
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,19 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
     while line.now() < until:
         autopilots |= autopilots_in(line.receive(until))
     return tuple(autopilots[system] for system in sorted(autopilots))
+
+
+def await_booted(line: Carrier, system: int, state: VehicleState, until: float) -> None:
+    """Wait for an ArduPilot that is still starting up: it answers every COUNT with NO_SPACE.
+
+    Raises:
+        NoAnswer: it has not finished by then.
+    """
+    while not state.booted:
+        if line.now() >= until:
+            raise NoAnswer("the vehicle has not finished its start-up")
+        for heard in autopilots_in(line.receive(until)).values():
+            state.booted |= heard.system == system and heard.is_ready
 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, Found]:

@@ -25,17 +25,16 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.departure import LIMITS, Departure, depart, expect_on_ground, prepare, unsubscribe
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
 from ipoa_mission.link.hold import SHOWN_S, pause, resume, return_to_launch
-from ipoa_mission.link.holding import Holding, ReplacedSince, prove
+from ipoa_mission.link.holding import Holding, ReplacedSince, read_again
 from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.line import Carrier, Line, converse
+from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
-from ipoa_mission.link.logged import version_name
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
 from ipoa_mission.link.mission_file import FileRefused, upload_by_file
-from ipoa_mission.link.presence import Found, autopilots_in
+from ipoa_mission.link.presence import Found, await_booted
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
-from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Unplaced, Upload, upload
+from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
 from ipoa_mission.progress import Progress, silent
@@ -63,8 +62,7 @@ class Vehicle:
         self.system = heard.system
         self.autopilot = heard.kind.autopilot
         self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
-        self._fast = fast
-        self._anyway = anyway
+        self._fast, self._anyway = fast, anyway
         self._about: AutopilotVersion | None = None
         self._patience = patience
         self._tempo = Tempo(patience)
@@ -265,11 +263,6 @@ class Vehicle:
         """The mode that it was last heard in, by the autopilot's name."""
         return "no mode" if self.state.custom_mode is None else mode_name(self.autopilot, self.state.custom_mode)
 
-    @property
-    def version(self) -> str:
-        """The version of its firmware in its own numbers, like 4.7.0-dev; empty where it does not say."""
-        return version_name(self._told().flight_sw_version)
-
     def home(self) -> Geodetic | None:
         """Where the vehicle's home is; None while it does not know."""
         return self._hold(orders.home())
@@ -292,38 +285,21 @@ class Vehicle:
         """
         self._tell(orders.set_parameter(name, value, self.autopilot))
 
-    # --- the rest ---------------------------------------------------------------------------------------------------
-
     def send(self, message: Any) -> None:
         """Say one of pymavlink's messages (`MAVLink_command_long_message`, ...), to whom its own fields name.
 
         Raises:
             BadInput: it is none, or of a dialect that `connect` was not given.
         """
-        from ipoa_mission.link.borrowed import payload_of
+        from ipoa_mission.link.borrowed import own_line, payload_of
 
-        self._own_line().say(*payload_of(message))
+        own_line(self.line).say(*payload_of(message))
 
     def messages(self, seconds: float, *names: str) -> list[Any]:
         """What is heard from the vehicle in so many seconds, as pymavlink's messages; `names`: only those."""
-        from ipoa_mission.link.borrowed import as_pymavlink
+        from ipoa_mission.link.borrowed import messages_from, own_line
 
-        line, frames = self._own_line(), list[bytes]()
-        line.overhearing, until = frames.append, line.now() + seconds
-        try:
-            while line.now() < until:
-                for heard in line.receive(until):
-                    if heard.system == self.system and heard.message is not None:
-                        self._overhear(heard.message)
-        finally:
-            line.overhearing = None
-        found = [message for frame in frames if (message := as_pymavlink(frame)).get_srcSystem() == self.system]
-        return [message for message in found if not names or message.get_type() in names]
-
-    def _own_line(self) -> Line:
-        if not isinstance(self.line, Line):
-            raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's")
-        return self.line
+        return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
 
     def give_up_after(self, seconds: float) -> None:
         """Raise TimeUp in what is under way so many seconds from now; a flight that has begun is watched to its end."""
@@ -347,14 +323,9 @@ class Vehicle:
     def _read_after_flight(self) -> None:
         """A mission without an id may have been replaced by one of the same length, which nothing tells of."""
         holding = self._holdings.get(MissionType.MISSION)
-        if holding is None or holding.list_id or holding.changed:
-            return
-        try:
-            self._hold(prove([holding], self.state))
-        except Replaced as replaced:
-            holding.changed = f"when it was read after the flight, {replaced.difference}"
-        except MissionError:
-            return  # it does not tell
+        if holding is not None and not holding.list_id and not holding.changed:
+            with suppress(MissionError):  # it does not tell
+                self._hold(read_again(holding, self.state))
 
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
         with self._in_time(), self._known_state():
@@ -425,10 +396,5 @@ class Vehicle:
         self._logbook.armed = armed
 
     def _await_ready(self) -> None:
-        """An ArduPilot that is still starting up answers every COUNT with NO_SPACE."""
-        until = min(self.line.now() + STARTUP_S, self._until)
-        while not self.state.booted and self.autopilot is Autopilot.ARDUPILOT:
-            if self.line.now() >= until:
-                raise NoAnswer("the vehicle has not finished its start-up")
-            for heard in autopilots_in(self.line.receive(until)).values():
-                self.state.booted |= heard.system == self.system and heard.is_ready
+        if self.autopilot is Autopilot.ARDUPILOT:
+            await_booted(self.line, self.system, self.state, min(self.line.now() + STARTUP_S, self._until))

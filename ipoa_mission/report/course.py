@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ipoa_mission.centimetres import down, falls_short, up
+from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario

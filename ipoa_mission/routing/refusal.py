@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ipoa_mission.centimetres import down, up
+from ipoa_mission.centimeters import down, up
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.scenario import Scenario

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.centimetres import down, up
+from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch

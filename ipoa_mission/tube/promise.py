@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.centimetres import down, falls_short, goes_beyond, up
+from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import Itinerary

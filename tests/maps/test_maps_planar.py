@@ -10,7 +10,7 @@ FLAT = shapely.Polygon([(0, 0), (9, 0), (4, 0)])
 OTHERS = [shapely.MultiPolygon([SQUARE]), shapely.LineString(SQUARE.exterior), shapely.Point(0, 0), shapely.Polygon()]
 
 
-def test_polygons_found_sound_together_are_those_that_each_makes_alone():
+def test_polygons_found_sound_together_are_those_that_each_makes_alone() -> None:
     shapes = np.array([SQUARE, TWICE, BOW, FLAT, *OTHERS], dtype=object)
     clean, sound = clean_polygons(shapes)
     assert sound.tolist() == [True, True, *[False] * 6]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.centimetres import down
+from ipoa_mission.centimeters import down
 from ipoa_mission.commands import Command
 from ipoa_mission.items import return_to_launch
 from ipoa_mission.itinerary.legs import join

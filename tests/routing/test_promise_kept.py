@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.centimetres import down, falls_short, up
+from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Severity
 from ipoa_mission.errors import MissionError

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from ipoa_mission.centimetres import down, up
+from ipoa_mission.centimeters import down, up
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.planning.proof import Proof

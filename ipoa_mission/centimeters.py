@@ -6,26 +6,26 @@ that is less than 2.50 m.
 
 import math
 
-PER_METRE = 100
+PER_METER = 100
 NOISE = 1e-6  # centimetres that come from binary fractions: 0.1 + 0.7 is 80 of them
 
 
-def down(metres: float, per_metre: int = PER_METRE) -> float:
+def down(meters: float, per_meter: int = PER_METER) -> float:
     """Rounded down to the centimetre: what is kept at least [m].
 
     >>> down(2.478), down(0.1 + 0.7), down(-0.001)
     (2.47, 0.8, -0.01)
     """
-    return math.floor(per_metre * metres + NOISE) / per_metre if math.isfinite(metres) else metres
+    return math.floor(per_meter * meters + NOISE) / per_meter if math.isfinite(meters) else meters
 
 
-def up(metres: float, per_metre: int = PER_METRE) -> float:
+def up(meters: float, per_meter: int = PER_METER) -> float:
     """Rounded up to the centimetre: what is required at least, or reached at most [m].
 
     >>> up(2.491), up(2.5), up(0.1 + 0.7)
     (2.5, 2.5, 0.8)
     """
-    return math.ceil(per_metre * metres - NOISE) / per_metre if math.isfinite(metres) else metres
+    return math.ceil(per_meter * meters - NOISE) / per_meter if math.isfinite(meters) else meters
 
 
 def falls_short(kept: float, required: float) -> bool:
