@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
-from ipoa_mission.commands import Command
+from ipoa_mission.commands import WAYPOINTS, Command
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.waypoints_file import read_waypoints
 from ipoa_mission.wind import CALM, Wind
@@ -26,7 +26,6 @@ HERE = Path(__file__).resolve().parent
 FLIGHTS, LANDINGS, IN_WIND = HERE / "flights", HERE / "landings", HERE / "flights_wind"
 #: Of the wind in ArduPilot's simulator, as it was set: it grows with the square root of the height up to 5 m.
 SIMULATED_PROFILE = 0.5, 5.0
-WAYPOINTS = (Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT)
 
 
 @dataclass(frozen=True)

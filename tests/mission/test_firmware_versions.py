@@ -13,7 +13,6 @@ from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -73,15 +72,6 @@ def test_what_is_kept_and_never_flown_is_an_error() -> None:
     (finding,) = check_mission(mission(wait, HELD, return_to_launch(), version="1.16"))
     assert "PX4 1.16 keeps CONDITION_DELAY, and flies no mission that holds it" in finding.message
     assert check_mission(mission(wait, HELD, return_to_launch(), version="1.18")) == ()
-
-
-@pytest.mark.parametrize("version", ["1.15", "1.17", "1.18"])
-def test_the_estimate_notes_what_check_refuses(version: str) -> None:
-    turns = Item(Command.NAV_LOITER_TURNS, 3, (2.0, 0.0, 30.0, 0.0), THERE.latitude_deg, THERE.longitude_deg, 20.0)
-    refused = mission(HELD, turns, return_to_launch(), version=version)
-    (finding,) = check_mission(refused)
-    assert finding.message == f"PX4 {version} does not take NAV_LOITER_TURNS"
-    assert f"item 3 (NAV_LOITER_TURNS): {finding.message}" in estimate(refused).remarks
 
 
 def test_a_development_version_may_not_take_yet_what_its_series_does() -> None:

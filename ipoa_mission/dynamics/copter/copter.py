@@ -241,7 +241,8 @@ class Copter:
         enter = self.state.speed if self._before is NO_LEG else 0.0  # out of a spline a leg starts at its speed
         if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
             return at_speeds(planned, self.speeds, elapsed, self.limits)
-        return straight_leg(planned.origin, planned.target, self.speeds, self.limits, enter=enter, turn=planned.turn)
+        way, is_changed = (planned.origin, planned.target, self.speeds, self.limits), planned.speeds != self.speeds
+        return straight_leg(*way, enter=enter, turn=planned.turn, is_changed=is_changed)
 
     def _begin(self, this: Leg, following: Leg = NO_LEG) -> None:
         self.this, self.following, self.passed = this, following, False

@@ -1,6 +1,7 @@
 """ArduCopter's legs: straight ones with an S-curve, splines with tangents, and those over one place."""
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 from ipoa_mission.autopilots.ardupilot import CopterLimits
@@ -37,15 +38,20 @@ def straight_leg(
     enter: float = 0.0,
     leave: float = 0.0,
     turn: float = 0.0,
+    is_changed: bool = False,
 ) -> Leg:
-    """A straight leg, or with a `turn` [rad] an arc; it begins and ends at rest, or next to a spline at a speed."""
+    """A straight leg, or with a `turn` [rad] an arc; it begins and ends at rest, or next to a spline at a speed.
+
+    `is_changed`: its speed is another than when it was first planned.
+    """
     leg = _leg(STRAIGHT, origin, target, speeds)
     if leg.length <= ZERO_LENGTH:
         return leg
     if is_arc(origin, target, turn):
         center = Vector(*arc_center(origin, target, turn), 0.0)
         leg = leg._replace(turn=turn, center=center, length=arc_length(origin, target, turn))
-    return leg._replace(profile=profile(leg.length, _limits_of(leg, copter), enter, leave))
+    limits = _changed_limits(leg, copter) if is_changed else _limits_of(leg, copter)
+    return leg._replace(profile=profile(leg.length, limits, enter, leave))
 
 
 def _limits_of(leg: Leg, copter: CopterLimits) -> Limits:
@@ -55,6 +61,15 @@ def _limits_of(leg: Leg, copter: CopterLimits) -> Limits:
         radius = arc_radius(leg.origin, leg.target, leg.turn)
         speeds = speeds._replace(level=min(speeds.level, math.sqrt(copter.corner_accel * radius)))
     return limits_along(leg.origin, leg.target, speeds, copter)
+
+
+def _changed_limits(leg: Leg, copter: CopterLimits) -> Limits:
+    """The limits after a change of speed: on an arc those along its way, with no bound on its corner acceleration."""
+    limits = _limits_of(leg, copter)
+    if leg.turn == 0.0:
+        return limits
+    rise = (leg.target[2] - leg.origin[2]) / leg.length
+    return replace(limits, speed=along_limit(math.sqrt(1.0 - rise * rise), 0.0, rise, leg.speeds))
 
 
 def spline_leg(
@@ -117,7 +132,7 @@ def at_speeds(leg: Leg, speeds: Bounds, elapsed: float, copter: CopterLimits) ->
     changed = leg._replace(speeds=speeds)
     if leg.kind == SPLINE or leg.profile is AT_REST:
         return changed
-    return changed._replace(profile=change(leg.profile, elapsed, leg.length, _limits_of(changed, copter)))
+    return changed._replace(profile=change(leg.profile, elapsed, leg.length, _changed_limits(changed, copter)))
 
 
 def _leg(kind: float, origin: Place, target: Place, speeds: Bounds) -> Leg:
