@@ -18,11 +18,11 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
     The legs are those that will be flown, the way home among them.
     """
     frame = LocalFrame(mission.home)
-    centre = frame.local(there)[:2]
+    center = frame.local(there)[:2]
     legs = flown_legs(mission, frame, mission.ground)
 
     def apart(leg: Leg) -> Vector:
-        return np.asarray(np.hypot(*(leg.points[:, :2] - centre).T))
+        return np.asarray(np.hypot(*(leg.points[:, :2] - center).T))
 
     def heights(leg: Leg) -> Vector:
         return np.asarray(frame.to_geodetic(leg.points)[2] - mission.home.altitude)

@@ -3,6 +3,7 @@
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ import numpy as np
 from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.commands import Command, Frame, command_name, plain_frame
+from ipoa_mission.errors import BadInput
 from ipoa_mission.exports.track import in_world
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.items import Item, Mission
@@ -71,7 +73,10 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
 def _repeated(rows: Iterable[Row], mission: Mission) -> Iterator[Row]:
     """The rows; of an item to which a jump leads again it is said which of its passes stands there."""
     jumps = any(item.command == Command.DO_JUMP for item in mission.items)
-    passes = Counter(visit.seq for visit in itinerary(mission).visits) if jumps and not refusals(mission) else Counter()
+    passes = Counter[int]()
+    if jumps and not refusals(mission):
+        with suppress(BadInput):  # a jump without end
+            passes.update(visit.seq for visit in itinerary(mission).visits)
     for row in rows:
         if passes[row.seq] > 1 and row.length is not None:
             words = f"leg of the first of {passes[row.seq]} passes, done with the last"

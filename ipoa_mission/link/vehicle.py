@@ -93,10 +93,10 @@ class Vehicle:
         if mission.other_vehicle:
             raise BadInput(f"the mission is for {mission.other_vehicle}, and the vehicle is a multicopter")
         suited = replace(mission, autopilot=self.autopilot)
-        if checked:
-            suited = replace(suited, firmware_version=self.firmware_version())
-            refuse_errors(check_mission(suited))
         with noted_interrupts() as interrupt, self._in_time():
+            if checked:
+                suited = replace(suited, firmware_version=self.firmware_version())
+                refuse_errors(check_mission(suited))
             try:
                 self.upload_items(to_wire(suited), MissionType.MISSION, progress)
             except Unflyable as unflyable:

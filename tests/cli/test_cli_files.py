@@ -76,7 +76,10 @@ def test_wind_comes_from_where_it_is_said_to_and_costs_time(run: Run, mission: s
         assert f"--wind {wrong}: expected a speed in m/s and where it blows from" in ended.err
 
 
-def test_the_table_of_an_estimate_fits_a_hundred_columns(run: Run, mission: str) -> None:
+def test_the_table_of_an_estimate_fits_a_hundred_columns(
+    run: Run, mission: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
     lines = run(f"estimate {mission} --autopilot ardupilot").out.splitlines()
     assert max(map(len, lines)) <= 100
 

@@ -48,6 +48,7 @@ def test_a_mission_goes_up_comes_down_and_goes_away(
         assert Path(f"{log}.tlog").stat().st_size > 100
     assert sorted(path.name for path in Path().glob("*.tlog")) == [
         "back-download.tlog",
+        "empty-download.tlog",
         "set.tlog",
         "up.tlog",
     ]  # no other is asked for

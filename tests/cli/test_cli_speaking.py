@@ -165,7 +165,8 @@ def test_names_that_look_like_markup_are_told_as_they_are(run: Run, mission: Pat
     assert "[red]x.plan: cannot be read" in run("show [red]x.plan").err
 
 
-def test_show_and_estimate_fit_eighty_columns(run: Run, missions: Path) -> None:
+def test_show_and_estimate_fit_eighty_columns(run: Run, missions: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
     mission = missions / "campus.plan"
     for words in (f"show {mission} --scenario {missions}/campus.toml", f"estimate {mission}"):
         lines = run(words).out.split("\n\n")[1].splitlines()

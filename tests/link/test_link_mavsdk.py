@@ -20,6 +20,7 @@ from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.wire import coordinate
+from ipoa_mission.mission.firmware import to_wire
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 
@@ -72,7 +73,8 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
         ) as server,
     ):
         try:
-            meet(line).upload(Mission(HOME, items))
+            vehicle = meet(line, reading=True)  # it says that it is a generic vehicle of no known firmware
+            vehicle._hold(upload.upload(upload.Upload(to_wire(Mission(HOME, items)), vehicle.autopilot)))
             assert server.stderr is not None
             told = next(json.loads(words) for words in server.stderr if words.startswith("{"))
         finally:

@@ -87,7 +87,7 @@ def test_what_cannot_be_read_ends_the_tool(copter: Source, monkeypatch: pytest.M
 
 
 def test_used_params_of_a_multicopter() -> None:
-    assert px4_source._used(MASKS) == {"used": {"NAV_WAYPOINT": "1 2 4 5 6 7", "NAV_TAKEOFF": "1 4 5 6 7"}}
+    assert px4_source._used(MASKS) == {"used": {"NAV_WAYPOINT": "1 2 4 5 6 7", "NAV_TAKEOFF": "1 4 5 6 7", "999": "1"}}
     assert px4_source._used("") == {}
 
 
