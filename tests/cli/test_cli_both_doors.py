@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
@@ -42,7 +43,11 @@ def slowed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
         path = folder / "slow.toml"
         text = (MISSIONS / f"{name}.toml").read_text(encoding="utf-8")
         short = "[optimizer]\npopulation = 8\niterations = 8\n"
-        path.write_text(f"{text}\n{short}\n[vehicle.parameters]\n{SLOW[usual.vehicle.autopilot]}\n", encoding="utf-8")
+        heading, slow = "[vehicle.parameters]\n", SLOW[usual.vehicle.autopilot]
+        text = re.sub(r"(?m)^RTL_ALT = .*\n", "", text)  # it is given by its newer name
+        has = heading in text
+        text = text.replace(heading, f"{heading}{slow}\n") if has else f"{text}\n{heading}{slow}\n"
+        path.write_text(f"{text}\n{short}\n", encoding="utf-8")
         return path
 
     return written

@@ -13,6 +13,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.dialogue import until
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Heartbeat, Message
@@ -102,8 +103,7 @@ def test_one_that_turns_out_to_be_something_else_is_refused_from_there_on() -> N
     vehicle = meet(line, fast=False)
     vehicle.upload(MISSION)
     channel.far.autopilot.told = 3, 1  # type: ignore[attr-defined]
-    while vehicle.state.kind == Kind(3, 2):
-        vehicle.download()
+    vehicle._hold(until(lambda: vehicle.state.kind != Kind(3, 2), 5.0))
     with pytest.raises(NotFlown, match="the vehicle is an ArduPilot plane"):
         vehicle.upload(MISSION)
     with pytest.raises(NotFlown):
