@@ -61,7 +61,7 @@ def test_from_a_read_only_wheel_without_home_the_demo_flies_and_nothing_is_compi
     assert abs(estimated - flown) < 1.0
     assert kept > 2.6  # what the scenario requires
     names = {path.name for path in (tmp_path / "demo").iterdir()}
-    assert names == {"campus.plan", "campus.waypoints", "campus.json", "campus.tlog", "campus.html"}
+    assert names == {"campus.plan", "campus.params", "campus.waypoints", "campus.json", "campus.tlog", "campus.html"}
     assert max(map(len, run.stdout.splitlines())) <= 120
 
 

@@ -15,10 +15,14 @@ from ipoa_mission.link.codec import Codec, frame_at
 
 @pytest.fixture
 def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """What a test adds to the table is taken out again."""
-    monkeypatch.setattr(definitions, "_IN_USE", list(definitions._IN_USE))
+    """The table as it is imported, whatever was added before; what a test adds to it is taken out again."""
+    monkeypatch.setattr(definitions, "_IN_USE", [ardupilotmega])
     tables: list[dict[Any, Any]] = [definitions.DEFINITIONS, definitions._NUMBERS]
     before = [dict(table) for table in tables]
+    new = {one.number: one for one in (*definitions._OTHERS, *definitions._definitions(ardupilotmega))}
+    for table, first in zip(tables, (new, {one.name: number for number, one in new.items()}), strict=True):
+        table.clear()
+        table.update(first)
     yield
     for table, whole in zip(tables, before, strict=True):
         table.clear()

@@ -91,7 +91,7 @@ def test_what_is_under_way_ends_when_it_has_been_given_its_time() -> None:
 def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = met(Autopilot.ARDUPILOT)
     monkeypatch.setattr(verbs, "STARTUP_S", 2.0)
-    monkeypatch.setattr(verbs, "autopilots_in", lambda heard: {})
+    monkeypatch.setattr("ipoa_mission.link.presence.autopilots_in", lambda heard: {})
     vehicle.state.booted = False
     with pytest.raises(NoAnswer, match="has not finished its start-up"):
         vehicle.download()
