@@ -20,9 +20,10 @@ def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     tables: list[dict[Any, Any]] = [definitions.DEFINITIONS, definitions._NUMBERS]
     before = [dict(table) for table in tables]
     new = {one.number: one for one in (*definitions._OTHERS, *definitions._definitions(ardupilotmega))}
-    for table, first in zip(tables, (new, {one.name: number for number, one in new.items()}), strict=True):
+    first: tuple[dict[Any, Any], ...] = (new, {one.name: number for number, one in new.items()})
+    for table, one in zip(tables, first, strict=True):
         table.clear()
-        table.update(first)
+        table.update(one)
     yield
     for table, whole in zip(tables, before, strict=True):
         table.clear()

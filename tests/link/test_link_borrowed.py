@@ -1,0 +1,47 @@
+"""What pymavlink's users bring along: an open connection as our channel, its messages said and heard."""
+
+import socket
+from types import SimpleNamespace
+
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega
+
+from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.errors import BadInput
+from ipoa_mission.link.borrowed import MavutilChannel, own_line
+from ipoa_mission.link.channel import LinkDown
+from tests.link.test_link_verbs import met
+
+
+def test_an_open_connection_is_read_written_and_left_open() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        lent = SimpleNamespace(fd=ours.fileno(), recv=ours.recv, write=ours.send)
+        channel = MavutilChannel(lent)
+        assert channel.receive(channel.now()) == []
+        channel.send(b"there", None)
+        assert theirs.recv(9) == b"there"
+        theirs.send(b"back")
+        assert [data for data, _ in channel.receive(channel.now() + 5.0)] == [b"back"]
+        channel.close()
+        assert ours.fileno() >= 0
+    with pytest.raises(LinkDown, match="the link broke"):
+        channel.receive(channel.now())
+    with pytest.raises(LinkDown, match="the link broke"):
+        channel.send(b"there", None)
+
+
+def test_what_is_no_connection_is_bad_input() -> None:
+    with pytest.raises(BadInput, match="expected a connection string"):
+        MavutilChannel(object())
+    with pytest.raises(BadInput, match="expected a link of our own"):
+        own_line(object())
+
+
+def test_messages_of_pymavlinks_are_said_and_heard() -> None:
+    vehicle = met(Autopilot.PX4)
+    vehicle.send(ardupilotmega.MAVLink_param_request_read_message(1, 1, b"MPC_XY_CRUISE", -1))
+    heard = vehicle.messages(2.0)
+    assert {"HEARTBEAT", "PARAM_VALUE"} <= {message.get_type() for message in heard}
+    assert {message.get_type() for message in vehicle.messages(2.0, "HEARTBEAT")} == {"HEARTBEAT"}
+    assert vehicle.version_heard is None
