@@ -214,15 +214,14 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 
 def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
     """Read the list again until nothing that the vehicle says of it leaves a doubt."""
-    is_settled = reports.proves(job)
+    if reports.proves(job):
+        return
     for _ in range(READINGS):
-        if is_settled:
-            return
         reports.read_again()
         yield from _expect_unchanged(job, reports)
-        is_settled = reports.agrees(job)
-    if not is_settled:
-        raise Unsettled(job.kind)
+        if reports.agrees(job):
+            return
+    raise Unsettled(job.kind)
 
 
 def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:

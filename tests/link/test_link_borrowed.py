@@ -8,8 +8,11 @@ from pymavlink.dialects.v20 import ardupilotmega
 
 from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
+from ipoa_mission.link import definitions
 from ipoa_mission.link.borrowed import MavutilChannel, own_line
 from ipoa_mission.link.channel import LinkDown
+from ipoa_mission.link.connect import connect
+from ipoa_mission.link.definitions import add_dialect
 from tests.link.test_link_verbs import met
 
 
@@ -45,3 +48,17 @@ def test_messages_of_pymavlinks_are_said_and_heard() -> None:
     assert {"HEARTBEAT", "PARAM_VALUE"} <= {message.get_type() for message in heard}
     assert {message.get_type() for message in vehicle.messages(2.0, "HEARTBEAT")} == {"HEARTBEAT"}
     assert vehicle.version_heard is None
+    assert vehicle.firmware_version() == vehicle.version_heard != None  # noqa: E711  # asked, and then heard
+
+
+def test_a_system_of_mavsdks_is_borrowed(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = SimpleNamespace(get_system_id=lambda: 7)
+    monkeypatch.setattr("ipoa_mission.link.mavsdk_backend.borrow", lambda system, log: (system, log))
+    assert connect(system, log="x.tlog") == (system, "x.tlog")
+
+
+def test_a_dialect_is_added_once() -> None:
+    add_dialect("ardupilotmega")
+    in_use = list(definitions._IN_USE)
+    add_dialect(ardupilotmega)
+    assert in_use == definitions._IN_USE

@@ -29,7 +29,7 @@ from ipoa_mission.link.state import ON_GROUND, PREARM_CHECK, NotFlown, NotReady,
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
-TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, STREAM = 22, 176, 224, 300, 400, 511
+TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, RUN_PREARM_CHECKS, STREAM = 22, 176, 224, 300, 400, 401, 511
 
 
 class Scripted:
@@ -321,6 +321,26 @@ def test_time_that_is_up_before_it_is_ready_says_what_hinders() -> None:
         placeless.hold(prepare, cancel_s=4.0, cancel=exchange_ends)
     with pytest.raises(NotReady, match="it has no position"):
         placeless.hold(prepare)
+    warned = Scripted(ARDUPILOT)
+    warned.ready_s = 1e9
+    warned.refuses[RUN_PREARM_CHECKS] = (4, "PreArm: Compass not calibrated")
+    with pytest.raises(NotReady, match="PreArm: Compass not calibrated"):
+        warned.hold(lambda departure: prepare(departure, ready_s=5.0))
+
+
+def test_ctrl_c_while_it_is_disarmed_leaves_it_at_that() -> None:
+    vehicle = Scripted(PX4, first=0)
+    vehicle.hold(prepare)
+    vehicle.obey = lambda number, params: None  # type: ignore[method-assign]
+    vehicle.landed = None
+    begun = vehicle.now
+    with pytest.raises(MissionError):
+        vehicle.hold(depart)
+    late = vehicle.now - begun
+    vehicle.state.armed, vehicle.armed = False, False
+    with pytest.raises(MissionError):
+        vehicle.hold(depart, cancel_s=vehicle.now + late - 1.0)
+    assert (ARM, 0) not in [told[:2] for told in vehicle.told]
 
 
 def test_a_stream_that_does_not_come_is_asked_for_again() -> None:

@@ -25,6 +25,7 @@ from ipoa_mission.link.signing import MOST_SIGNERS, persistent_signer
 from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter
+from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.simulator.autopilot import Autopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
@@ -86,6 +87,24 @@ def test_what_is_under_way_ends_when_it_has_been_given_its_time() -> None:
     with pytest.raises(TimeUp):
         vehicle.download()
     assert line.now() < 3.0
+
+
+def test_a_mission_that_is_found_unflyable_is_not_blamed_where_the_vehicle_has_no_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    vehicle = met(Autopilot.PX4)
+
+    def upload(why: str, home: Geodetic | None) -> None:
+        def unflyable(*_: object) -> None:
+            raise Unflyable(why)
+
+        monkeypatch.setattr(vehicle, "upload_items", unflyable)
+        monkeypatch.setattr(vehicle, "home", lambda: home)
+        vehicle.upload(MISSION)
+
+    for why, home, told in (("too far", None, "too far"), ("", HOME, "no reason was"), ("", None, "no position")):
+        with pytest.raises(Unflyable, match=told):
+            upload(why, home)
 
 
 def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
