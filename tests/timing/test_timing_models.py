@@ -183,7 +183,7 @@ def test_what_a_model_does_not_know_is_said(autopilot: Autopilot) -> None:
     )
     found = fly(autopilot, odd, terrain)
     assert "item 2: command 83 is not modeled and counts as no time" in found.remarks
-    assert "items 3: height over terrain taken as height over home" in found.remarks
+    assert "item 3: height over terrain taken as height over home" in found.remarks
 
 
 @BOTH
