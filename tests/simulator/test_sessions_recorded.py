@@ -24,7 +24,6 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
     Ack,
     CommandAck,
-    CommandLong,
     Current,
     Heartbeat,
     ItemAt,
@@ -117,10 +116,11 @@ class Playback:
         if self._waits is None:
             return None
         for number, one in enumerate(self._ahead):
-            if one.by_client and type(one.message) is type(spoken):
-                if not isinstance(spoken, CommandLong) or spoken.params == one.message.params:  # type: ignore[attr-defined]
-                    return number
-            if one.by_client and not isinstance(one.message, MAY_GO_UNSAID):
+            if not one.by_client:
+                continue
+            if type(one.message) is type(spoken) and getattr(one.message, "params", 0) == getattr(spoken, "params", 0):
+                return number
+            if not isinstance(one.message, MAY_GO_UNSAID):
                 return None
         return None
 
