@@ -20,16 +20,16 @@ MAY_IMPORT = {
     "world": {"compiled"},
     "optimize": set(),
     "energy": set(),
-    "autopilots": {"commands"},
+    "vehicles": {"commands"},
     "maps": {"world"},
-    "items": {"autopilots", "commands", "world"},
-    "itinerary": {"items", "autopilots", "commands", "world"},
-    "dynamics": {"compiled", "itinerary", "items", "autopilots", "commands", "world"},
-    "timing": {"dynamics", "itinerary", "items", "autopilots", "commands", "world"},
-    "mission": {"items", "autopilots", "commands", "world"},
-    "scenario": {"autopilots", "world", "maps", "energy"},
-    "planning": {"compiled", "scenario", "world", "optimize", "autopilots"},
-    "tube": {"planning", "scenario", "timing", "itinerary", "items", "autopilots", "commands", "world"},
+    "items": {"vehicles", "commands", "world"},
+    "itinerary": {"items", "vehicles", "commands", "world"},
+    "dynamics": {"compiled", "itinerary", "items", "vehicles", "commands", "world"},
+    "timing": {"dynamics", "itinerary", "items", "vehicles", "commands", "world"},
+    "mission": {"items", "vehicles", "commands", "world"},
+    "scenario": {"vehicles", "world", "maps", "energy"},
+    "planning": {"compiled", "scenario", "world", "optimize", "vehicles"},
+    "tube": {"planning", "scenario", "timing", "itinerary", "items", "vehicles", "commands", "world"},
     "checks": {
         "tube",
         "timing",
@@ -38,7 +38,7 @@ MAY_IMPORT = {
         "mission",
         "itinerary",
         "items",
-        "autopilots",
+        "vehicles",
         "commands",
         "world",
     },
@@ -51,13 +51,13 @@ MAY_IMPORT = {
         "timing",
         "itinerary",
         "items",
-        "autopilots",
+        "vehicles",
         "commands",
         "world",
     },
-    "exports": {"checks", "scenario", "itinerary", "items", "autopilots", "commands", "world"},
-    "link": {"checks", "mission", "items", "autopilots", "commands", "world"},
-    "simulator": {"link", "mission", "dynamics", "itinerary", "items", "autopilots", "commands", "world"},
+    "exports": {"checks", "scenario", "itinerary", "items", "vehicles", "commands", "world"},
+    "link": {"checks", "mission", "items", "vehicles", "commands", "world"},
+    "simulator": {"link", "mission", "dynamics", "itinerary", "items", "vehicles", "commands", "world"},
     "report": set(),
     "flight": set(),
     "learn": set(),
@@ -68,7 +68,7 @@ _ABOVE = {"report", "flight", "learn", "studio", "paper", "simulator", "optimize
 _BELOW_THE_REPORT = set(MAY_IMPORT) - _ABOVE
 MAY_IMPORT["report"] = _BELOW_THE_REPORT
 MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
-MAY_IMPORT["learn"] = {"link", "timing", "energy", "dynamics", "itinerary", "items", "autopilots", "commands", "world"}
+MAY_IMPORT["learn"] = {"link", "timing", "energy", "dynamics", "itinerary", "items", "vehicles", "commands", "world"}
 MAY_IMPORT["paper"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
 MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"paper", "optimize"}
 MAY_IMPORT["cli"] = set(MAY_IMPORT)
@@ -96,7 +96,9 @@ TOOLS = sorted((REPOSITORY / "tools").rglob("*.py"))
 
 
 def room(path: Path) -> str:
-    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+    """The room of a file; a vehicle's own folder is a room of its own, into which nobody looks but by its object."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return "/".join(parts[:2]) if parts[0] == "vehicles" and len(parts) > 2 else parts[0]
 
 
 def module(path: Path) -> str:

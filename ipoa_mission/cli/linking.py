@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.autopilots.modes import MISSION_MODE, mode_name
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
@@ -106,7 +105,7 @@ def set_current(
     with connect_to(link, on_link, None) as vehicle, left_behind("the vehicle may go on with either item"):
         vehicle.set_current(item - 1)
     state = vehicle.state
-    goes_on = bool(state.armed) and vehicle.mode == mode_name(vehicle.autopilot, MISSION_MODE[vehicle.autopilot])
+    goes_on = bool(state.armed) and vehicle.mode == vehicle.autopilot.modes.name(vehicle.autopilot.modes.mission)
     about = {"current": item, "goes_on": goes_on, "mode": vehicle.mode, "armed": state.armed}
     words = f"{_name(vehicle)} goes on with item {item}" if goes_on else f"item {item} is the next one; {state}"
     _tell(as_json, vehicle, about | {"written": on_link.written(None)}, [words])

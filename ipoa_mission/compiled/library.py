@@ -21,7 +21,8 @@ PACKAGE = Path(__file__).parent.parent
 #: What is compiled, and what it takes constants from.
 SOURCES = (
     "compiled/native.py",
-    "autopilots/*.py",
+    "vehicles/*/book.py",
+    "vehicles/*/limits.py",
     "commands.py",
     "dynamics/**/*.py",
     "geometry.py",

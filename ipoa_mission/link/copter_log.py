@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
@@ -19,6 +18,7 @@ from ipoa_mission.link.logged import Begun, Fixes, Held, Log, item_begun, presen
 from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1

@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ipoa_mission.autopilots.kinds import QUADROTOR
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.link.measured import Measured
-from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Firmware, Heartbeat, Message
+from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message
 from ipoa_mission.link.telemetry import Position, SystemTime
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.version import Version
 
 #: What ArduPilot says when an item begins: "Mission: 4 WP".
 ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
@@ -99,9 +99,8 @@ def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
 
 def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
     """The heartbeat of a vehicle in this state."""
-    firmware = Firmware.ARDUPILOT if autopilot is Autopilot.ARDUPILOT else Firmware.PX4
     flags = CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0)
-    return Heartbeat(QUADROTOR, firmware, flags, custom_mode)
+    return Heartbeat(QUADROTOR, autopilot.mav_autopilot, flags, custom_mode)
 
 
 def item_begun(text: str) -> Current | None:

@@ -14,8 +14,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from ipoa_mission.autopilots.kinds import QUADROTOR, Kind
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.items import Item
 from ipoa_mission.link import wire
@@ -44,6 +42,8 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.progress import Progress, count, silent
+from ipoa_mission.vehicles.kind import Kind
+from ipoa_mission.vehicles.kinds import QUADROTOR
 
 PRESENCE_S = 10.0
 POLL_S = 0.05
@@ -225,7 +225,7 @@ class MavsdkVehicle(Vehicle):
             count(progress, len(items), len(items))
             if interrupt.take():
                 raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}")
-        if self.autopilot is Autopilot.PX4 and kind == MissionType.MISSION and items:
+        if self.autopilot.manners.judges_later and kind == MissionType.MISSION and items:
             self._expect_flyable()
             again = compare(items, self.download_items(kind), self.autopilot)
             if again is not None:
@@ -250,7 +250,7 @@ class MavsdkVehicle(Vehicle):
         begin(list(rows), lambda result, _: results.put(result))
         was_cancelled = False
         while True:
-            if interrupt.is_pending and not was_cancelled and self.autopilot is Autopilot.PX4 and kind == 0:
+            if interrupt.is_pending and not was_cancelled and self.autopilot.manners.judges_later and kind == 0:
                 was_cancelled = True
                 raw.cancel_mission_upload()
             try:

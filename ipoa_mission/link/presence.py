@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.kinds import Kind
 from ipoa_mission.link.codec import Heard
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, Firmware, Heartbeat, Ping
 from ipoa_mission.link.state import VehicleState
+from ipoa_mission.vehicles.kind import Kind
 
 
 @dataclass(frozen=True)

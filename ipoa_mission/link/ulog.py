@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.autopilots.modes import px4_mode
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
@@ -22,11 +20,13 @@ from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
 from ipoa_mission.link.px4_items import items_begun
 from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.world.sphere import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state, as HEARTBEAT.custom_mode has it: main and sub mode.
-MODES = {3: px4_mode(4, 4), 4: px4_mode(4, 3), 5: px4_mode(4, 5), 18: px4_mode(4, 6)}
+MODES = {3: mode_number(4, 4), 4: mode_number(4, 3), 5: mode_number(4, 5), 18: mode_number(4, 6)}
 ROTARY_WING = 1  # vehicle_status.vehicle_type
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 POSITIONS = ("vehicle_global_position", "vehicle_local_position")

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.autopilots.ardupilot import ARMING_DELAY_S, LAND_DETECTOR_S, LIFT_S, THROTTLE_DOWN_S, copter_limits
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.dynamics.copter.copter import Copter, Stop, stop_at
@@ -19,9 +17,18 @@ from ipoa_mission.dynamics.copter.motion import DESCENT, STRAIGHT
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
-from ipoa_mission.itinerary.program import FLOWN_ON_INTO, Place
+from ipoa_mission.itinerary.program import Place
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
+from ipoa_mission.vehicles.arducopter.limits import (
+    ARMING_DELAY_S,
+    LAND_DETECTOR_S,
+    LIFT_S,
+    THROTTLE_DOWN_S,
+    copter_limits,
+)
+from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
+from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
 
 NOWHERE = (math.nan,) * 3
@@ -31,7 +38,7 @@ LANDING_DOUBT = 0.6  # the centimetre before LAND takes so much more or less (`c
 
 #: Of these only the flight to their place is modeled.
 ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})
-TO_A_PLACE = FLOWN_ON_INTO[Autopilot.ARDUPILOT] | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
+TO_A_PLACE = ARDUCOPTER.guidance.flown_on_into | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
 
 
 def fly_arducopter(

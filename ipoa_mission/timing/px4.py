@@ -11,8 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.autopilots.px4 import px4_limits
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH, SIH_SENSES, Airframe, Senses
 from ipoa_mission.dynamics.px4.compiled import flying
@@ -24,6 +22,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.timing.prediction import Missed, Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.wind import CALM, Wind
 
 STEP = 0.04  # [s]

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.address import Address, Transport, parse_address
@@ -21,9 +20,10 @@ from ipoa_mission.link.messages import Heartbeat, MissionType, Text
 from ipoa_mission.link.presence import scan
 from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import far_end, line_of
 
@@ -126,7 +126,7 @@ def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch
         connect("udpin:127.0.0.1:0")
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None:
     slow = Faults(delay_s=0.2)
     line = Line(Loopback(Station(Mock(family, HOME)), BadPipe(slow, 0), BadPipe(slow, 1)), Codec(245, 190))
@@ -166,7 +166,7 @@ class Flock:
 
 
 def flock(*systems: int) -> Line:
-    families = list(Autopilot)
+    families = list(registered())
     stations = [Station(Mock(families[n % 2], HOME), system) for n, system in enumerate(systems)]
     return Line(Loopback(Flock(*stations)), Codec(245, 190))
 

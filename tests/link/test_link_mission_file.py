@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Codec, Target
@@ -30,10 +29,11 @@ from ipoa_mission.link.mission_file import (
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link_pair import HOME, items_of, line_of
 
 ARDUPILOT = Autopilot.ARDUPILOT

@@ -6,7 +6,6 @@ from typing import TypeVar
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer
@@ -23,6 +22,7 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

@@ -14,7 +14,6 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Order
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
@@ -38,7 +37,8 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.plan_file import read_plan
-from ipoa_mission.simulator.autopilot import Autopilot as BuiltIn
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as BuiltIn
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 
 SESSIONS = Path(__file__).resolve().parents[1] / "sessions"
 STATION, SPEEDUP = 245, 4.0
@@ -76,7 +76,7 @@ def said(name: str) -> list[Said]:
 
 
 def autopilot_of(name: str) -> Autopilot:
-    return Autopilot(name.rsplit("-", 1)[1])
+    return autopilot_named(name.rsplit("-", 1)[1])
 
 
 # --- what the vehicle said, into our client ---------------------------------------------------------------------------
@@ -223,7 +223,7 @@ def talk(messages: list[Message]) -> dict[str, list[Any]]:
     return {kind: [one for one, _ in groupby(told)] for kind, told in kinds.items()}
 
 
-@pytest.mark.parametrize("name", [f"{verb}-{autopilot}" for verb in VERBS for autopilot in Autopilot])
+@pytest.mark.parametrize("name", [f"{verb}-{autopilot}" for verb in VERBS for autopilot in registered()])
 def test_the_built_in_autopilot_answers_as_the_real_one_did(name: str) -> None:
     real = talk([one.message for one in said(name) if not one.by_client])
     ours = talk([message for _, message in answers(name)])

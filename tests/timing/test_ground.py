@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground, HighPlace
 from ipoa_mission.world.terrain import Flat
@@ -60,7 +60,7 @@ def test_a_range_finder_lets_arducopter_slow_down_over_the_ground() -> None:
     assert estimate(high).items[2].duration_s == pytest.approx(level - 12.0 / 1.5, abs=0.5)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_it_returns_to_the_ground_at_home_and_takes_off_from_where_it_stands(autopilot: Autopilot) -> None:
     ending = mission(autopilot, -40.0, {})
     home = replace(ending, items=(*ending.items[:2], return_to_launch()))

@@ -12,7 +12,6 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
-from ipoa_mission.autopilots.parameters import known_parameters
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.copter_log import BATTERIES, KINDS
 from ipoa_mission.link.dataflash import FMT, HEAD
@@ -21,6 +20,7 @@ from ipoa_mission.link.messages import Current, ParamValue
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.ulog import ATTITUDE, BATTERY, POSITIONS, TOPICS
+from ipoa_mission.vehicles.known_parameters import known_parameters
 
 PARAMETERS = known_parameters() | {"LOG_DISARMED", "SDLOG_MODE"}
 THINNED = (Position, Attitude, LocalPosition, SystemTime)

@@ -19,7 +19,6 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import EVERYONE, Target
@@ -28,7 +27,8 @@ from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -207,7 +207,7 @@ def stranger(chance: random.Random, autopilot: Autopilot, ours: int) -> Speaker:
 def schedule(seed: int) -> tuple[Ending, str]:
     """How the upload of this schedule ends, and in which words."""
     chance = random.Random(seed)
-    autopilot, count = chance.choice(list(Autopilot)), chance.randrange(3, 9)
+    autopilot, count = chance.choice(list(registered())), chance.randrange(3, 9)
     poor = chance.random() < 0.5
     radio = Radio(
         loss=chance.uniform(0.0, 0.3) if poor else 0.0,

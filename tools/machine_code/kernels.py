@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilots.ardupilot import copter_limits
 from ipoa_mission.dynamics.compiled import compiled as compiled_module
 from ipoa_mission.dynamics.copter import steps
 from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
@@ -15,6 +14,7 @@ from ipoa_mission.dynamics.px4.compiled import compiled as compiled_flight
 from ipoa_mission.dynamics.px4.compiled import records
 from ipoa_mission.dynamics.px4.state import Law, Order
 from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
+from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.wind import CALM
 
 MODULES = {

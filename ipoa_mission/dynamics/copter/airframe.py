@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.geometry import GRAVITY, Points
+from ipoa_mission.vehicles.learned import LearnedVehicle
 
 TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
 THINNING = 9.6e-5  # by this share the air is thinner a metre higher [1/m]

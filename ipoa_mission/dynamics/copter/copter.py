@@ -8,8 +8,6 @@ import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from ipoa_mission.autopilots.ardupilot import CENTIMETRE, CopterLimits
-from ipoa_mission.autopilots.returning import HOME, ardupilot_height
 from ipoa_mission.commands import Command
 from ipoa_mission.dynamics.compiled import stepping
 from ipoa_mission.dynamics.copter import steps as plain_steps
@@ -48,6 +46,9 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.copter_arc import turn_of
 from ipoa_mission.itinerary.program import Place, Program, is_passed
+from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
+from ipoa_mission.vehicles.arducopter.returning import height_by_cone
+from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
 
@@ -332,7 +333,7 @@ class Copter:
         """
         limits, (x, y, z), (east, north, _) = self.limits, self.brake(), goal
         least, far = z + max(limits.rtl_climb, 0.0), math.hypot(x - east, y - north)
-        height = ardupilot_height(least, limits.rtl_height, limits.rtl_cone, far, goal[2])
+        height = height_by_cone(least, limits.rtl_height, limits.rtl_cone, far, goal[2])
         self.speeds = Bounds(limits.rtl_speed, limits.climb, limits.descent)
         self._follow_with_nose(limits.rtl_turns)
         height = max(z + RETURN_ROUNDING, height)

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilots.ardupilot import CopterLimits
 from ipoa_mission.dynamics.copter.airframe import Airframe
 from ipoa_mission.dynamics.copter.scurve import AT_REST, MOST_SEGMENTS, Profile, Segment
 from ipoa_mission.geometry import GRAVITY, Points
 from ipoa_mission.geometry import Vector as Numbers
+from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import Wind
 
 STEP = 0.02  # [s]

@@ -6,8 +6,8 @@ No mission and no parameter tells these, and every airframe has its own (docs/fl
 import math
 from typing import NamedTuple
 
-from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.geometry import GRAVITY, Points
+from ipoa_mission.vehicles.learned import LearnedVehicle
 
 
 class Airframe(NamedTuple):

@@ -3,7 +3,6 @@
 import math
 from typing import NamedTuple
 
-from ipoa_mission.autopilots.px4 import Px4Limits
 from ipoa_mission.dynamics.px4.heading import heading_error
 from ipoa_mission.dynamics.px4.landing import sink_rate
 from ipoa_mission.dynamics.px4.speeds import corner_speed, level, vertical_speed
@@ -22,6 +21,7 @@ from ipoa_mission.dynamics.px4.state import (
     State,
     of,
 )
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 AT_GOAL = 1e-5  # nearer than this PX4 steers nowhere [m]
 TURNING = 0.98  # cosine between flying and aiming below which it is turning

@@ -2,8 +2,8 @@
 
 import math
 
-from ipoa_mission.autopilots.px4 import Px4Limits
 from ipoa_mission.dynamics.px4.state import Nose, Order, State
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 def heading_wanted(state: State, order: Order) -> float:

@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
-from ipoa_mission.autopilots.px4 import Px4Limits
 from ipoa_mission.dynamics.px4.state import Axis, Enu, Trajectory
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 class Profile(NamedTuple):

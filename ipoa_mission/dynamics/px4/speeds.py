@@ -2,8 +2,8 @@
 
 import math
 
-from ipoa_mission.autopilots.px4 import Px4Limits
 from ipoa_mission.dynamics.px4.state import Enu, Order, Trajectory
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 def speed_to(distance: float, leave: float, accel: float, jerk: float) -> float:

@@ -10,8 +10,8 @@ from typing import NamedTuple, get_type_hints
 
 import numpy as np
 
-from ipoa_mission.autopilots.px4 import Px4Limits
 from ipoa_mission.dynamics.px4.airframe import Airframe, Senses
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 GO, TAKE_OFF, LAND = 0, 1, 2  # what an order asks for
 ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4  # where the vehicle is, seen from its leg

@@ -2,7 +2,6 @@
 
 import math
 
-from ipoa_mission.autopilots.px4 import STAGES
 from ipoa_mission.dynamics.px4.body import carried
 from ipoa_mission.dynamics.px4.control import controlled, hover_learned
 from ipoa_mission.dynamics.px4.guidance import climb_limits, guided, is_low_take_off, wanted_velocity
@@ -32,6 +31,7 @@ from ipoa_mission.dynamics.px4.state import (
     Trajectory,
     of,
 )
+from ipoa_mission.vehicles.px4_multicopter.limits import STAGES
 
 STANDING = 1e-6  # a trajectory slower than this stands still, and always waits for the vehicle [m/s]
 SPLIT = 2.0**29 + 1.0  # leaves the 24 bits of single precision (Veltkamp's splitting)

@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping
 
-from ipoa_mission.autopilots.vehicle import Parameters
-
 #: ArduCopter's name from 4.7 on: name before, and how many of the old unit make one of the new. The renaming is its own
 #: ("Parameter Name Changes", 4.6 to 4.7, and pull requests 31970 and 32147).
 RENAMED: Mapping[str, tuple[str, float]] = {
@@ -29,21 +27,3 @@ RENAMED: Mapping[str, tuple[str, float]] = {
     "RTL_CLIMB_MIN_M": ("RTL_CLIMB_MIN", 100.0),
     "CIRCLE_RADIUS_M": ("CIRCLE_RADIUS", 100.0),
 }
-
-
-def by_old_names(parameters: Parameters) -> dict[str, float]:
-    """The same parameters, those of ArduCopter 4.7 by the names and in the units of before."""
-    old = {name: value for name, value in parameters.items() if name not in RENAMED}
-    return old | {RENAMED[name][0]: value * RENAMED[name][1] for name, value in parameters.items() if name in RENAMED}
-
-
-def overridden(parameters: Parameters, by: Parameters) -> dict[str, float]:
-    """All of these parameters, with the value that `by` gives where it names one, by its name before or after 4.7.
-
-    >>> overridden({"WP_SPD": 8.0, "RTL_ALT": 3000.0}, {"WPNAV_SPEED": 500.0})
-    {'RTL_ALT': 3000.0, 'WPNAV_SPEED': 500.0}
-    """
-    given = by_old_names(dict.fromkeys(by, 0.0))
-    return {name: value for name, value in parameters.items() if not by_old_names({name: 0.0}).keys() & given} | dict(
-        by
-    )

@@ -1,10 +1,8 @@
-"""The version of a firmware: as a vehicle says it, as a user writes it, and what the models were measured on."""
+"""The version of a firmware: as a vehicle says it, and as a user writes it."""
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 
 _WRITTEN = re.compile(r"v?(\d{1,3})\.(\d{1,3})(?:\.(\d{1,3}))?(?:-?(dev|alpha|beta|rc)\d*)?", re.IGNORECASE)
@@ -57,10 +55,3 @@ class Version:
 
     def __str__(self) -> str:
         return f"{self.major}.{self.minor}.{self.patch}" + (f"-{self.stage}" if self.stage else "")
-
-
-#: What the time models, the tubes and the built-in autopilots were measured on.
-MEASURED: Mapping[Autopilot, Version] = {
-    Autopilot.ARDUPILOT: Version(4, 7, 0, "dev"),
-    Autopilot.PX4: Version(1, 17),
-}

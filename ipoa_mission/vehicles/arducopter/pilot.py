@@ -4,15 +4,6 @@ import math
 import random
 from collections.abc import Callable, Iterator
 
-from ipoa_mission.autopilots.ardupilot import (
-    ARMING_DELAY_S,
-    LAND_DETECTOR_S,
-    LIFT_S,
-    THROTTLE_DOWN_S,
-    copter_limits,
-    usable,
-)
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.dynamics.copter.airframe import airframe_of
 from ipoa_mission.dynamics.copter.copter import Copter, stop_at
@@ -22,6 +13,15 @@ from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import Place
 from ipoa_mission.simulator.conditions import Vehicle
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
+from ipoa_mission.vehicles.arducopter.limits import (
+    ARMING_DELAY_S,
+    LAND_DETECTOR_S,
+    LIFT_S,
+    THROTTLE_DOWN_S,
+    copter_limits,
+    usable,
+)
+from ipoa_mission.vehicles.parameters import Parameters
 
 
 class ArduPilotPilot:
@@ -67,6 +67,9 @@ class ArduPilotPilot:
 
     def _return_goal(self) -> Place:
         return self._now.goal_of_return(self._copter.place, self._parameters)
+
+    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
+        """It knows no such order by command."""
 
     def climb(self, height: float) -> None:
         """Take off outside a mission, in GUIDED, to a height above home."""

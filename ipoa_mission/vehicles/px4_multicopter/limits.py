@@ -1,4 +1,4 @@
-"""PX4's facts: parameters and defaults, limits, how high it returns, how it knows that it has landed.
+"""PX4's limits by its parameters, how high it returns, how it knows that it has landed.
 
 Its parameters are in SI units and degrees. The land detector is read from its source and measured on its simulated
 flights; docs/flight-time.md says which.
@@ -7,69 +7,15 @@ flights; docs/flight-time.md says which.
 import math
 from typing import NamedTuple
 
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS
 
 RANGE_LAG_S = 0.14  # by which PX4's height over the ground lags behind a range finder that is sinking
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR from which on PX4's simulated vehicle has none [m]
 RELAXED_THRUST = 0.6  # of the way from the least thrust to that of hovering: less is low, where hovering is learned
 STAGES = 3  # of being sure: in contact, perhaps landed, landed
-
-#: PX4 1.17's own defaults for a multicopter in AUTO.MISSION (SI units and degrees, as it has them). What PX4 sets for
-#: every multicopter as it starts (`rc.mc_defaults`) goes before the defaults in its parameter reference.
-PX4_DEFAULTS: Parameters = {
-    "MPC_XY_CRUISE": 5.0,
-    "MPC_XY_VEL_MAX": 12.0,
-    "MPC_XY_TRAJ_P": 0.5,
-    "MPC_XY_ERR_MAX": 2.0,
-    "MPC_XY_P": 0.95,
-    "MPC_ACC_HOR": 3.0,
-    "MPC_ACC_HOR_MAX": 5.0,
-    "MPC_JERK_AUTO": 4.0,
-    "MPC_Z_P": 1.0,
-    "MPC_Z_V_AUTO_UP": 3.0,
-    "MPC_Z_V_AUTO_DN": 1.5,
-    "MPC_ACC_UP_MAX": 4.0,
-    "MPC_ACC_DOWN_MAX": 3.0,
-    "MPC_TKO_SPEED": 1.5,
-    "MPC_TKO_RAMP_T": 3.0,
-    "MPC_LAND_SPEED": 0.7,
-    "MPC_LAND_ALT1": 10.0,
-    "MPC_LAND_ALT2": 5.0,
-    "MPC_YAW_MODE": 0.0,
-    "MPC_YAWRAUTO_MAX": 60.0,
-    "MPC_YAWRAUTO_ACC": 20.0,
-    "NAV_ACC_RAD": 2.0,
-    "NAV_MC_ALT_RAD": 0.8,
-    "COM_SPOOLUP_TIME": 1.0,
-    "RTL_RETURN_ALT": 30.0,
-    "RTL_DESCEND_ALT": 10.0,
-    "RTL_MIN_DIST": 10.0,
-    "RTL_CONE_ANG": 45.0,
-    "RTL_LAND_DELAY": 0.0,
-    "RTL_TYPE": 0.0,
-    "MPC_XY_VEL_P_ACC": 1.8,
-    "MPC_XY_VEL_I_ACC": 0.4,
-    "MPC_XY_VEL_D_ACC": 0.2,
-    "MPC_Z_VEL_P_ACC": 4.0,
-    "MPC_Z_VEL_I_ACC": 2.0,
-    "MPC_Z_VEL_MAX_UP": 3.0,
-    "MPC_Z_VEL_MAX_DN": 1.5,
-    "MPC_TILTMAX_AIR": 45.0,
-    "MPC_THR_HOVER": 0.5,
-    "MPC_USE_HTE": 1.0,
-    "HTE_HT_NOISE": 0.0036,
-    "MC_ROLL_P": 6.5,
-    "MIS_YAW_ERR": 12.0,
-    "COM_DISARM_LAND": 2.0,
-    "MPC_LAND_ALT3": 1.0,
-    "MPC_LAND_CRWL": 0.3,
-    "MPC_THR_MIN": 0.12,
-    "LNDMC_TRIG_TIME": 1.0,
-    "LNDMC_Z_VEL_MAX": 0.25,
-    "SIH_DISTSNSR_OVR": -1.0,
-}
 
 TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way
 POSITIVE = (
@@ -92,7 +38,7 @@ class Px4Return(NamedTuple):
     def of(cls, parameters: Parameters) -> "Px4Return":
         """By these parameters; what is not given has PX4's default."""
         names = ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")
-        return cls(*(parameters.get(name, PX4_DEFAULTS[name]) for name in names))
+        return cls(*(parameters.get(name, DEFAULTS[name]) for name in names))
 
     def height(self, above: float, distance: float) -> float:
         """How high above home PX4 returns from so high `above` it, `distance` away on the level [m].
@@ -124,7 +70,7 @@ class Px4Touchdown(NamedTuple):
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Touchdown":
         """By these parameters; what is not given has PX4's default."""
-        p = {**PX4_DEFAULTS, **parameters}
+        p = {**DEFAULTS, **parameters}
         least = p["MPC_THR_MIN"] / p["MPC_THR_HOVER"]
         speed = min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2
         return cls(p["LNDMC_TRIG_TIME"], min(p["LNDMC_Z_VEL_MAX"], speed), least + RELAXED_THRUST * (1.0 - least))
@@ -191,7 +137,7 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
     Raises:
         BadInput: a parameter that must be positive is not.
     """
-    p = {**PX4_DEFAULTS, **parameters}
+    p = {**DEFAULTS, **parameters}
     for name in POSITIVE:
         if not p[name] > 0:
             raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")

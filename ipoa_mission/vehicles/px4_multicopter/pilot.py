@@ -3,8 +3,6 @@
 import math
 import random
 
-from ipoa_mission.autopilots.px4 import Px4Limits, px4_limits
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.dynamics.px4.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.dynamics.px4.body import carried
@@ -16,6 +14,8 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
 from ipoa_mission.simulator.conditions import Vehicle
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits
 
 #: Items that hide the report of the waypoint before them (as measured).
 HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})

@@ -1,4 +1,4 @@
-"""ArduCopter's facts: parameters and defaults, limits in SI units, how it leaves the ground and lands.
+"""ArduCopter's limits by its parameters, in SI units, and how it leaves the ground and lands.
 
 Parameters are known by the names of 4.7 (metres) and of before (centimetres). The times on the ground are read from its
 land detector and measured on its simulated flights; docs/flight-time.md says which.
@@ -7,61 +7,16 @@ land detector and measured on its simulated flights; docs/flight-time.md says wh
 import math
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.renamed import by_old_names
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.arducopter.book import BOOK
+from ipoa_mission.vehicles.parameters import Parameters
 
 ARMING_DELAY_S = 2.0  # motors stand still for so long after arming, whatever the mode
 LIFT_S = 0.2  # from motors at full spin until the thrust carries the vehicle
 THROTTLE_DOWN_S = 0.58  # from touching down until the throttle is at its least
 LAND_DETECTOR_S = 1.0  # for so long it must stay there, before the motors spool down and the vehicle disarms
 CENTIMETRE = 0.01  # in which ArduCopter keeps the height of a place [m]
-
-#: ArduCopter 4.7's own defaults for what moves a mission (cm, cm/s, cm/s^2 and centidegrees, as it has them).
-ARDUCOPTER_DEFAULTS: Parameters = {
-    "WPNAV_SPEED": 1000.0,
-    "WPNAV_SPEED_UP": 250.0,
-    "WPNAV_SPEED_DN": 150.0,
-    "WPNAV_ACCEL": 250.0,
-    "WPNAV_ACCEL_C": 0.0,
-    "WPNAV_ACCEL_Z": 100.0,
-    "WPNAV_JERK": 1.0,
-    "WPNAV_RADIUS": 200.0,
-    "WP_YAW_BEHAVIOR": 2.0,
-    "PSC_JERK_XY": 5.0,
-    "PSC_JERK_Z": 5.0,
-    "PSC_POSXY_P": 1.0,
-    "PSC_VELXY_P": 2.0,
-    "PSC_VELXY_I": 1.0,
-    "PSC_VELXY_D": 0.25,
-    "PSC_VELXY_FLTE": 5.0,
-    "PSC_POSZ_P": 1.0,
-    "ATC_SLEW_YAW": 6000.0,
-    "ANGLE_MAX": 3000.0,
-    "LAND_SPEED": 50.0,
-    "LAND_SPEED_HIGH": 0.0,
-    "LAND_ALT_LOW": 1000.0,
-    "RTL_ALT": 1500.0,
-    "RTL_SPEED": 0.0,
-    "RTL_LOIT_TIME": 5000.0,
-    "RTL_ALT_FINAL": 0.0,
-    "ATC_ACCEL_P_MAX": 110000.0,
-    "ATC_ACCEL_R_MAX": 110000.0,
-    "ATC_INPUT_TC": 0.15,
-    "MOT_SPOOL_TIME": 0.5,
-    "DISARM_DELAY": 10.0,
-    "RTL_CLIMB_MIN": 0.0,
-    "RTL_CONE_SLOPE": 3.0,
-    "RALLY_LIMIT_KM": 0.3,
-    "RALLY_INCL_HOME": 1.0,
-    "CIRCLE_RADIUS": 1000.0,
-    "CIRCLE_RATE": 20.0,
-    "ATC_RATE_R_MAX": 0.0,
-    "ATC_RATE_P_MAX": 0.0,
-    "PSC_ANGLE_MAX": 0.0,
-    "RNGFND1_TYPE": 0.0,
-}
 
 EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the nose follows the way, but for RTL, where it keeps its heading
 
@@ -124,7 +79,7 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
     Raises:
         BadInput: a parameter that must be positive is not.
     """
-    p = {**ARDUCOPTER_DEFAULTS, **by_old_names(parameters)}
+    p = BOOK.complete(parameters)
     for name in POSITIVE:
         if not p[name] > 0:
             raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")
