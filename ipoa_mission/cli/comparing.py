@@ -141,19 +141,20 @@ def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool)
     return mission, remarks
 
 
-def _no_mission(flight: "LoggedFlight", log: Path) -> str:
+def _no_mission(log: Path) -> str:
     """Why a log does not tell which mission was flown."""
-    if flight.autopilot is Autopilot.PX4 and log.suffix.lower() == ".ulg":
-        return "PX4 writes only those items into its logs to which it came, and these are not all"
-    if log.suffix.lower() == ".bin":
-        return "the log does not have the whole list of items that was flown"
+    from ipoa_mission.link.logged import log_format
+
+    written = log_format(log.suffix)
+    if written is not None:
+        return written.no_mission
     return "the mission was neither uploaded nor downloaded while this log was written"
 
 
 def _useless(rows: list[_Row], log: Path) -> str:
     flown = [row for row in rows if row.flight.in_mission]
     if flown:
-        return _no_mission(flown[0].flight, log)
+        return _no_mission(log)
     return f"nothing in it was flown in {rows[0].flight.autopilot.firmware_name}'s mission mode"
 
 
@@ -161,7 +162,7 @@ def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]
     """What of the flights could not be done."""
     several = len(rows) > 1
     remarks = [
-        f"{f'flight {row.number}: ' if several else ''}{_no_mission(row.flight, log)}: it has no estimate"
+        f"{f'flight {row.number}: ' if several else ''}{_no_mission(log)}: it has no estimate"
         for row in rows
         if row.held is None and row.flight.in_mission
     ]

@@ -10,14 +10,12 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Item, Mission
-from ipoa_mission.link.copter_log import read_copter_log
 from ipoa_mission.link.logbook import FlightRecord, Logbook
-from ipoa_mission.link.logged import Begun, Held, Log, told
+from ipoa_mission.link.logged import Begun, Held, Log, log_format, told
 from ipoa_mission.link.measured import Measured
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.link.telemetry_log import read_telemetry_log
-from ipoa_mission.link.ulog import read_ulog
 from ipoa_mission.mission.firmware import from_wire, home_item
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
@@ -72,7 +70,7 @@ def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
     """
     log = read_flights(path)
     if log.autopilot is not mission.autopilot:
-        raise MissionError(f"{path}: expected a log of {mission.autopilot.firmware().name}, as the mission is for")
+        raise MissionError(f"{path}: expected a log of {mission.autopilot.firmware_name}, as the mission is for")
     flown = [flight for flight in log.flights if flight.in_mission]
     if not flown:
         raise _nothing_flown(path, log)
@@ -89,15 +87,13 @@ def read_flights(path: str | Path) -> FlightLog:
         MissionError: nothing in it was flown, or a package to read it is missing.
     """
     path = Path(path)
-    match path.suffix.lower():
-        case ".tlog":
-            log = read_telemetry_log(path)
-        case ".bin":
-            log = read_copter_log(path)
-        case ".ulg":
-            log = read_ulog(path)
-        case _:
-            raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
+    written = log_format(path.suffix)
+    if written is not None:
+        log = written.read(path)
+    elif path.suffix.lower() == ".tlog":
+        log = read_telemetry_log(path)
+    else:
+        raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
     mode = log.autopilot.modes.mission
     stretches = list(_stretches(log))
     flights = [stretch for stretch in stretches if stretch.flew_in(mode) or stretch.rose]
@@ -115,7 +111,7 @@ def read_flights(path: str | Path) -> FlightLog:
 
 
 def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
-    words = [f"nothing in it was flown in {log.autopilot.firmware().name}'s mission mode", *log.remarks]
+    words = [f"nothing in it was flown in {log.autopilot.firmware_name}'s mission mode", *log.remarks]
     return MissionError(f"{path}: {'; '.join(words)}", hint="is it the log of this flight?")
 
 

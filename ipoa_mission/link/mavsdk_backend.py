@@ -29,7 +29,6 @@ from ipoa_mission.link.messages import (
     NO_MISSION,
     STATION_COMPONENT,
     STATION_SYSTEM,
-    Firmware,
     Heartbeat,
     Message,
     MissionType,
@@ -42,6 +41,7 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.progress import Progress, count, silent
+from ipoa_mission.vehicles.autopilot import default_autopilot, registered
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.kinds import QUADROTOR
 
@@ -195,9 +195,9 @@ class MavsdkVehicle(Vehicle):
         self._item = mission_raw.MissionItem
         self._refused = import_module("mavsdk").MavsdkError
         line = MavsdkLine(instance, system)
-        is_ardupilot = system.autopilot_type().name == "ARDUPILOT"
-        firmware = Firmware.ARDUPILOT if is_ardupilot else Firmware.PX4
-        kind = Kind(firmware, QUADROTOR)  # until its heartbeat is heard
+        said = system.autopilot_type().name
+        likely = next((one for one in registered() if one.firmware_name.upper() == said), default_autopilot())
+        kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its heartbeat is heard
         super().__init__(line, Found(int(system.get_system_id()), kind, armed=False, is_ready=True))
         if not self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S)):
             raise NoAnswer(f"vehicle {self.system}: no heartbeat is heard")

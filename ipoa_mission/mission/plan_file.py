@@ -213,7 +213,8 @@ def autopilot_in(node: Node) -> Autopilot:
     for autopilot in registered():
         if not isinstance(node.value, bool) and node.value == autopilot.mav_autopilot:
             return autopilot
-    known = " or ".join(sorted({f"{one.mav_autopilot} ({one.firmware_name})" for one in registered()}, key=len))
+    numbers = sorted({(one.mav_autopilot, one.firmware_name) for one in registered()})
+    known = " or ".join(f"{number} ({name})" for number, name in numbers)
     raise node.wrong(known, hint="say which autopilot the plan is for")
 
 

@@ -81,13 +81,14 @@ def _one_of(*choices: str) -> Callable[[str, str], str]:
     return check
 
 
+AUTOPILOTS = tuple(map(str, registered()))
 #: In the order in which they are best asked.
 QUESTIONS = (
     Question("home", "Where does the vehicle take off?", "latitude, longitude", None, _place),
     Question("altitude", "How high is the ground there above mean sea level?", "metres", "0", _number),
     Question("goal", "Where is it to fly?", "latitude, longitude", None, _place),
     Question("height", "How high above the ground do start and goal lie?", "metres", "20", _positive),
-    Question("autopilot", "Which autopilot flies it?", "px4 or ardupilot", "px4", _one_of(*map(str, registered()))),
+    Question("autopilot", "Which autopilot flies it?", " or ".join(AUTOPILOTS), AUTOPILOTS[0], _one_of(*AUTOPILOTS)),
     Question("cruise_speed", "How fast?", "metres per second", "8", _positive),
     Question("safety_distance", "How near may its hull come to anything?", "metres", "2", _positive),
     Question("ending", "How does it end?", "rtl (fly home) or land (at the goal)", "rtl", _one_of("rtl", "land")),

@@ -39,7 +39,7 @@ AutopilotName = Annotated[
     InstanceOf[Autopilot],
     BeforeValidator(_by_name),
     PlainSerializer(str),
-    WithJsonSchema({"enum": sorted(map(str, registered())), "type": "string", "default": str(default_autopilot())}),
+    WithJsonSchema({"enum": [str(one) for one in registered()], "type": "string", "default": str(default_autopilot())}),
 ]
 
 

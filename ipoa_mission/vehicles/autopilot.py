@@ -82,6 +82,10 @@ class Autopilot(ABC):
         assert isinstance(part, asked), f"{found} is no {asked.__name__}"
         return part
 
+    def has(self, asked: type[Any]) -> bool:
+        """Whether it answers to the interface of a room."""
+        return asked.__name__ in self.parts
+
     def firmware(self, version: Version | None = None) -> Firmware:
         """What this version takes in a mission, and what it keeps of it; None: the newest that is known."""
         return self.tables.of(version)

@@ -156,7 +156,10 @@ def test_a_vehicle_file_is_read_as_it_was_written(tmp_path: Path) -> None:
         ),
         ("autopilot = 'px4'\n[drag]\nvalue = 2\nlow = 3\nhigh = 4", "drag: expected low, value and high in this order"),
         (f"autopilot = 'px4'\n[drag]\nvalue = {'9' * 6000}\nlow = 3\nhigh = 4", ""),
-        ("autopilot = 'px4'\nleashed = true", "leashed: expected with ArduCopter only"),
+        (
+            "autopilot = 'px4'\nleashed = true",
+            "leashed: expected with an autopilot that once flew on a leash",
+        ),
         ("autopilot = 'px4'\nflights = 'many'", "flights: expected int, not many"),
         ("#" * 100_001, "expected a vehicle.toml of at most"),
         ("a = " + "[" * 50_000, "expected TOML"),

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.dynamics.copter.legs import limits_along, straight_leg
-from ipoa_mission.dynamics.copter.motion import NO_LEG, Bounds
-from ipoa_mission.dynamics.copter.scurve import Limits, Profile, change, profile, ramp_for
-from ipoa_mission.dynamics.copter.steps import along
+from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along, straight_leg
+from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, Bounds
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import Limits, Profile, change, profile, ramp_for
+from ipoa_mission.vehicles.arducopter.dynamics.steps import along
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 
 lengths = st.floats(0.01, 500.0)

@@ -25,7 +25,7 @@ def traces(autopilot: Autopilot) -> list[tuple[bool, np.ndarray]]:
     """Of each flight whether it is judged, and second, bend, east, north, up (n, 5)."""
     found: dict[str, tuple[bool, list[list[float]]]] = {}
     for row in csv.DictReader((Path(__file__).parent / "traces.csv").read_text().splitlines()):
-        if row["autopilot"] == autopilot:
+        if row["autopilot"] == autopilot.name:
             numbers = [float(row[name]) for name in ("second", "across", "east", "north", "up")]
             found.setdefault(row["flight"], (row["judged"] == "1", []))[1].append(numbers)
     return [(judged, np.array(rows)) for judged, rows in found.values()]

@@ -34,7 +34,7 @@ AIR = Bounds((-500.0, -500.0, -10.0), (500.0, 500.0, 200.0))
 
 def beside(autopilot: Autopilot, later: str) -> np.ndarray:
     """How far each recorded pass on the way led to each side, as if it had been straight [m]."""
-    rows = [r for r in PASSES if r["autopilot"] == autopilot and r["on_the_way"] == "1" and r["later"] in later]
+    rows = [r for r in PASSES if r["autopilot"] == autopilot.name and r["on_the_way"] == "1" and r["later"] in later]
     across = np.array([float(row["across"]) for row in rows])
     sides = np.array([[float(row[side]) for side in SIDES] for row in rows])
     return np.asarray((sides / law_of(autopilot).stretch(across)[:, None]).ravel())

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from typing import ClassVar
 
-from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, airframe_of
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import Itinerary
-from ipoa_mission.timing.ardupilot import fly_arducopter
 from ipoa_mission.timing.bound import Kinematics
 from ipoa_mission.timing.flight_model import FlightModel, SlowedByAir
 from ipoa_mission.timing.prediction import Prediction
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
+from ipoa_mission.vehicles.arducopter.timing import fly_arducopter
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import Wind
 

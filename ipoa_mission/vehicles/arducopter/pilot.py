@@ -5,14 +5,14 @@ import random
 from collections.abc import Callable, Iterator
 
 from ipoa_mission.commands import Command
-from ipoa_mission.dynamics.copter.airframe import airframe_of
-from ipoa_mission.dynamics.copter.copter import Copter, stop_at
-from ipoa_mission.dynamics.copter.leash import LeashedCopter
-from ipoa_mission.dynamics.copter.motion import DESCENT
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import Place
 from ipoa_mission.simulator.conditions import Vehicle
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
+from ipoa_mission.vehicles.arducopter.dynamics.leash import LeashedCopter
+from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT
 from ipoa_mission.vehicles.arducopter.limits import (
     ARMING_DELAY_S,
     LAND_DETECTOR_S,

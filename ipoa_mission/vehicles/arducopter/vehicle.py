@@ -125,6 +125,7 @@ class ArduCopter(Autopilot):
     )
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
+        "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
         "Law": "ipoa_mission.vehicles.arducopter.tube:LAW",
         "Personality": "ipoa_mission.vehicles.arducopter.personality:PERSONALITY",
         "Pilots": "ipoa_mission.vehicles.arducopter.pilots:PILOTS",

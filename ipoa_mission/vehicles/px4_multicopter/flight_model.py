@@ -5,16 +5,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH, SIH_SENSES, airframe_of
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import Itinerary, itinerary
 from ipoa_mission.timing.bound import Kinematics
 from ipoa_mission.timing.flight_model import FlightModel, SlowedByAir
 from ipoa_mission.timing.prediction import Prediction
-from ipoa_mission.timing.px4 import STEP, Flights, fly_px4
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, fly_px4
 from ipoa_mission.wind import Wind
 
 RUNS = 8  # of its noise, the same in every forecast

@@ -4,17 +4,25 @@ import math
 import random
 
 from ipoa_mission.commands import Command
-from ipoa_mission.dynamics.px4.airframe import SIH_SENSES, airframe_of
-from ipoa_mission.dynamics.px4.body import carried
-from ipoa_mission.dynamics.px4.navigator import law, leg, stay, take_off, way_down, way_home, waypoint
-from ipoa_mission.dynamics.px4.senses import no_errors
-from ipoa_mission.dynamics.px4.state import Enu, Order
-from ipoa_mission.dynamics.px4.step import at_rest, begun, is_over, step
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.items import Item
 from ipoa_mission.simulator.conditions import Vehicle
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import carried
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
+    law,
+    leg,
+    stay,
+    take_off,
+    way_down,
+    way_home,
+    waypoint,
+)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits
 
 #: Items that hide the report of the waypoint before them (as measured).

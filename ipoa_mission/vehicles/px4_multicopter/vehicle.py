@@ -106,6 +106,7 @@ class Px4Multicopter(Autopilot):
     )
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
+        "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
         "Law": "ipoa_mission.vehicles.px4_multicopter.tube:LAW",
         "Personality": "ipoa_mission.vehicles.px4_multicopter.personality:PERSONALITY",
         "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilots:PILOTS",

@@ -6,9 +6,19 @@ controller believes, and its anti-windup leads the level integrator back: after 
 
 import math
 
-from ipoa_mission.dynamics.px4.speeds import level
-from ipoa_mission.dynamics.px4.state import TAKE_OFF, Axis, Body, Control, Enu, Law, Order, State, Trajectory
 from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import level
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    TAKE_OFF,
+    Axis,
+    Body,
+    Control,
+    Enu,
+    Law,
+    Order,
+    State,
+    Trajectory,
+)
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # up to these speeds the hover thrust is learned well: HTE_VXY_THR, HTE_VZ_THR

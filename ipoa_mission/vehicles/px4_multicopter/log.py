@@ -15,13 +15,13 @@ from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
-from ipoa_mission.link.logged import Fixes, Log, presence, version_name
+from ipoa_mission.link.logged import Fixes, Log, LogFormat, presence, version_name
 from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
 from ipoa_mission.link.px4_items import items_begun
 from ipoa_mission.link.telemetry import HomePosition
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.modes import mode_number
+from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 from ipoa_mission.world.sphere import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
@@ -81,7 +81,7 @@ def _told(path: Path, log: Any) -> Log:
     version = version_name(int(log.msg_info_dict.get("ver_sw_release", 0)) & 0xFFFFFFFF)
     batteries = (_battery(topic.data) for topic in log.data_list if topic.name == BATTERY)
     measured = Measured.of(batteries, _attitude(topics.get(ATTITUDE)))
-    return Log(Autopilot.PX4, fixes, tuple(events), version, measured=measured)
+    return Log(PX4_MULTICOPTER, fixes, tuple(events), version, measured=measured)
 
 
 def _open(path: Path) -> Any:
@@ -139,8 +139,8 @@ def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
             armed_s = float(armed_time) / 1e6 or (time if before else opened_by_arming)
             time = time if armed_s is None else armed_s
             if before is None and armed_s is not None:
-                yield time, presence(Autopilot.PX4, False, state[1])
-        yield time, presence(Autopilot.PX4, *state)
+                yield time, presence(PX4_MULTICOPTER, False, state[1])
+        yield time, presence(PX4_MULTICOPTER, *state)
         before = state
 
 
@@ -221,3 +221,17 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     at, speed = _column(local, "timestamp") / 1e6, _column(local, axis)
     sound = np.isfinite(speed)  # of a damaged log they may be anything
     return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))
+
+
+class _Format(LogFormat):
+    """PX4's ULog."""
+
+    suffix = ".ulg"
+    no_mission = "PX4 writes only those items into its logs to which it came, and these are not all"
+
+    def read(self, path: Path) -> Log:
+        """What of a log is of use here."""
+        return read_ulog(path)
+
+
+FORMAT = _Format()

@@ -8,9 +8,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-from ipoa_mission.dynamics.copter import ways
-from ipoa_mission.dynamics.copter.airframe import THINNING
-from ipoa_mission.dynamics.copter.motion import (
+from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.arducopter.dynamics import ways
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import THINNING
+from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     CLIMB,
     DESCENT,
     HOLD,
@@ -24,7 +25,6 @@ from ipoa_mission.dynamics.copter.motion import (
     State,
     Tuning,
 )
-from ipoa_mission.geometry import GRAVITY
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Triple = tuple[float, float, float]

@@ -12,17 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.commands import Command
-from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH, SIH_SENSES, Airframe, Senses
-from ipoa_mission.dynamics.px4.compiled import flying
-from ipoa_mission.dynamics.px4.navigator import FLOWN_TO, law, plan
-from ipoa_mission.dynamics.px4.speeds import speed_to
-from ipoa_mission.dynamics.px4.state import Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.timing.prediction import Missed, Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, Senses
+from ipoa_mission.vehicles.px4_multicopter.dynamics.compiled import flying
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import FLOWN_TO, law, plan
+from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.wind import CALM, Wind
 

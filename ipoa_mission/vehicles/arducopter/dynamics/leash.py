@@ -12,14 +12,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.dynamics.copter.copter import Copter, Stop
-from ipoa_mission.dynamics.copter.legs import limits_along, straight_leg
-from ipoa_mission.dynamics.copter.motion import HOLD, NO_LEG, STEP, STRAIGHT, Leg, Vector
-from ipoa_mission.dynamics.copter.scurve import Limits
-from ipoa_mission.dynamics.copter.steps import SAMPLE_STEPS, control, move, towards
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.itinerary.program import Place
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, Stop
+from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along, straight_leg
+from ipoa_mission.vehicles.arducopter.dynamics.motion import HOLD, NO_LEG, STEP, STRAIGHT, Leg, Vector
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import Limits
+from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS, control, move, towards
 
 SLOWEST_POINT = 0.5  # the point brakes down to this speed and no further [m/s]
 EAGER = 2.0  # times the acceleration of waypoints, with which the point gains and loses speed

@@ -9,10 +9,15 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from ipoa_mission.commands import Command
-from ipoa_mission.dynamics.compiled import stepping
-from ipoa_mission.dynamics.copter import steps as plain_steps
-from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe
-from ipoa_mission.dynamics.copter.legs import (
+from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import Points
+from ipoa_mission.items import Item
+from ipoa_mission.itinerary.copter_arc import turn_of
+from ipoa_mission.itinerary.program import Place, Program, is_passed
+from ipoa_mission.vehicles.arducopter.compiled import stepping
+from ipoa_mission.vehicles.arducopter.dynamics import steps as plain_steps
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
+from ipoa_mission.vehicles.arducopter.dynamics.legs import (
     at_speeds,
     hold_leg,
     joined,
@@ -21,7 +26,7 @@ from ipoa_mission.dynamics.copter.legs import (
     straight_leg,
     upright_leg,
 )
-from ipoa_mission.dynamics.copter.motion import (
+from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     CLIMB,
     DESCENT,
     HOLD,
@@ -40,12 +45,7 @@ from ipoa_mission.dynamics.copter.motion import (
     tuning,
     unpacked,
 )
-from ipoa_mission.dynamics.copter.steps import SAMPLE_STEPS
-from ipoa_mission.errors import MissionError
-from ipoa_mission.geometry import Points
-from ipoa_mission.items import Item
-from ipoa_mission.itinerary.copter_arc import turn_of
-from ipoa_mission.itinerary.program import Place, Program, is_passed
+from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
 from ipoa_mission.vehicles.arducopter.returning import height_by_cone
 from ipoa_mission.vehicles.returning import HOME

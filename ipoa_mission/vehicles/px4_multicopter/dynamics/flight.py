@@ -5,10 +5,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ipoa_mission.dynamics.px4.senses import CORRECTED_FOR, no_errors
-from ipoa_mission.dynamics.px4.state import GO, ON_LINE, TAKE_OFF, Axis, Body, Enu, Law, Order, State, Trajectory
-from ipoa_mission.dynamics.px4.step import at_rest, begun, is_over, step
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import CORRECTED_FOR, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    GO,
+    ON_LINE,
+    TAKE_OFF,
+    Axis,
+    Body,
+    Enu,
+    Law,
+    Order,
+    State,
+    Trajectory,
+)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 
 ROOM = 64  # samples for which there is room to begin with
 

@@ -2,7 +2,7 @@
 
 import math
 
-from ipoa_mission.dynamics.px4.state import Enu, Order, Trajectory
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order, Trajectory
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, get_type_hints
 
 import numpy as np
 
-from ipoa_mission.dynamics.px4.airframe import Airframe, Senses
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 GO, TAKE_OFF, LAND = 0, 1, 2  # what an order asks for

@@ -1,7 +1,7 @@
 """PX4's landing: how fast it sinks, and when it takes standing for being landed."""
 
-from ipoa_mission.dynamics.px4.state import LAND, Body, Contact, Law, Order, State
 from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import LAND, Body, Contact, Law, Order, State
 from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES
 
 

@@ -15,10 +15,10 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 from ipoa_mission.compiled.library import shipped
-from ipoa_mission.dynamics.px4 import flight
-from ipoa_mission.dynamics.px4.flight import fly
-from ipoa_mission.dynamics.px4.state import Law, Order, record_type
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.vehicles.px4_multicopter.dynamics import flight
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Law, Order, record_type
 
 ROOM = Path(__file__).parent
 HERE = __package__ + "."

@@ -7,7 +7,7 @@ for the navigator at once, for the guidance a little later.
 
 import math
 
-from ipoa_mission.dynamics.px4.state import NOT_YET, ZERO, Enu, Errors, Law, State
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import NOT_YET, ZERO, Enu, Errors, Law, State
 
 CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0  # [m, s]
 NOTICED_S = 0.075  # until the navigator's word has come to the guidance: half its cycle, and a setpoint's way

@@ -3,10 +3,10 @@
 import math
 from typing import NamedTuple
 
-from ipoa_mission.dynamics.px4.heading import heading_error
-from ipoa_mission.dynamics.px4.landing import sink_rate
-from ipoa_mission.dynamics.px4.speeds import corner_speed, level, vertical_speed
-from ipoa_mission.dynamics.px4.state import (
+from ipoa_mission.vehicles.px4_multicopter.dynamics.heading import heading_error
+from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import sink_rate
+from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import corner_speed, level, vertical_speed
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     BEFORE,
     BESIDE,
     BEYOND,

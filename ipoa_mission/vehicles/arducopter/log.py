@@ -13,12 +13,12 @@ from ipoa_mission.commands import Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
-from ipoa_mission.link.dataflash import read_records
-from ipoa_mission.link.logged import Begun, Fixes, Held, Log, item_begun, presence
+from ipoa_mission.link.logged import Begun, Fixes, Held, Log, LogFormat, item_begun, presence
 from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.arducopter.dataflash import read_records
+from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1
@@ -67,7 +67,7 @@ def read_copter_log(path: Path) -> Log:
         raise BadInput(f"{path}: expected an ArduPilot log with positions (POS), but there are none")
     fixes = _fixes(np.array(gathered.fixes), np.array(gathered.velocities))
     measured = Measured.of(_batteries(gathered), gathered.attitude)
-    return Log(Autopilot.ARDUPILOT, fixes, (*_states(gathered), *gathered.events), gathered.version, measured=measured)
+    return Log(ARDUCOPTER, fixes, (*_states(gathered), *gathered.events), gathered.version, measured=measured)
 
 
 def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
@@ -149,15 +149,15 @@ def _states(gathered: _Gathered) -> list[tuple[float, Message]]:
     mode = 0
     states: list[tuple[float, Message]] = []
     if not armed or gathered.opened_by_arming:
-        states.append((begins, presence(Autopilot.ARDUPILOT, False, mode)))
+        states.append((begins, presence(ARDUCOPTER, False, mode)))
     if armed:
-        states.append((begins, presence(Autopilot.ARDUPILOT, True, mode)))
+        states.append((begins, presence(ARDUCOPTER, True, mode)))
     changes: list[tuple[float, bool | None, int | None]] = [(time, to, None) for time, to in gathered.arming]
     changes += [(time, None, to) for time, to in gathered.modes]
     for time, arming, turned in sorted(changes, key=lambda change: change[0]):
         armed = armed if arming is None else arming
         mode = mode if turned is None else turned
-        states.append((time, presence(Autopilot.ARDUPILOT, armed, mode)))
+        states.append((time, presence(ARDUCOPTER, armed, mode)))
     return states
 
 
@@ -180,3 +180,17 @@ def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: V
         speeds[sound] = np.gradient(places[sound], times[sound], axis=0)
     east, north, up = speeds.T
     return np.column_stack([north, east, -up])
+
+
+class _Format(LogFormat):
+    """ArduPilot's DataFlash logs."""
+
+    suffix = ".bin"
+    no_mission = "the log does not have the whole list of items that was flown"
+
+    def read(self, path: Path) -> Log:
+        """What of a log is of use here."""
+        return read_copter_log(path)
+
+
+FORMAT = _Format()

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from ipoa_mission.dynamics.px4.state import Axis, Enu, Trajectory
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Axis, Enu, Trajectory
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 

@@ -1,7 +1,7 @@
 """The vehicle itself: lean and thrust follow what is asked with their lags, drag is linear, the ground holds."""
 
-from ipoa_mission.dynamics.px4.state import Body, Enu, Law, Level, State
 from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Body, Enu, Law, Level, State
 
 
 def carried(state: State, asked: Enu, law: Law, stands: bool) -> Body:

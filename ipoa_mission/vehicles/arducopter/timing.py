@@ -9,17 +9,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from ipoa_mission.commands import LAST_NAV, Command
-from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR, Airframe
-from ipoa_mission.dynamics.copter.copter import Copter, Stop, stop_at
-from ipoa_mission.dynamics.copter.leash import LeashedCopter
-from ipoa_mission.dynamics.copter.legs import limits_along
-from ipoa_mission.dynamics.copter.motion import DESCENT, STRAIGHT
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.itinerary.program import Place
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.timing.reasons import corner_deg, slow_because
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, Stop, stop_at
+from ipoa_mission.vehicles.arducopter.dynamics.leash import LeashedCopter
+from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
+from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT, STRAIGHT
 from ipoa_mission.vehicles.arducopter.limits import (
     ARMING_DELAY_S,
     LAND_DETECTOR_S,

@@ -5,7 +5,7 @@ The same lines run as Python and compiled, by `steps`; so no function here calls
 
 import math
 
-from ipoa_mission.dynamics.copter.motion import Leg
+from ipoa_mission.vehicles.arducopter.dynamics.motion import Leg
 
 Triple = tuple[float, float, float]
 

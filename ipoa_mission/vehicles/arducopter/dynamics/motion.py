@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.dynamics.copter.airframe import Airframe
-from ipoa_mission.dynamics.copter.scurve import AT_REST, MOST_SEGMENTS, Profile, Segment
 from ipoa_mission.geometry import GRAVITY, Points
 from ipoa_mission.geometry import Vector as Numbers
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import Airframe
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, MOST_SEGMENTS, Profile, Segment
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import Wind
 

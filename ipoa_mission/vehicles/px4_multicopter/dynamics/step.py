@@ -2,14 +2,19 @@
 
 import math
 
-from ipoa_mission.dynamics.px4.body import carried
-from ipoa_mission.dynamics.px4.control import controlled, hover_learned
-from ipoa_mission.dynamics.px4.guidance import climb_limits, guided, is_low_take_off, wanted_velocity
-from ipoa_mission.dynamics.px4.heading import heading_error, turned
-from ipoa_mission.dynamics.px4.landing import felt, stands
-from ipoa_mission.dynamics.px4.senses import NOTICED_S, erring
-from ipoa_mission.dynamics.px4.smoothing import smoothed
-from ipoa_mission.dynamics.px4.state import (
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import carried
+from ipoa_mission.vehicles.px4_multicopter.dynamics.control import controlled, hover_learned
+from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
+    climb_limits,
+    guided,
+    is_low_take_off,
+    wanted_velocity,
+)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.heading import heading_error, turned
+from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import felt, stands
+from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import NOTICED_S, erring
+from ipoa_mission.vehicles.px4_multicopter.dynamics.smoothing import smoothed
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     LAND,
     NOT_YET,
     ON_LINE,

@@ -4,12 +4,12 @@ import math
 from dataclasses import replace
 from functools import lru_cache
 
-from ipoa_mission.dynamics.copter.motion import HOLD, SPLINE, STRAIGHT, ZERO, Bounds, Leg, Vector
-from ipoa_mission.dynamics.copter.scurve import AT_REST, Limits, change, profile
-from ipoa_mission.dynamics.copter.steps import along_limit, bend
 from ipoa_mission.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
 from ipoa_mission.itinerary.copter_spline import cubic, minus, spline_tangents
 from ipoa_mission.itinerary.program import Place
+from ipoa_mission.vehicles.arducopter.dynamics.motion import HOLD, SPLINE, STRAIGHT, ZERO, Bounds, Leg, Vector
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Limits, change, profile
+from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 
 SPLINE_SHARE = 0.5  # of the acceleration limits that a spline leg uses, along the curve and across it
