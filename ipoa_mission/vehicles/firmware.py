@@ -105,8 +105,8 @@ class FirmwareTables:
 
     @property
     def series(self) -> tuple[tuple[int, int], ...]:
-        """The series that have a table, oldest first."""
-        return tuple(self._tables)
+        """The series that have a table, oldest first; where there is no file, that of the habits alone."""
+        return tuple(self._tables) or (self._habits.version.series,)
 
     def of(self, version: Version | None = None) -> Firmware:
         """The tables of a version: those of its series, or of the nearest one that has some; None: the newest.
@@ -116,7 +116,7 @@ class FirmwareTables:
         'PX4 1.16'
         """
         known = self.series
-        if not known:
+        if not self._tables:
             return self._habits
         older = [series for series in known if version is None or series <= version.series]
         series = older[-1] if older else known[0]
