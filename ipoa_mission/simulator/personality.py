@@ -57,7 +57,7 @@ class Personality:
     timeout_text: str
     truncating: frozenset[int]  # the lists whose old items go as soon as a COUNT comes
     separate_lists: bool  # whether the three lists are transferred independently of each other
-    answers_requests_at_any_time: bool  # a MISSION_REQUEST without a REQUEST_LIST before it
+    reads_item_by_item: bool  # each MISSION_REQUEST, at any time, gets the item as it is then; else the list is kept
     count_from_stranger: Answer
     count_again: Answer  # after the first item has come
     read_during_upload: Answer
@@ -140,7 +140,7 @@ ARDUCOPTER = Personality(
     timeout_text="Mission upload timeout",
     truncating=frozenset({MissionType.MISSION, MissionType.RALLY}),
     separate_lists=True,
-    answers_requests_at_any_time=True,
+    reads_item_by_item=True,
     count_from_stranger=Answer.DENIED,
     count_again=Answer.OBEY,
     read_during_upload=Answer.DENIED,
@@ -205,7 +205,7 @@ PX4 = Personality(
     timeout_text="Operation timeout",
     truncating=frozenset(),
     separate_lists=False,
-    answers_requests_at_any_time=False,
+    reads_item_by_item=False,
     count_from_stranger=Answer.ERROR,
     count_again=Answer.ERROR,
     read_during_upload=Answer.TEXT,

@@ -13,7 +13,6 @@ from ipoa_mission.link.conversations import (
     RequestStyle,
     VehicleTexts,
     clear,
-    download,
     fetch,
     list_name,
     offer,
@@ -32,6 +31,7 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
+from ipoa_mission.link.unbroken import download
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 
 ITEMS = items_of(Autopilot.PX4, 3)
