@@ -14,6 +14,12 @@ DEFAULT_PARAMETERS: Mapping[Autopilot, Parameters] = {
     Autopilot.PX4: PX4_DEFAULTS,
 }
 
+#: What every vehicle has: its own MAVLink id (ArduCopter's name since 4.7 and before), and its airframe.
+SURELY_THERE: Mapping[Autopilot, tuple[tuple[str, ...], ...]] = {
+    Autopilot.ARDUPILOT: (("MAV_SYSID", "SYSID_THISMAV"), ("FRAME_CLASS",)),
+    Autopilot.PX4: (("MAV_SYS_ID",), ("SYS_AUTOSTART",)),
+}
+
 #: What ground stations look for besides what moves a mission.
 OTHER_PARAMETERS: Mapping[Autopilot, Parameters] = {
     Autopilot.ARDUPILOT: {
