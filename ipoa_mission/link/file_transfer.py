@@ -6,7 +6,7 @@ from itertools import count as counting
 from random import randrange
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Step
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.progress import Progress, count, silent
@@ -17,7 +17,8 @@ LIST_FILES: Mapping[int, str] = {
     MissionType.FENCE: "@MISSION/fence.dat",
     MissionType.RALLY: "@MISSION/rally.dat",
 }
-#: Of questions for checksums: a number that was used before is answered with what was true then.
+#: How long each asking for a checksum is waited for [s].
+CHECKSUM_S = (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8
 _NUMBERS = counting(randrange(0x8000), 2)
 
 
@@ -67,16 +68,23 @@ def read_file(path: str) -> Dialogue[bytes]:
 def list_checksum(kind: int) -> Dialogue[int | None]:
     """What the vehicle makes the checksum of a list as it stands now (home included); None: it makes none.
 
+    Each question has a number of its own: to a repeated one the vehicle repeats what was true when it first heard it.
+
     Raises:
         NoAnswer.
     """
-    path = LIST_FILES[kind]
-    question = FileMessage(next(_NUMBERS) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=path.encode())
-    try:
-        answer = yield from ask_of_file(question, f"sum up {path}", item=False)
-    except FileRefused:
-        return None
-    return int.from_bytes(answer.data[:4], "little")
+    path, asked = LIST_FILES[kind], set[int]()
+    for seconds in CHECKSUM_S:
+        question = FileMessage(next(_NUMBERS) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=path.encode())
+        asked.add((question.sequence + 1) & 0xFFFF)
+        yield Remark(question.pack())
+        heard = yield Pause(seconds)
+        while heard is not None:
+            answer = unpack(heard) if isinstance(heard, FileTransfer) else None
+            if answer is not None and answer.sequence in asked and answer.request == Opcode.CALC_FILE_CRC32:
+                return int.from_bytes(answer.data[:4], "little") if answer.opcode == Opcode.ACK else None
+            heard = yield None
+    raise NoAnswer(f"the vehicle does not answer when asked to sum up {path}")
 
 
 def file_checksum(data: bytes) -> int:
@@ -84,13 +92,13 @@ def file_checksum(data: bytes) -> int:
     return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 
-def ask_of_file(question: FileMessage, what: str, may_end: bool = False, item: bool = True) -> Dialogue[FileMessage]:
+def ask_of_file(question: FileMessage, what: str, may_end: bool = False) -> Dialogue[FileMessage]:
     """Ask until the answer comes: the one with the next number to this opcode.
 
     Raises:
         FileRefused, NoAnswer.
     """
-    step: Step = Ask(question.pack(), item)
+    step: Step = Ask(question.pack(), item=True)
     while True:
         try:
             heard = yield step
