@@ -10,30 +10,39 @@ Names are imported when they are first used, so that `import ipoa_mission` costs
 In a notebook, `%load_ext ipoa_mission` lets missions, plans, estimates and flights be seen as tables.
 """
 
-import re
-from importlib import import_module
-from pathlib import Path
-from typing import Any
+# Nothing is imported here: Ctrl-C while the command line is, is caught in `__main__`, which comes after this.
+_WHERE: dict[str, str] = {}
 
-_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
-_WHERE = {name: module for module, name in re.findall(r"^from (ipoa_mission\S*) import (\w+)", _STUB, re.MULTILINE)}
 
-__all__ = sorted(_WHERE)
+def _where() -> dict[str, str]:
+    """In which module each name is, as the stub has it."""
+    if not _WHERE:
+        import re
+        from pathlib import Path
+
+        stub = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+        found = re.findall(r"^from (ipoa_mission\S*) import (\w+)", stub, re.MULTILINE)
+        _WHERE.update({name: module for module, name in found})
+    return _WHERE
 
 
 def __getattr__(name: str) -> object:
+    from importlib import import_module
+
     if name == "__version__":
         return import_module("importlib.metadata").version("ipoa-mission")
-    if name in _WHERE:
-        return getattr(import_module(_WHERE[name]), name)
+    if name == "__all__":
+        return sorted(_where())
+    if name in _where():
+        return getattr(import_module(_where()[name]), name)
     raise AttributeError(f"module 'ipoa_mission' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return sorted(_where())
 
 
-def load_ipython_extension(shell: Any) -> None:
+def load_ipython_extension(shell: object) -> None:
     """What `%load_ext ipoa_mission` calls."""
     from ipoa_mission.report.notebook import show_in
 

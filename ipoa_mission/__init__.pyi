@@ -36,10 +36,10 @@ from ipoa_mission.link.logbook import FlightRecord as FlightRecord
 from ipoa_mission.link.orders import CommandRefused as CommandRefused
 from ipoa_mission.link.state import NotFlown as NotFlown
 from ipoa_mission.link.state import NotReady as NotReady
+from ipoa_mission.link.unbroken import Unsettled as Unsettled
 from ipoa_mission.link.upload import ReadBackDiffers as ReadBackDiffers
 from ipoa_mission.link.upload import Replaced as Replaced
 from ipoa_mission.link.upload import Unflyable as Unflyable
-from ipoa_mission.link.upload import Unsettled as Unsettled
 from ipoa_mission.link.vehicle import Vehicle as Vehicle
 from ipoa_mission.mission.files import read_mission as read_mission
 from ipoa_mission.mission.files import write_mission as write_mission

@@ -1,16 +1,17 @@
 """`ipoa-mission` and `python -m ipoa_mission`: the command line, and Ctrl-C while it is still being imported."""
 
-import gc
-import os
 import sys
 
 
 def main() -> None:
     """Run the command line."""
-    gc.set_threshold(50_000)  # imports make many objects, and no garbage
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for any it reads all that is installed
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads take longer to start than our matrices to solve
     try:
+        import gc
+        import os
+
+        gc.set_threshold(50_000)  # imports make many objects, and no garbage
+        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for any it reads all that is installed
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads take longer to start than matrices to solve
         from ipoa_mission.cli.app import main as run
 
         run()

@@ -1,5 +1,6 @@
 """Whether a mission keeps within the fence that the vehicle has by its own parameters."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -8,15 +9,20 @@ from ipoa_mission.commands import command_name
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
+from ipoa_mission.tube.measured import law_of
 from ipoa_mission.vehicles.own_fence import Limit, OwnFence
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+STRAYS = 0.01  # the share of flights that may get farther than is said here
 
 
 def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, ...]:
     """Each limit that a flight from home `there` would come to or pass, in words that name the furthest place.
 
-    The legs are those that will be flown, the way home among them.
+    The legs are those that will be flown, the way home among them; flights stray from them as far as was measured.
     """
+    law = law_of(mission.autopilot)
+    aside, down, up = law.beside(STRAYS), law.lowest.distance(STRAYS), law.highest.distance(STRAYS)
     frame = LocalFrame(mission.home)
     center = frame.local(there)[:2]
     legs = flown_legs(mission, frame, mission.ground)
@@ -28,21 +34,25 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
         return np.asarray(frame.to_geodetic(leg.points)[2] - mission.home.altitude)
 
     def found() -> Iterator[str]:
-        yield from _beyond(mission, fence.radius, [(leg, float(apart(leg).max())) for leg in legs], "away from home")
-        yield from _beyond(mission, fence.ceiling, [(leg, float(heights(leg).max())) for leg in legs], "above home")
+        yield from _beyond(
+            mission, fence.radius, [(leg, float(apart(leg).max())) for leg in legs], "away from home", aside
+        )
+        yield from _beyond(mission, fence.ceiling, [(leg, float(heights(leg).max())) for leg in legs], "above home", up)
         between = [(leg, float(heights(leg).min())) for leg in legs if leg.phase is Phase.CRUISE]
-        yield from _beyond(mission, fence.floor, between, "above home", sign=-1.0)
+        yield from _beyond(mission, fence.floor, between, "above home", -down)
 
     return tuple(found())
 
 
 def _beyond(
-    mission: Mission, limit: Limit, reached: list[tuple[Leg, float]], where: str, sign: float = 1.0
+    mission: Mission, limit: Limit, reached: list[tuple[Leg, float]], where: str, stray: float
 ) -> Iterator[str]:
-    """What is said where some leg comes to a limit; `sign` -1: the limit is a least one."""
+    """What is said where a flight that strays so far from a leg [m] comes to a limit; `stray` below 0: a least one."""
+    sign = math.copysign(1.0, stray)
     leg, value = max(reached, key=lambda one: sign * one[1], default=(None, 0.0))
-    if leg is None or sign * (value - limit.value) < 0.0:
+    if leg is None or sign * (value + stray - limit.value) < 0.0:
         return
     item = f"item {leg.seq} ({command_name(mission.items[leg.seq - 1].command)})"
     allowed = f"{limit.value:.1f} m at {'least' if sign < 0.0 else 'most'} ({limit.name})"
-    yield f"{item}: {value:.1f} m {where}, and the vehicle's own fence allows {allowed}"
+    flown = f"{value:.1f} m {where} ({value + stray:.1f} m as flights stray)"
+    yield f"{item}: {flown}, and the vehicle's own fence allows {allowed}"

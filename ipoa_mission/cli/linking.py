@@ -1,6 +1,6 @@
 """The verbs for a vehicle at the other end of a link: its mission, and what it does with it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -140,25 +140,29 @@ def scan(
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="How long to listen.")] = 3.0,
     as_json: JsonOption = False,
 ) -> None:
-    """Name the autopilots that are heard on a link, and what they are: plane, multicopter, rover.
+    """Name the autopilots that are heard on a link, and what they are: plane, multicopter, rover; which version.
 
     Example: `ipoa-mission scan --link udpin:127.0.0.1:14550`
     """
     from ipoa_mission.link.connect import open_line
     from ipoa_mission.link.dialogue import NoAnswer
     from ipoa_mission.link.presence import scan as listen
+    from ipoa_mission.link.presence import versions_of
 
     with open_line(link) as line:
+        found = listen(line, seconds)
+        versions = versions_of(line, (one.system for one in found))
         rows = [
             {
                 "system": one.system,
                 "autopilot": str(one.kind.autopilot),
                 "kind": str(one.kind),
+                "firmware_version": str(versions[one.system]) if one.system in versions else None,
                 "flown": one.kind.is_flown,
                 "armed": one.armed,
                 "contested": line.contested(one.system),
             }
-            for one in listen(line, seconds)
+            for one in found
         ]
     if not rows:
         raise NoAnswer(
@@ -206,8 +210,9 @@ def _tell(
         tell(*words, *(f"written: {path}" for path in (about["written"] if log is None else log)))
 
 
-def _in_words(row: dict[str, object]) -> str:
+def _in_words(row: Mapping[str, object]) -> str:
     armed = ", armed" if row["armed"] else ""
     contested = ", and another vehicle with the same system id" if row["contested"] else ""
     other = "" if row["flown"] else ": nothing is changed on it"
-    return f"system {row['system']}: {row['kind']}{armed}{contested}{other}"
+    version = f" {row['firmware_version']}" if row["firmware_version"] else ""
+    return f"system {row['system']}: {row['kind']}{version}{armed}{contested}{other}"

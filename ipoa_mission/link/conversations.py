@@ -13,7 +13,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell, TimeUp
 from ipoa_mission.link.events import words_of
-from ipoa_mission.link.item_payloads import Payloads, unpack_items
+from ipoa_mission.link.item_payloads import Payloads
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.messages import (
     INFO,
@@ -218,16 +218,6 @@ def fetch(
     return Result.ACCEPTED
 
 
-def download(kind: int, progress: Progress = silent) -> Dialogue[tuple[Item, ...]]:
-    """Read the list that the vehicle holds, as it stands on the wire.
-
-    Raises:
-        MissionRefused, NoAnswer.
-    """
-    stored = yield from read_list(kind, progress)
-    return tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in stored)
-
-
 def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
     """Read the list that the vehicle holds: each item, or the payload it came in.
 
@@ -238,7 +228,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
         MissionRefused, NoAnswer.
     """
     stored: list[Item | bytes] = []
-    total = yield from _open_list(kind)
+    total = yield from open_list(kind)
     idle = 0
 
     def keep(one: Item | bytes) -> None:
@@ -259,7 +249,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
             idle = idle + 1 if len(stored) == before else 0
             if idle > 2:
                 raise
-            again = yield from _open_list(kind, silence)
+            again = yield from open_list(kind, silence)
             if again != total:  # another list has come in between
                 stored.clear()
             total = again
@@ -268,8 +258,13 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
             return stored
 
 
-def _open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
-    """Ask how long the list is; `silence` is what there was to say if nobody answers."""
+def open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
+    """Ask how long the list is; `silence` is what there was to say if nobody answers.
+
+    Raises:
+        MissionRefused: among others, while somebody sends the vehicle another (ArduPilot).
+        NoAnswer.
+    """
     try:
         answer = yield from _answered(RequestList(kind), Count)
     except NoAnswer as still:

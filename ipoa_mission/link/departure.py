@@ -163,9 +163,10 @@ def depart(departure: Departure) -> Dialogue[None]:
             said that it was still on the ground.
     """
     state = departure.state
-    may_be_armed = False
+    may_be_armed, attempt = False, 0
     try:
-        for attempt in range(1, LIMITS.arming_attempts + 1):
+        while True:
+            attempt += 1
             state.expect_flown()
             yield from prove(departure.holdings, state)
             may_be_armed = True

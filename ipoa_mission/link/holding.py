@@ -4,10 +4,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.conversations import MissionRefused, list_name, read_list
+from ipoa_mission.link.conversations import MissionRefused, list_name, open_list
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, until
+from ipoa_mission.link.file_transfer import list_checksum
 from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
 from ipoa_mission.link.state import NotReady, VehicleState
+from ipoa_mission.link.unbroken import Unsettled, read_unbroken
 from ipoa_mission.link.upload import Replaced, Upload
 
 NO_TOTAL = 65535  # MISSION_CURRENT.total where there is no mission
@@ -16,7 +18,7 @@ TOLD_S = 1.5  # how long MISSION_CURRENT is waited for
 
 @dataclass
 class Holding:
-    """A list that a vehicle was seen to hold, and the id under which it keeps it (0: it does not tell one).
+    """A list that a vehicle was seen to hold, and its id or checksum there (0: neither is known).
 
     `changed`: what it has since said of another list, in words.
     """
@@ -24,6 +26,11 @@ class Holding:
     job: Upload
     list_id: int = 0
     changed: str = ""
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether the vehicle itself tells of any other list in its place."""
+        return self.list_id != 0 and not self.job.has_checksum
 
     def note(self, message: Message) -> None:
         """Hear the vehicle: a mission with another id, or with another number of items, is somebody else's."""
@@ -53,19 +60,29 @@ class ReplacedSince(MissionError):
 
 
 def prove(holdings: Iterable[Holding], state: VehicleState) -> Dialogue[None]:
-    """See that the vehicle holds each of these lists now: by the id that it gave, else item by item.
+    """See that the vehicle holds each of these lists now: by the id or the checksum that it gave, else item by item.
 
     Raises:
         Replaced: it does not.
         NotReady: it does not tell.
     """
     for holding in holdings:
-        if holding.list_id:
-            state.current = None
-            yield from until(lambda: state.current is not None, TOLD_S)
-        if not (holding.list_id and holding.is_told_by(state.current)):
-            yield from _read_again(holding.job)
+        if not (holding.list_id and (yield from _is_named(holding, state))):
+            holding.list_id = (yield from _read_again(holding.job)) or holding.list_id
         holding.changed = ""
+
+
+def _is_named(holding: Holding, state: VehicleState) -> Dialogue[bool]:
+    """Whether the vehicle gives its list the same id, or the same checksum, as when it was seen."""
+    if holding.job.has_checksum:
+        try:
+            yield from open_list(holding.job.kind)  # refused while another one is being sent
+            return (yield from list_checksum(holding.job.kind)) == holding.list_id
+        except (MissionRefused, NoAnswer) as nothing:
+            raise _unknown(holding.job, nothing) from None
+    state.current = None
+    yield from until(lambda: state.current is not None, TOLD_S)
+    return holding.is_told_by(state.current)
 
 
 def read_again(holding: Holding, state: VehicleState) -> Dialogue[None]:
@@ -83,13 +100,19 @@ def expect_unchanged(holdings: Iterable[Holding]) -> None:
             raise ReplacedSince(holding)
 
 
-def _read_again(job: Upload) -> Dialogue[None]:
+def _read_again(job: Upload) -> Dialogue[int]:
+    """Read a list once more, and see that it is ours; its checksum, if it has one."""
     try:
-        stored = yield from read_list(job.kind)
-    except (MissionRefused, NoAnswer) as nothing:
-        raise NotReady(
-            f"nobody knows whether the vehicle still holds the {list_name(job.kind)} that was sent: {nothing}",
-            hint="is another station sending it one?",
-        ) from None
+        stored, checksum = yield from read_unbroken(job.kind, job.has_checksum)
+    except (MissionRefused, NoAnswer, Unsettled) as nothing:
+        raise _unknown(job, nothing) from None
     if (difference := job.difference(stored)) is not None:
         raise Replaced(job.kind, difference)
+    return checksum
+
+
+def _unknown(job: Upload, nothing: MissionError) -> NotReady:
+    return NotReady(
+        f"nobody knows whether the vehicle still holds the {list_name(job.kind)} that was sent: {nothing}",
+        hint="is another station sending it one?",
+    )

@@ -21,6 +21,7 @@ class Opcode(IntEnum):
     CREATE_FILE = 6
     WRITE_FILE = 7
     OPEN_FILE_WO = 11
+    CALC_FILE_CRC32 = 14
     BURST_READ_FILE = 15
     ACK = 128
     NAK = 129

@@ -33,6 +33,8 @@ FILE_TRANSFER = 32
 INT_TYPES = frozenset({1, 2, 3, 4, 5, 6})
 #: A parameter that does not exist is met with silence: how often one asks, and how long one listens each time [s].
 PARAMETER_ROUNDS, PARAMETER_ROUND_S = 6, 0.7
+#: How often it has to answer to what it knows, until what it does not answer to is not there.
+SURE = 4
 #: The rounds that follow where nothing at all was heard: a slow link, or a vehicle that is busy.
 SLOW_ROUNDS, SLOW_ROUND_S = 5, 2.0
 #: How long one listens each time that a parameter is set, before another value is believed to be kept [s].
@@ -148,31 +150,38 @@ def about() -> Dialogue[AutopilotVersion | None]:
 def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:
     """The vehicle's values; each of `wanted` is one parameter by all its names, of which the first known will do.
 
-    What the vehicle does not answer to is left out: a name that it does not have meets with silence.
+    What the vehicle does not answer to is left out: a name that it does not have meets with silence. So each time one
+    that it surely has is asked for behind the others; once these were answered often enough, the others are not there.
 
     Raises:
         NoAnswer: it answers to none.
     """
     values: dict[str, ParamValue] = {}
+    told = 0
+
+    def missing() -> list[Sequence[str]]:
+        return [names for names in wanted if not any(name in values for name in names)]
+
     for n in range(PARAMETER_ROUNDS + SLOW_ROUNDS):
-        if n >= PARAMETER_ROUNDS and values:
+        if not missing() or told == SURE or (n >= PARAMETER_ROUNDS and (values or told)):
             break
-        missing = [names for names in wanted if not any(name in values for name in names)]
-        if not missing:
-            break
-        for names in missing:
-            for name in names:
-                yield Remark(ParamRequestRead(name))
+        known = autopilot.book.surely_there[
+            n % len(autopilot.book.surely_there)
+        ]  # not the same twice running: that would be heard as an echo
+        for name in (*(name for names in missing() for name in names), *known):
+            yield Remark(ParamRequestRead(name))
         heard = yield Pause(PARAMETER_ROUND_S if n < PARAMETER_ROUNDS else SLOW_ROUND_S)
         while heard is not None:
             if isinstance(heard, ParamValue):
                 values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
-                if all(any(name in values for name in names) for names in missing):
+                told += (is_known := any(heard.param_id in names for names in autopilot.book.surely_there))
+                if is_known or not missing():
                     break
             heard = yield None
-    if wanted and not values:
+    found = {name: values[name] for names in wanted for name in names if name in values}
+    if wanted and not found and not told:
         raise NoAnswer(f"the vehicle does not answer when asked for {wanted[0][0]}")
-    return {name: values[name] for names in wanted for name in names if name in values}
+    return found
 
 
 def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[None]:
@@ -184,7 +193,10 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
         NoAnswer: there is no such parameter, or nothing is heard of it any more.
         MissionError: it keeps another value.
     """
-    kind = (yield from parameters([(name,)], autopilot))[name].param_type
+    found = yield from parameters([(name,)], autopilot)
+    if name not in found:
+        raise NoAnswer(f"the vehicle has no parameter {name}")
+    kind = found[name].param_type
     order = ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
     kept: float | None = None
     for seconds in SETTING_S:

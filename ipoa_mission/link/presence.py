@@ -2,13 +2,26 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import cycle
 
-from ipoa_mission.link.codec import Heard
+from ipoa_mission.commands import Order
+from ipoa_mission.link.codec import Heard, Target
+from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Carrier, Line
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, Firmware, Heartbeat, Ping
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Firmware, Heartbeat, Ping
 from ipoa_mission.link.state import VehicleState
+from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.vehicles.kind import Kind
+from ipoa_mission.vehicles.version import Version
+
+#: How long autopilots are asked for their versions, and how often anew [s].
+VERSIONS_S, VERSION_ROUND_S = 3.0, 0.7
+#: The two orders to tell AUTOPILOT_VERSION: today's, and that from before it.
+ABOUT = (
+    CommandLong(Order.REQUEST_MESSAGE, (float(message_number("AUTOPILOT_VERSION")), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+    CommandLong(Order.REQUEST_AUTOPILOT_CAPABILITIES, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+)
 
 
 @dataclass(frozen=True)
@@ -28,6 +41,24 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
     while line.now() < until:
         autopilots |= autopilots_in(line.receive(until))
     return tuple(autopilots[system] for system in sorted(autopilots))
+
+
+def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
+    """The firmware versions of these autopilots, by system id; who does not tell within so many seconds is left out."""
+    silent, told = set(systems), dict[int, Version]()
+    until, orders = line.now() + seconds, cycle(ABOUT)
+    while silent and line.now() < until:
+        order = next(orders)
+        for system in sorted(silent):
+            line.send(order, Target(system, AUTOPILOT_COMPONENT))
+        again = min(line.now() + VERSION_ROUND_S, until)
+        while silent and line.now() < again:
+            for heard in line.receive(again):
+                if isinstance(heard.message, AutopilotVersion) and heard.system in silent:
+                    silent.discard(heard.system)
+                    version = Version.said(heard.message.flight_sw_version)
+                    told |= {} if version is None else {heard.system: version}
+    return told
 
 
 def await_booted(line: Carrier, system: int, state: VehicleState, until: float) -> None:

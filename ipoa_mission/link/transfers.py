@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
+from ipoa_mission.link.file_transfer import MISSION_FILE
 from ipoa_mission.link.mavftp import Opcode, unpack
 from ipoa_mission.link.messages import (
     Ack,
@@ -16,7 +17,7 @@ from ipoa_mission.link.messages import (
     Result,
     WritePartialList,
 )
-from ipoa_mission.link.mission_file import MISSION_FILE, unpack_mission
+from ipoa_mission.link.mission_file import unpack_mission
 
 Items = tuple[Item, ...]
 BURST_READ = 15  # a MAVFTP opcode that our own client does without

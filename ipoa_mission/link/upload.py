@@ -20,6 +20,7 @@ from ipoa_mission.link.conversations import (
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
 from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
+from ipoa_mission.link.unbroken import READINGS, Unsettled, read_unbroken
 from ipoa_mission.mission.firmware import Difference
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
@@ -30,7 +31,6 @@ ATTEMPTS = 12
 #: thoughts when it has called the mission flyable.
 VERDICT_S = 1.5
 SECOND_THOUGHTS_S = 0.4
-READINGS = 5  # of a list that the vehicle does not name, or beside which it speaks of another
 #: Refusals that concern the moment and not the items.
 PASSING = frozenset({*DOUBTFUL, Result.DENIED, Result.OPERATION_CANCELLED})
 
@@ -54,16 +54,6 @@ class Replaced(MissionError):
         )
 
 
-class Unsettled(MissionError):
-    """The vehicle holds what it was sent, and keeps speaking of another list."""
-
-    def __init__(self, kind: int) -> None:
-        super().__init__(
-            f"the vehicle speaks of another {list_name(kind)} each time that the one on it is read",
-            hint="is another station sending it one? upload again when it is done",
-        )
-
-
 class Unflyable(MissionError):
     """The vehicle took the mission and then found that it cannot fly it; `why` in its words, if it has said so."""
 
@@ -82,7 +72,7 @@ class Unplaced(Unflyable):
 
 @dataclass(frozen=True)
 class Upload:
-    """One list for one vehicle, as it goes over the wire.
+    """One list for one vehicle, as it goes over the wire; `has_checksum`: the vehicle may make one of what it holds.
 
     Raises:
         BadInput: MAVLink cannot carry it.
@@ -91,6 +81,7 @@ class Upload:
     items: Sequence[Item]
     autopilot: Autopilot
     kind: int = MissionType.MISSION
+    has_checksum: bool = False
 
     packed: Payloads = field(init=False, repr=False, compare=False)
 
@@ -126,6 +117,7 @@ class MissionReports(VehicleTexts):
     ids: frozenset[int] = frozenset()  # of the missions that it has spoken of since,
     latest: int = 0  # and of that which it spoke of last
     total: int | None = None
+    is_named: bool = False  # it has named ours since the list was read whole
 
     def offered(self) -> None:
         """We begin to send our list: what was told before is of others."""
@@ -134,6 +126,10 @@ class MissionReports(VehicleTexts):
     def read(self) -> None:
         """The list is read from here on."""
         self.ids, self.latest, self.total, self.is_read = frozenset(), 0, None, True
+
+    def was_read(self) -> None:
+        """The list has been read: what was said before proves nothing of what is there now."""
+        self.is_named = False
 
     def read_again(self) -> None:
         """The list is read once more; what it last said of it still counts."""
@@ -150,12 +146,13 @@ class MissionReports(VehicleTexts):
                 if total or state == NO_MISSION:
                     self.total = total
                 self.ids |= {number} - {0}
+                self.is_named |= number == self.stored_as != 0
                 self.latest = number
         super().note(message)
 
     def proves(self, job: Upload) -> bool:
-        """Whether all that it said since the list was read is of that list, and it has named it."""
-        return self.stored_as != 0 and self.ids == {self.stored_as} and not self._is_another(job)
+        """Whether all that it said since the list was begun to be read is of that list, and it has named it since."""
+        return self.is_named and self.ids == {self.stored_as} and not self._is_another(job)
 
     def agrees(self, job: Upload) -> bool:
         """Whether nothing that it said since the list was read is of another one."""
@@ -173,11 +170,14 @@ class Course:
     furthest: int = -1  # the last item that was asked for in this attempt
     before: int = -1  # and in the one before
     may_be_whole: bool = False  # whether the vehicle may have the whole list already
+    checksum: int = 0  # of the list as it was read back; 0: the vehicle makes none
     reports: MissionReports = field(default_factory=MissionReports)
 
 
 def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
-    """Put a list on the vehicle and see that it is there, item by item; the id that it has there, where that is known.
+    """Put a list on the vehicle and see that it is there, item by item.
+
+    Returns the id that it has there (PX4) or its checksum (ArduPilot); 0 where neither is known.
 
     Cancelled in mid-transfer, the vehicle keeps its old list where it can (PX4), else the new one is completed.
 
@@ -209,7 +209,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
         if state == NO_MISSION:
             raise Unflyable(str(course.reports))
         return course.reports.stored_as if is_named else 0
-    return 0
+    return course.checksum
 
 
 def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
@@ -281,7 +281,7 @@ def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
             course.reports.offered()
             ending = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
             course.reports.read()
-            stored = yield from read_list(job.kind)
+            stored, course.checksum = yield from read_unbroken(job.kind, job.has_checksum)
         except NoAnswer as silence:
             if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:
                 silence.hint = _leftover(job)
@@ -295,6 +295,7 @@ def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
             refused_before = refusal
             yield from wait(1.0)
         else:
+            course.reports.was_read()
             difference = job.difference(stored)
             if difference is None:
                 return

@@ -17,17 +17,18 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.commands import LAST_NAV
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Item, Mission
-from ipoa_mission.link import conversations, orders
+from ipoa_mission.link import conversations, orders, unbroken
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.departure import LIMITS, Departure, depart, expect_on_ground, prepare, unsubscribe
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
+from ipoa_mission.link.file_transfer import FileRefused
 from ipoa_mission.link.hold import SHOWN_S, pause, resume, return_to_launch
 from ipoa_mission.link.holding import Holding, ReplacedSince, read_again
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
-from ipoa_mission.link.mission_file import FileRefused, upload_by_file
+from ipoa_mission.link.mission_file import upload_by_file
 from ipoa_mission.link.presence import Found, await_booted
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
@@ -116,10 +117,10 @@ class Vehicle:
         """Put one list on the vehicle as it stands on the wire, and verify it."""
         with noted_interrupts(), self._in_time():
             self._await_ready()
-            job = Upload(items, self.autopilot, kind)
+            job = Upload(items, self.autopilot, kind, self._makes_checksums())
             self._holdings.pop(kind, None)
-            by_file = self._takes_file(job) and self._upload_by_file(job, progress)
-            self._holdings[kind] = Holding(job, 0 if by_file else self._tell(upload(job, progress)))
+            list_id = self._upload_by_file(job, progress)
+            self._holdings[kind] = Holding(job, self._tell(upload(job, progress)) if list_id is None else list_id)
 
     def download(self, progress: Progress = silent) -> Mission:
         """The mission on the vehicle, with its fence and rally points.
@@ -132,7 +133,7 @@ class Vehicle:
             items, fenced, rallied = (lists[kind] for kind in LISTS)
             fence, rally = fence_from_wire(fenced), rally_from_wire(rallied)
             mission = from_wire(items, self.autopilot, self.home())
-        self._holdings = {kind: Holding(Upload(lists[kind], self.autopilot, kind)) for kind in LISTS}
+        self._holdings = {k: Holding(Upload(lists[k], self.autopilot, k, self._makes_checksums())) for k in LISTS}
         self._expect(mission)
         return replace(mission, fence=fence, rally=rally)
 
@@ -140,7 +141,7 @@ class Vehicle:
         """One list as it stands on the wire."""
         with self._in_time():
             self._await_ready()
-            return self._hold(conversations.download(kind, progress))
+            return self._hold(unbroken.download(kind, progress, self._makes_checksums()))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
         """Have the vehicle forget a list. 255: all three, one by one, because ArduPilot knows no "all"."""
@@ -321,7 +322,7 @@ class Vehicle:
     def _read_after_flight(self) -> None:
         """A mission without an id may have been replaced by one of the same length, which nothing tells of."""
         holding = self._holdings.get(MissionType.MISSION)
-        if holding is not None and not holding.list_id and not holding.changed:
+        if holding is not None and not holding.is_watched and not holding.changed:
             with suppress(MissionError):  # it does not tell
                 self._hold(read_again(holding, self.state))
 
@@ -367,11 +368,9 @@ class Vehicle:
             error.hint = f"when last heard, {self.state}"
             raise
 
-    def _takes_file(self, job: Upload) -> bool:
-        """Whether the vehicle offers the fast path for this list; it is asked once."""
-        if not self._fast or not self.autopilot.manners.takes_mission_file or job.kind != MissionType.MISSION:
-            return False
-        return bool(self._told().capabilities & orders.FILE_TRANSFER)
+    def _makes_checksums(self) -> bool:
+        """Whether the vehicle keeps its lists as files, of which it makes a checksum."""
+        return self.autopilot.manners.takes_mission_file and bool(self._told().capabilities & orders.FILE_TRANSFER)
 
     def _told(self) -> AutopilotVersion:
         """What the autopilot says of itself; it is asked once."""
@@ -379,13 +378,14 @@ class Vehicle:
             self._about = self._hold(orders.about()) or AutopilotVersion(0)
         return self._about
 
-    def _upload_by_file(self, job: Upload, progress: Progress) -> bool:
-        """Try the fast path; what goes wrong there is left to the ordinary transfer, which says why."""
+    def _upload_by_file(self, job: Upload, progress: Progress) -> int | None:
+        """Try the fast path; the list's checksum. What goes wrong there is left to the ordinary transfer (None)."""
+        if not self._fast or not job.has_checksum or job.kind != MissionType.MISSION:
+            return None
         try:
-            self._tell(upload_by_file(job, progress))
+            return self._tell(upload_by_file(job, progress))
         except (FileRefused, NoAnswer, ReadBackDiffers):
-            return False
-        return True
+            return None
 
     def _expect(self, mission: Mission) -> None:
         armed = self._logbook.armed

@@ -1,4 +1,7 @@
-"""MAVFTP of the built-in autopilot: one file, the mission (ArduPilot), and a refusal for everything else."""
+"""MAVFTP of the built-in autopilot: one file, the mission (ArduPilot), and the checksums of its three lists.
+
+All else is refused.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -6,10 +9,11 @@ from dataclasses import dataclass, field
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Target
+from ipoa_mission.link.file_transfer import LIST_FILES, MISSION_FILE, file_checksum
 from ipoa_mission.link.item_payloads import PAYLOAD_BYTES
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
-from ipoa_mission.link.mission_file import HEADER, MISSION_FILE, pack_mission, unpack_mission
+from ipoa_mission.link.mission_file import HEADER, pack_mission, unpack_mission
 
 MOST_CLIENTS = 16
 LONGEST_BURST = 100  # messages
@@ -64,6 +68,8 @@ class FileService:
                 return _ack(question)
             case Opcode.OPEN_FILE_RO | Opcode.CREATE_FILE:
                 return self._open(question, session)
+            case Opcode.CALC_FILE_CRC32:
+                return self._sum_up(question)
             case Opcode.READ_FILE if session.reading is not None:
                 size = min(question.size or LONGEST_DATA, LONGEST_DATA)
                 piece = session.reading[question.offset : question.offset + size]
@@ -88,6 +94,14 @@ class FileService:
             return _ack(question)
         session.reading, session.writing = pack_mission(self._listed(MissionType.MISSION)), None
         return _ack(question, len(session.reading).to_bytes(4, "little"))
+
+    def _sum_up(self, question: FileMessage) -> FileMessage:
+        """The checksum of a list as it stands now, whoever has it open."""
+        name = question.data.rstrip(b"\0")
+        kind = next((kind for kind, path in LIST_FILES.items() if path.encode() == name), None)
+        if not self._offered or kind is None:
+            return nak(question, FileError.FAIL)
+        return _ack(question, file_checksum(pack_mission(self._listed(kind), kind)).to_bytes(4, "little"))
 
     def _close(self, question: FileMessage, session: Session) -> FileMessage:
         written, session.writing, session.reading = session.writing, None, None

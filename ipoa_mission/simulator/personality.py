@@ -56,7 +56,7 @@ class Personality:
     timeout_text: str
     truncating: frozenset[int]  # the lists whose old items go as soon as a COUNT comes
     separate_lists: bool  # whether the three lists are transferred independently of each other
-    answers_requests_at_any_time: bool  # a MISSION_REQUEST without a REQUEST_LIST before it
+    reads_item_by_item: bool  # each MISSION_REQUEST, at any time, gets the item as it is then; else the list is kept
     count_from_stranger: Answer
     count_again: Answer  # after the first item has come
     read_during_upload: Answer

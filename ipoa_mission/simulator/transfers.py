@@ -283,6 +283,8 @@ class Transfers:
             self._say(Ack(Result.UNSUPPORTED, kind), client)
         elif self._slot(kind) in self._incoming:
             self._reply(self._habits.read_during_upload, kind, client, "mission transfer busy")
+        elif self._habits.reads_item_by_item:
+            self._say(Count(len(self.listed(kind)), kind), client)
         else:
             exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self._habits.patience)
             self._readers.pop((client, kind), None)
@@ -313,10 +315,18 @@ class Transfers:
         elif reader := self._readers.get((client, kind)):
             reader.receive(message, now)
             self._flush_reader((client, kind), reader)
-        elif self._habits.answers_requests_at_any_time:
-            items = self._read_back(kind)
-            exists = seq < len(items)
-            self._say(ItemAt(seq, items[seq], kind) if exists else Ack(Result.INVALID_SEQUENCE, kind), client)
+        elif self._habits.reads_item_by_item:
+            self._read_one(seq, kind, message.legacy, client)
+
+    def _read_one(self, seq: int, kind: int, legacy: bool, client: Target) -> None:
+        """Answer with the item as it stands now, whoever has changed it since the list was asked for."""
+        items = self._read_back(kind)
+        if seq < len(items):
+            self._say(ItemAt(seq, items[seq], kind), client)
+            return
+        if not legacy:
+            self._say(Count(len(items), kind), client)
+        self._say(Ack(Result.INVALID_SEQUENCE, kind), client)
 
     def _acknowledge(self, message: Ack, client: Target) -> None:
         incoming = self._incoming.get(self._slot(message.kind))

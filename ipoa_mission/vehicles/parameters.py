@@ -48,6 +48,7 @@ class ParameterBook:
     fence_switch: str  # which puts a fence into force; at 0 it has no effect
     system_id: str
     meanings: Mapping[str, str]
+    surely_there: tuple[tuple[str, ...], ...]  # what every vehicle has: each by any of its names
     renamed: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     packs_integers: bool = False
 

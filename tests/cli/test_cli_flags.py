@@ -227,6 +227,31 @@ def test_ctrl_c_at_any_time_has_words_for_machines(tmp_path: Path) -> None:
         assert [*tmp_path.iterdir()] == []
 
 
+#: Presses Ctrl-C when the module of this number is about to be imported, then runs the command line.
+PRESSED = """
+import signal, sys
+class Presser:
+    imported = 0
+    def find_spec(self, *_):
+        self.imported += 1
+        if self.imported == {number}:
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Presser())
+sys.argv[0] = "ipoa-mission"
+from ipoa_mission.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize("number", [2, 3, 4, 15, 60, 150, 300, 420])
+def test_ctrl_c_while_the_command_is_imported_is_one_line(number: int) -> None:
+    """Of the first two, the package and `__main__`, nothing of ours runs yet."""
+    command = [sys.executable, "-c", PRESSED.format(number=number + 1), "check", str(MISSIONS / "campus.plan")]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert (ended.returncode, ended.stdout) == (130, "")
+    assert ended.stderr == "error: stopped: nothing was done\n"
+
+
 def test_every_file_that_fly_writes_is_named(run: Run) -> None:
     assert "written: sitl.tlog" in run(f"fly {SITL}").out
     assert json.loads(run(f"fly {SITL} --json").out)["written"] == ["sitl.tlog"]

@@ -35,7 +35,7 @@ def test_a_mission_goes_up_comes_down_and_goes_away(
     with autopilot(family=family) as link:
         sent = json.loads(run(f"upload {mission} --autopilot {family} --link {link} --log up.tlog --json").out)
         assert sent["items"] == len(read_mission(mission).items)
-        assert sent["autopilot"] == family
+        assert sent["autopilot"] == family.name
         assert run(f"download back.plan --link {link}").code == 0
         here, there = read_mission(mission), read_mission(Path("back.plan"))
         assert [item.command for item in there.items] == [item.command for item in here.items]

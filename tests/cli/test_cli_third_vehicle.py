@@ -8,7 +8,7 @@ import json
 import math
 import pickle
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, cast
@@ -224,6 +224,7 @@ class Toy(Autopilot):
         fence_switch="TOY_FENCE",
         system_id="TOY_ID",
         meanings={"cruise speed": "TOY_SPEED"},
+        surely_there=(("TOY_ID",),),
     )
     tables = FirmwareTables(HABITS, Path(__file__).with_name("no_tables.json"))
     guidance = Guidance(flown_on_into=frozenset())

@@ -10,9 +10,11 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
 from ipoa_mission.link.borrowed import MavutilChannel, own_line
 from ipoa_mission.link.channel import LinkDown
-from ipoa_mission.link.connect import connect
+from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.definitions import add_dialect
+from ipoa_mission.link.messages import Firmware, Heartbeat, Message
 from ipoa_mission.vehicles.autopilot import Autopilot
+from tests.link.test_link_strangers import Net, line_on, station
 from tests.link.test_link_verbs import met
 
 
@@ -49,6 +51,14 @@ def test_messages_of_pymavlinks_are_said_and_heard() -> None:
     assert {message.get_type() for message in vehicle.messages(2.0, "HEARTBEAT")} == {"HEARTBEAT"}
     assert vehicle.version_heard is None
     assert vehicle.firmware_version() == vehicle.version_heard != None  # noqa: E711  # asked, and then heard
+
+
+def test_of_two_vehicles_on_a_link_only_the_one_that_is_asked_is_heard() -> None:
+    vehicle = meet(line_on(Net(one=station(), other=station(Autopilot.ARDUPILOT, 2))), 2)
+    heard: list[Message] = []
+    vehicle.overhearing = heard.append
+    assert {message.get_srcSystem() for message in vehicle.messages(3.0)} == {2}
+    assert {one.autopilot for one in heard if isinstance(one, Heartbeat)} == {Firmware.ARDUPILOT}
 
 
 def test_a_system_of_mavsdks_is_borrowed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,6 @@ from ipoa_mission.link.conversations import (
     RequestStyle,
     VehicleTexts,
     clear,
-    download,
     fetch,
     list_name,
     offer,
@@ -31,6 +30,7 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
+from ipoa_mission.link.unbroken import download
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 

@@ -16,9 +16,10 @@ from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import Heartbeat, MissionType, Text
-from ipoa_mission.link.presence import scan
+from ipoa_mission.link.messages import CommandLong, CommandResult, Heartbeat, MissionType, Text
+from ipoa_mission.link.presence import VERSIONS_S, scan, versions_of
 from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
+from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
@@ -177,6 +178,23 @@ def test_a_scan_finds_every_vehicle_on_the_link() -> None:
         (3, Autopilot.PX4),
         (7, Autopilot.PX4),
     ]
+
+
+def test_a_scan_asks_for_versions_and_does_not_wait_for_the_silent() -> None:
+    line = flock(1, 2, 3)
+    one, two, three = (station.autopilot for station in far_end(line)._stations)
+    two.can_tell = lambda number: CommandResult.UNSUPPORTED  # knows the older order alone
+    receive = three.receive
+    three.receive = lambda message, *rest: None if isinstance(message, CommandLong) else receive(message, *rest)
+    found = [one.system for one in scan(line)]
+    begun = line.now()
+    told = versions_of(line, found)
+    assert found == [1, 2, 3]
+    assert told == {1: Autopilot.PX4.measured, 2: Autopilot.ARDUPILOT.measured}
+    assert line.now() - begun == pytest.approx(VERSIONS_S, abs=0.01)
+    one._asked_for = lambda number: AutopilotVersion(0)  # a build without a version
+    assert versions_of(line, [1, 2]) == {2: Autopilot.ARDUPILOT.measured}
+    assert line.now() - begun < VERSIONS_S + 1.0
 
 
 def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:

@@ -13,19 +13,12 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.conversations import MissionRefused
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, NoAnswer, TimeUp
+from ipoa_mission.link.file_transfer import MISSION_FILE, FileRefused, read_file, write_file
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Message, MissionType
-from ipoa_mission.link.mission_file import (
-    MISSION_FILE,
-    FileRefused,
-    pack_mission,
-    read_file,
-    unpack_mission,
-    upload_by_file,
-    write_file,
-)
+from ipoa_mission.link.mission_file import pack_mission, unpack_mission, upload_by_file
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import compare
@@ -181,7 +174,7 @@ def test_cancelled_while_closing_a_vehicle_that_refuses_or_is_silent(mute: bool,
         drive(exchange, line_of(vehicle), line_of(vehicle).channel.now() + 1.3, Cancelled("cancelled"))
 
 
-def drive(exchange: Exchange[None], line: Line, moment: float, error: MissionError) -> None:
+def drive(exchange: Exchange[int], line: Line, moment: float, error: MissionError) -> None:
     """Converse, and break off at this moment."""
     now = line.channel.now
     while not exchange.finished:

@@ -8,7 +8,11 @@ import pytest
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import orders
+from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
     CommandAck,
     CommandLong,
@@ -22,6 +26,9 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -121,7 +128,7 @@ def test_parameters_are_read_by_name_and_whole_numbers_as_each_firmware_sends_th
     assert {name: one.param_value for name, one in both.items()} == {"A": 4001.0, "B": 2.5}
     as_it_is = lead(orders.parameters([["A"]], ARDUPILOT), [value_of("A", 7.0, 6)]).result
     assert as_it_is["A"].param_value == 7.0
-    assert said_by(orders.parameters([["A"]], PX4)) == [ParamRequestRead("A")]
+    assert said_by(orders.parameters([["A"]], PX4)) == [ParamRequestRead("A"), ParamRequestRead("MAV_SYS_ID")]
     with pytest.raises(NoAnswer, match="asked for A"):
         lead(orders.parameters([["A"]], PX4))
 
@@ -137,12 +144,39 @@ def test_a_parameter_that_does_not_exist_is_left_out() -> None:
     assert list(known) == ["A"]
 
 
+@pytest.mark.parametrize(("delay_s", "within_s"), [(0.0, 0.5), (0.3, 4.0), (0.9, 8.0)])
+@pytest.mark.parametrize("family", registered())
+def test_names_that_the_vehicle_lacks_do_not_hold_one_up_and_late_answers_count(
+    family: Autopilot, delay_s: float, within_s: float
+) -> None:
+    faults = Faults(delay_s=delay_s)
+    vehicle = meet(Line(Loopback(Station(Mock(family, HOME)), BadPipe(faults, 0), BadPipe(faults, 1)), Codec(245, 190)))
+    there = "WPNAV_SPEED" if family is ARDUPILOT else "MPC_XY_CRUISE"
+    begun = vehicle.line.now()
+    assert vehicle.parameters(["NO_SUCH_FENCE", "NOR_THIS"]) == {}
+    assert vehicle.line.now() - begun <= within_s
+    assert vehicle.parameters([there, "NO_SUCH_FENCE"]).keys() == {there}
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_over_a_bad_radio_what_it_has_is_found_all_the_same(seed: int) -> None:
+    pipes = [BadPipe(Faults(loss=0.2, duplicate=0.1, delay_s=0.3, reorder=0.1), 2 * seed + n) for n in range(2)]
+    vehicle = meet(Line(Loopback(Station(Mock(PX4, HOME)), *pipes), Codec(245, 190)))
+    wanted = ["MPC_XY_CRUISE", "NO_SUCH_NAME", "MPC_ACC_HOR", "GF_ACTION"]
+    assert list(vehicle.parameters(wanted)) == ["MPC_XY_CRUISE", "MPC_ACC_HOR", "GF_ACTION"]
+
+
 def test_a_parameter_is_set_in_the_type_that_it_has_and_read_back() -> None:
     def bits(whole: int) -> float:
         return float(struct.unpack("<f", struct.pack("<i", whole))[0])
 
     said = said_by(orders.set_parameter("A", 3.0, PX4), [value_of("A", bits(2), 6)])
-    assert said == [ParamRequestRead("A"), ParamSet("A", bits(3), 6)]
+    assert said == [ParamRequestRead("A"), ParamRequestRead("MAV_SYS_ID"), ParamSet("A", bits(3), 6)]
+    with pytest.raises(NoAnswer, match="the vehicle has no parameter A"):
+        lead(
+            orders.set_parameter("A", 3.0, PX4),
+            *[[], [value_of("MAV_SYS_ID", 1.0)], [], [value_of("SYS_AUTOSTART", 1.0)]] * 2,
+        )
     assert lead(orders.set_parameter("A", 3.0, ARDUPILOT), [value_of("A", 2.0, 2)], [value_of("A", 3.0, 2)]).finished
     with pytest.raises(MissionError, match="A: the vehicle was to have 3, and keeps 2"):
         lead(orders.set_parameter("A", 3.0, ARDUPILOT), [value_of("A", 2.0, 2)], [value_of("A", 2.0, 2)])

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from ipoa_mission.items import Item
+from ipoa_mission.link.file_transfer import MISSION_FILE
 from ipoa_mission.link.mavftp import FileMessage, Opcode
 from ipoa_mission.link.messages import Ack, ClearAll, Count, ItemAt, Message, MissionType, Result, WritePartialList
-from ipoa_mission.link.mission_file import MISSION_FILE, pack_mission
+from ipoa_mission.link.mission_file import pack_mission
 from ipoa_mission.link.transfers import Items, Transfers
 from ipoa_mission.link.vehicle_clock import growing, unwrapped, vehicle_times
 

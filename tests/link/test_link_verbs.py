@@ -66,7 +66,7 @@ def test_a_parameter_that_is_set_is_kept_and_one_that_there_is_not_is_an_error(a
     vehicle.set_parameter(name, 3.0)
     assert vehicle.parameters([name]) == {name: 3.0}
     assert vehicle.parameters([]) == {}
-    with pytest.raises(NoAnswer, match="when asked for NO_SUCH_NAME"):
+    with pytest.raises(NoAnswer, match="the vehicle has no parameter NO_SUCH_NAME"):
         vehicle.set_parameter("NO_SUCH_NAME", 1.0)
 
 

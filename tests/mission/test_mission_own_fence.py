@@ -57,11 +57,22 @@ def test_which_limits_are_in_force(
 @pytest.mark.parametrize(
     ("away", "height", "types", "said"),
     [
+        (149.7, 30.0, 15.0, ()),
+        (
+            149.8,
+            30.0,
+            15.0,
+            ("149.8 m away from home (150.1 m as flights stray), and", "150.0 m at most (FENCE_RADIUS)"),
+        ),
+        (100.0, 89.3, 15.0, ()),
+        (100.0, 89.4, 15.0, ("89.4 m above home (90.1 m as flights stray), and", "90.0 m at most (FENCE_ALT_MAX)")),
+        (100.0, 5.4, 15.0, ()),
+        (100.0, 5.2, 15.0, ("5.2 m above home (4.9 m as flights stray), and", "5.0 m at least (FENCE_ALT_MIN)")),
         (149.0, 30.0, 15.0, ()),
-        (151.0, 30.0, 15.0, ("item 2 (NAV_WAYPOINT): 151.0 m away from home, and", "150.0 m at most (FENCE_RADIUS)")),
+        (151.0, 30.0, 15.0, ("item 2 (NAV_WAYPOINT): 151.0 m away from home (", "150.0 m at most (FENCE_RADIUS)")),
         (151.0, 30.0, 4.0, ()),
-        (100.0, 91.0, 15.0, ("91.0 m above home, and", "90.0 m at most (FENCE_ALT_MAX)")),
-        (100.0, 4.0, 15.0, ("4.0 m above home, and", "5.0 m at least (FENCE_ALT_MIN)")),
+        (100.0, 91.0, 15.0, ("91.0 m above home (", "90.0 m at most (FENCE_ALT_MAX)")),
+        (100.0, 4.0, 15.0, ("4.0 m above home (", "5.0 m at least (FENCE_ALT_MIN)")),
         (100.0, 4.0, 7.0, ()),  # take-off and landing are below any least height
     ],
 )
@@ -102,7 +113,7 @@ def test_nothing_is_sent_to_a_vehicle_whose_own_fence_is_too_narrow(
 ) -> None:
     flight = mission(autopilot, 200.0, 30.0)
     with board(flight, own) as vehicle:
-        with pytest.raises(OutsideOwnFence, match=r"200\.0 m away from home, and .* fence allows 150") as no:
+        with pytest.raises(OutsideOwnFence, match=r"200\.0 m away from home \(.* fence allows 150") as no:
             expect_fit(flight, vehicle)
         assert "--anyway" in str(no.value.hint)
         assert any("200.0 m away from home" in words for words in expect_fit(flight, vehicle, anyway=True))

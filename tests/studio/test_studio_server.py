@@ -3,9 +3,11 @@
 A flight is uploaded, named, started, watched on the built-in autopilot; and refused where it must be.
 """
 
+from pathlib import Path
+
 from ipoa_mission import read_scenario
 from ipoa_mission.files import write_atomically
-from tests.studio.conftest import MEADOW, Studio
+from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
 GOAL_HEIGHT = {"op": "put", "path": ["goal", "up"]}
 PUT_SPEED = {"op": "put", "path": ["vehicle", "cruise_speed"], "value": 9.0}
@@ -110,6 +112,23 @@ def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
     assert len(seen) > 100
     assert seen[-1]["done"] >= plan["stops"][-2]["seq"]
     assert studio.scenario.with_suffix(".tlog").stat().st_size > 10_000
+
+
+def test_a_shipped_scenario_over_terrain_is_planned_uploaded_and_flown_from_the_page(studio: Studio) -> None:
+    text = (Path(__file__).parents[2] / "missions" / "campus.toml").read_text()
+    assert studio.client.get(f"/{TOKEN}/", headers={"host": HOST}).status_code == 200
+    with studio.window() as talk:
+        seen_at = talk.wait("document")["revision"]
+        talk.say(kind="rewrite", seen=seen_at, text=text)
+        assert "heights" in talk.wait("document", lambda told: told["revision"] > seen_at)["scenario"]["terrain"]
+        plan = talk.wait("plan", lambda plan: plan["revision"] > seen_at)
+        talk.say(kind="upload", link=None, system=None, speedup=1000.0)
+        loaded = talk.wait("loaded")
+        talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+        landed = talk.wait("landed")
+    assert loaded["proof"] == plan["proof"]
+    assert landed["completed"], landed["why_not"]
+    assert abs(landed["flown_s"] - plan["total_s"]) < 0.05 * plan["total_s"]
 
 
 def test_a_flight_of_another_scenario_is_not_started(studio: Studio) -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.world.airspace import Airspace, Bounds, nearest_of
@@ -69,6 +70,7 @@ def test_an_airspace_without_obstacles_has_only_its_ground() -> None:
     space = Airspace(WIDE, Flat(0.0))
     assert space.obstacle_clearance(np.zeros((2, 3))).distance == np.inf
     assert space.polyline_clearance(np.array([[0.0, 0.0, 5.0], [1.0, 0.0, 5.0]])).what == "terrain"
+    assert space.beside(shapely.linestrings([[(0.0, 0.0), (1.0, 0.0)]]), np.array([1e6])).shape == (2, 0)
 
 
 def test_leaving_the_bounds_names_the_side() -> None:

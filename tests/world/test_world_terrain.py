@@ -8,6 +8,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 from tests.plain_python import as_plain_python
 
@@ -169,3 +170,10 @@ def test_ground_at_one_height_above_the_sea_is_so_by_proj(latitude: float) -> No
     assert ground.height(np.array([[2000.0, 0.0]]))[0] - 3.0 == pytest.approx(-0.314, abs=0.003)
     slopes = np.abs(np.diff(ground.height(np.column_stack([np.arange(0.0, 20_000.0), np.zeros(20_000)]))))
     assert slopes.max() <= ground.steepness
+
+
+def test_the_ground_is_told_from_its_datum_on_a_round_earth() -> None:
+    ground, places = Ground(Flat(12.0), datum=2.0, earth_radius=6.4e6), np.array([[0.0, 0.0], [3000.0, 4000.0]])
+    np.testing.assert_allclose(ground(places), [10.0, 10.0 + 25e6 / 12.8e6])
+    np.testing.assert_allclose(Ground(Flat(12.0), datum=2.0)(places), [10.0, 10.0])
+    assert Ground(Flat(12.0)).at(3000.0, 4000.0) == 12.0

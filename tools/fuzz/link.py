@@ -29,16 +29,18 @@ from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
-from ipoa_mission.link.conversations import clear, download
+from ipoa_mission.link.conversations import clear
 from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.events import event_number
+from ipoa_mission.link.file_transfer import read_file
 from ipoa_mission.link.mavftp import FileMessage, Opcode
-from ipoa_mission.link.mission_file import read_file, upload_by_file
+from ipoa_mission.link.mission_file import upload_by_file
 from ipoa_mission.link.orders import parameters, set_current
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
+from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station

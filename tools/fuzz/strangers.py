@@ -22,9 +22,11 @@ from typing import Any
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import EVERYONE, Target
-from ipoa_mission.link.conversations import clear, download, offer
+from ipoa_mission.link.conversations import clear, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType
+from ipoa_mission.link.mission_file import upload_by_file
+from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
@@ -70,11 +72,15 @@ class Radio:
         return self.delay_s + self.late_s + TOLD_AGAIN_S
 
 
+ABOARD = Radio(0.0, 0.0, 0.001, 0.0)
+
+
 @dataclass
 class Speaker:
-    """One end of the link, its dialogue, and when it begins and is cut off [s]."""
+    """One end of a link, its dialogue, and when it begins and is cut off [s]."""
 
     name: Target
+    radio: Radio
     dialogue: Callable[[], Dialogue[Any]]
     begins_s: float
     ends_s: float = math.inf
@@ -83,20 +89,19 @@ class Speaker:
 
 @dataclass
 class World:
-    """A vehicle, its radio and all who speak with it; `changed_s`: since when it does not hold `sent`.
+    """A vehicle and all who speak with it; `changed_s`: since when it does not hold `sent`.
 
     `was_told`: since then we have heard the vehicle name another list, by its id.
     """
 
     chance: random.Random
     mock: Mock
-    radio: Radio
     sent: tuple[Item, ...]
     now: float = 0.0
     changed_s: float | None = None
     was_told: bool = False
     ours_is: int = 0  # the id under which the vehicle keeps it
-    _air: list[tuple[float, int, Target | None, Target, Message]] = field(default_factory=list)
+    _air: list[tuple[float, int, Target | None, Speaker, Message]] = field(default_factory=list)
     _count: int = 0
 
     def run(self, ours: Speaker, others: list[Speaker]) -> None:
@@ -108,7 +113,7 @@ class World:
             self.mock.tick(self.now)
             for speaker in speakers:
                 self._live(speaker, must_end_well=speaker is ours)
-            self._launch_answers()
+            self._launch_answers(speakers)
             self._look()
             if self.now > LONGEST_S:
                 return
@@ -121,16 +126,16 @@ class World:
 
     def _land(self, speakers: list[Speaker]) -> None:
         while self._air and self._air[0][0] <= self.now:
-            _, _, source, target, message = heapq.heappop(self._air)
+            _, _, source, listener, message = heapq.heappop(self._air)
             if source is not None:
                 self.mock.receive(message, source, self.now)
                 self._look()
                 continue
-            if target in (EVERYONE, US) and self.changed_s is not None:
+            is_ours = listener is speakers[0]
+            if is_ours and self.changed_s is not None:
                 self.was_told |= self._names_another(message)
-            for one in speakers:
-                if one.exchange is not None and target in (EVERYONE, one.name):
-                    self._hear(one, message, must_end_well=one is speakers[0])
+            if listener.exchange is not None:
+                self._hear(listener, message, must_end_well=is_ours)
 
     def _hear(self, speaker: Speaker, message: Message, must_end_well: bool) -> None:
         try:
@@ -149,7 +154,7 @@ class World:
             if speaker.exchange is not None:
                 speaker.exchange.tick(self.now)
                 for message in speaker.exchange.outgoing():
-                    self._launch(speaker.name, Target(1, 1), message)
+                    self._launch(speaker.name, speaker, message)
                 if speaker.exchange.finished or self.now >= speaker.ends_s:
                     self._end(speaker, keep=must_end_well)
         except MissionError:
@@ -161,18 +166,20 @@ class World:
         if not keep:
             speaker.exchange, speaker.begins_s, speaker.ends_s = None, math.inf, math.inf
 
-    def _launch_answers(self) -> None:
+    def _launch_answers(self, speakers: list[Speaker]) -> None:
         for message, target in self.mock.outgoing():
-            self._launch(None, Target(*target), message)
+            for one in speakers:
+                if target in (EVERYONE, one.name):
+                    self._launch(None, one, message)
 
-    def _launch(self, source: Target | None, target: Target, message: Message) -> None:
-        radio, chance = self.radio, self.chance.random
+    def _launch(self, source: Target | None, speaker: Speaker, message: Message) -> None:
+        radio, chance = speaker.radio, self.chance.random
         for _ in range(2 if chance() < radio.double else 1):
             if chance() < radio.loss:
                 continue
             self._count += 1
             lands_s = self.now + radio.delay_s + radio.late_s * chance()
-            heapq.heappush(self._air, (lands_s, self._count, source, target, message))
+            heapq.heappush(self._air, (lands_s, self._count, source, speaker, message))
 
     def _names_another(self, message: Message) -> bool:
         named = message.mission_id if isinstance(message, Current) else 0
@@ -188,12 +195,28 @@ class World:
             self.changed_s = self.now
 
 
-def stranger(chance: random.Random, autopilot: Autopilot, ours: int) -> Speaker:
-    """Somebody who sends a list, perhaps as long as ours, or clears or reads it, and perhaps does not end it."""
+def radio_of(chance: random.Random) -> Radio:
+    """A radio: every other one is poor."""
+    poor = chance.random() < 0.5
+    return Radio(
+        loss=chance.uniform(0.0, 0.3) if poor else 0.0,
+        double=chance.uniform(0.0, 0.2) if poor else 0.0,
+        delay_s=chance.choice([0.0, 0.01, 0.05, 0.1, 0.3]),
+        late_s=chance.choice([0.0, 0.02, 0.2]) if poor else 0.0,
+    )
+
+
+def stranger(chance: random.Random, autopilot: Autopilot, ours: int, radio: Radio) -> Speaker:
+    """Somebody who sends a list, perhaps as long as ours, or clears or reads it, and perhaps does not end it.
+
+    Their radio is ours, or a better one: a computer aboard is done between two answers to us.
+    """
     theirs = wire_list(autopilot, chance.choice([ours, ours, chance.randrange(3, 9)]), chance.randrange(1, 50))
     kind = MissionType.MISSION
+    job = Upload(theirs, autopilot, has_checksum=autopilot is Autopilot.ARDUPILOT)
     dialogues: list[Callable[[], Dialogue[Any]]] = [
-        lambda: upload(Upload(theirs, autopilot)),
+        lambda: (upload_by_file if job.has_checksum else upload)(job),
+        lambda: upload(job),
         lambda: offer(theirs, kind),
         lambda: offer(theirs, kind),
         lambda: clear(kind),
@@ -201,24 +224,21 @@ def stranger(chance: random.Random, autopilot: Autopilot, ours: int) -> Speaker:
     ]
     begins_s = chance.choice([chance.uniform(0.0, 0.5), chance.uniform(0.0, 3.0), chance.uniform(0.0, 10.0)])
     ends_s = begins_s + chance.uniform(0.01, 1.0) if chance.random() < 0.2 else math.inf
-    return Speaker(chance.choice(OTHERS), chance.choice(dialogues), begins_s, ends_s)
+    name, dialogue = chance.choice(OTHERS), chance.choice(dialogues)
+    return Speaker(name, chance.choice([radio, ABOARD]), dialogue, begins_s, ends_s)
 
 
 def schedule(seed: int) -> tuple[Ending, str]:
     """How the upload of this schedule ends, and in which words."""
     chance = random.Random(seed)
     autopilot, count = chance.choice(list(registered())), chance.randrange(3, 9)
-    poor = chance.random() < 0.5
-    radio = Radio(
-        loss=chance.uniform(0.0, 0.3) if poor else 0.0,
-        double=chance.uniform(0.0, 0.2) if poor else 0.0,
-        delay_s=chance.choice([0.0, 0.01, 0.05, 0.1, 0.3]),
-        late_s=chance.choice([0.0, 0.02, 0.2]) if poor else 0.0,
-    )
+    radio = radio_of(chance)
     sent = wire_list(autopilot, count, 0)
-    world = World(chance, Mock(autopilot, HOME, seed=seed), radio, sent)
-    ours = Speaker(US, lambda: upload(Upload(sent, autopilot)), chance.uniform(0.0, 1.0))
-    others = [stranger(chance, autopilot, count) for _ in range(chance.randrange(1, 4))]
+    world = World(chance, Mock(autopilot, HOME, seed=seed), sent)
+    job = Upload(sent, autopilot, has_checksum=autopilot is Autopilot.ARDUPILOT)
+    by_file = job.has_checksum and chance.random() < 0.3
+    ours = Speaker(US, radio, lambda: (upload_by_file if by_file else upload)(job), chance.uniform(0.0, 1.0))
+    others = [stranger(chance, autopilot, count, radio) for _ in range(chance.randrange(1, 4))]
     try:
         world.run(ours, others)
     except MissionError as error:

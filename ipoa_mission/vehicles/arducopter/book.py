@@ -166,5 +166,6 @@ BOOK = ParameterBook(
     fence_switch="FENCE_ENABLE",
     system_id="MAV_SYSID",
     meanings=MEANINGS,
+    surely_there=(("MAV_SYSID", "SYSID_THISMAV"), ("FRAME_CLASS",)),
     renamed=RENAMED,
 )

@@ -153,5 +153,6 @@ BOOK = ParameterBook(
     fence_switch="GF_ACTION",
     system_id="MAV_SYS_ID",
     meanings=MEANINGS,
+    surely_there=(("MAV_SYS_ID",), ("SYS_AUTOSTART",)),
     packs_integers=True,
 )

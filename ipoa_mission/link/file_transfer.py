@@ -1,0 +1,115 @@
+"""MAVFTP as dialogues: a whole file read or written, and the checksum of one of ArduPilot's lists."""
+
+import zlib
+from collections.abc import Mapping
+from itertools import count as counting
+from random import randrange
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
+from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
+from ipoa_mission.link.messages import FileTransfer, MissionType
+from ipoa_mission.progress import Progress, count, silent
+
+MISSION_FILE = "@MISSION/mission.dat"
+LIST_FILES: Mapping[int, str] = {
+    MissionType.MISSION: MISSION_FILE,
+    MissionType.FENCE: "@MISSION/fence.dat",
+    MissionType.RALLY: "@MISSION/rally.dat",
+}
+#: How long each asking for a checksum is waited for [s].
+CHECKSUM_S = (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8
+_NUMBERS = counting(randrange(0x8000), 2)
+
+
+class FileRefused(MissionError):
+    """The vehicle would not do this with a file."""
+
+
+def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[FileMessage]:
+    """Write a whole file on the vehicle; it counts when the vehicle has taken the message that this returns.
+
+    Raises:
+        FileRefused, NoAnswer.
+    """
+    yield from ask_of_file(FileMessage(0, Opcode.RESET_SESSIONS), "reset the file service")
+    opened = yield from ask_of_file(FileMessage(2, Opcode.CREATE_FILE, data=path.encode()), f"create {path}")
+    sequence = 4
+    for at in range(0, len(data), LONGEST_DATA):
+        piece = data[at : at + LONGEST_DATA]
+        question = FileMessage(sequence, Opcode.WRITE_FILE, opened.session, offset=at, data=piece)
+        yield from ask_of_file(question, f"write {path}")
+        sequence = sequence + 2 & 0xFFFF
+        count(progress, at + len(piece), len(data))
+    return FileMessage(sequence, Opcode.TERMINATE_SESSION, opened.session)
+
+
+def read_file(path: str) -> Dialogue[bytes]:
+    """Read a whole file of the vehicle's.
+
+    Raises:
+        FileRefused, NoAnswer.
+    """
+    yield from ask_of_file(FileMessage(0, Opcode.RESET_SESSIONS), "reset the file service")
+    opened = yield from ask_of_file(FileMessage(2, Opcode.OPEN_FILE_RO, data=path.encode()), f"open {path}")
+    data = b""
+    sequence = 4
+    while True:
+        question = FileMessage(sequence, Opcode.READ_FILE, opened.session, offset=len(data), size=LONGEST_DATA)
+        answer = yield from ask_of_file(question, f"read {path}", may_end=True)
+        sequence = sequence + 2 & 0xFFFF
+        if answer.opcode == Opcode.NAK or not answer.data:
+            break
+        data += answer.data
+    yield from ask_of_file(FileMessage(sequence, Opcode.TERMINATE_SESSION, opened.session), f"close {path}")
+    return data
+
+
+def list_checksum(kind: int) -> Dialogue[int | None]:
+    """What the vehicle makes the checksum of a list as it stands now (home included); None: it makes none.
+
+    Each question has a number of its own: to a repeated one the vehicle repeats what was true when it first heard it.
+
+    Raises:
+        NoAnswer.
+    """
+    path, asked = LIST_FILES[kind], set[int]()
+    for seconds in CHECKSUM_S:
+        question = FileMessage(next(_NUMBERS) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=path.encode())
+        asked.add((question.sequence + 1) & 0xFFFF)
+        yield Remark(question.pack())
+        heard = yield Pause(seconds)
+        while heard is not None:
+            answer = unpack(heard) if isinstance(heard, FileTransfer) else None
+            if answer is not None and answer.sequence in asked and answer.request == Opcode.CALC_FILE_CRC32:
+                return int.from_bytes(answer.data[:4], "little") if answer.opcode == Opcode.ACK else None
+            heard = yield None
+    raise NoAnswer(f"the vehicle does not answer when asked to sum up {path}")
+
+
+def file_checksum(data: bytes) -> int:
+    """The same, made of a whole file: CRC-32 that begins with zeros, and is not turned round at the end."""
+    return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def ask_of_file(question: FileMessage, what: str, may_end: bool = False) -> Dialogue[FileMessage]:
+    """Ask until the answer comes: the one with the next number to this opcode.
+
+    Raises:
+        FileRefused, NoAnswer.
+    """
+    step: Step = Ask(question.pack(), item=True)
+    while True:
+        try:
+            heard = yield step
+        except NoAnswer:
+            raise NoAnswer(f"the vehicle does not answer when asked to {what}") from None
+        step = None
+        if not isinstance(heard, FileTransfer):
+            continue
+        answer = unpack(heard)
+        if answer.sequence != (question.sequence + 1) & 0xFFFF or answer.request != question.opcode:
+            continue
+        if answer.opcode == Opcode.ACK or (may_end and answer.data[:1] == bytes((FileError.END_OF_FILE,))):
+            return answer
+        raise FileRefused(f"the vehicle would not {what} (error {answer.data[0] if answer.data else 0})")

@@ -1,0 +1,58 @@
+"""A list read while nobody changed it: read item by item, it may have been replaced between two answers."""
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.items import Item
+from ipoa_mission.link.conversations import list_name, read_list
+from ipoa_mission.link.dialogue import Dialogue, NoAnswer
+from ipoa_mission.link.file_transfer import list_checksum
+from ipoa_mission.link.item_payloads import unpack_items
+from ipoa_mission.progress import Progress, silent
+
+READINGS = 5  # of a list that is changed, or seems to be, each time that it is read
+
+
+class Unsettled(MissionError):
+    """The vehicle holds what it was sent, and keeps speaking of another list."""
+
+    def __init__(self, kind: int) -> None:
+        super().__init__(
+            f"the vehicle speaks of another {list_name(kind)} each time that the one on it is read",
+            hint="is another station sending it one? upload again when it is done",
+        )
+
+
+def read_unbroken(
+    kind: int, has_checksum: bool, progress: Progress = silent
+) -> Dialogue[tuple[list[Item | bytes], int]]:
+    """The list that the vehicle holds, and its checksum, which was the same before it was read (0: it makes none).
+
+    `has_checksum`: whether it may make one; without that nothing shows that the list was read whole.
+
+    Raises:
+        Unsettled: it was another list each time.
+        MissionRefused, NoAnswer.
+    """
+    before = (yield from _first_checksum(kind)) if has_checksum else None
+    for _ in range(READINGS):
+        stored = yield from read_list(kind, progress)
+        if before is None:
+            return stored, 0
+        after = yield from list_checksum(kind)
+        if after == before:
+            return stored, after
+        before = after
+    raise Unsettled(kind)
+
+
+def download(kind: int, progress: Progress = silent, has_checksum: bool = False) -> Dialogue[tuple[Item, ...]]:
+    """Read the list that the vehicle holds, as it stands on the wire; raises as `read_unbroken` does."""
+    stored, _ = yield from read_unbroken(kind, has_checksum, progress)
+    return tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in stored)
+
+
+def _first_checksum(kind: int) -> Dialogue[int | None]:
+    """One that is asked for so often in vain is not made."""
+    try:
+        return (yield from list_checksum(kind))
+    except NoAnswer:
+        return None
