@@ -81,6 +81,7 @@ def estimate(
     >>> from ipoa_mission.world.frame import Geodetic
     >>> home, there = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.398642, 8.545594, 488.0)
     >>> items = (takeoff(home, 15.0), waypoint(there, 15.0), land(there))
+    >>> from ipoa_mission.vehicles.autopilot import Autopilot
     >>> quad = Mission(home, items, Autopilot.ARDUPILOT, parameters={"LAND_SPEED": 40.0})
     >>> estimate(quad).total_s > estimate(quad, {"LAND_SPEED": 50.0}).total_s
     True

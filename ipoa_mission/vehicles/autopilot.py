@@ -9,10 +9,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import import_module
-from typing import Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.geometry import Vector
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
 from ipoa_mission.vehicles.guidance import Guidance
 from ipoa_mission.vehicles.manners import Manners
@@ -23,6 +22,9 @@ from ipoa_mission.vehicles.refusal import Refused
 from ipoa_mission.vehicles.returning import Place
 from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
+
+if TYPE_CHECKING:
+    from ipoa_mission.geometry import Vector
 
 Part = TypeVar("Part")
 
@@ -119,7 +121,7 @@ class Autopilot(ABC):
     # --- how it flies, by its parameters ----------------------------------------------------------------------------
 
     @abstractmethod
-    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
+    def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """The way straight on to a stop from `speed` (n,) [m/s], gaining `accel` (n,) [m/s^2], (n,) [m]."""
 
     @abstractmethod

@@ -10,6 +10,7 @@ from ipoa_mission.vehicles.kinds import class_name
 class Kind:
     """Firmware (MAV_AUTOPILOT) and class (MAV_TYPE) of a vehicle.
 
+    >>> from ipoa_mission.vehicles.kinds import QUADROTOR
     >>> str(Kind(3, 1)), str(Kind(12, QUADROTOR)), str(Kind(0, QUADROTOR))
     ('ArduPilot plane', 'PX4 multicopter', 'multicopter with another firmware (MAV_AUTOPILOT 0)')
     """

@@ -19,7 +19,8 @@ WRITTEN = {".py", ".md", ".js", ".css", ".html", ".toml"}
 
 def written() -> list[Path]:
     if not (REPOSITORY / ".git").exists():  # an archive has nothing else in it
-        listed = [path for path in REPOSITORY.rglob("*") if ".venv" not in path.parts and path.is_file()]
+        made = {".venv", "dist", "node_modules"}  # by an installation, of what others wrote too
+        listed = [path for path in REPOSITORY.rglob("*") if not made & set(path.parts) and path.is_file()]
     else:
         names = subprocess.run(["git", "ls-files"], cwd=REPOSITORY, capture_output=True, text=True, check=True).stdout
         listed = [REPOSITORY / name for name in names.splitlines()]

@@ -3,15 +3,11 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.commands import WAYPOINTS, Command
-from ipoa_mission.geometry import Vector
 from ipoa_mission.vehicles.arducopter import refusal, returning
 from ipoa_mission.vehicles.arducopter.book import BOOK
-from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance import Guidance
@@ -24,6 +20,9 @@ from ipoa_mission.vehicles.refusal import Refused
 from ipoa_mission.vehicles.returning import Place
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
+
+if TYPE_CHECKING:
+    from ipoa_mission.geometry import Vector
 
 CEILING_BIT, CIRCLE_BIT, FLOOR_BIT = 1, 2, 8  # of FENCE_TYPE; 4 is the polygons of a mission
 ONLY_REPORTS = 0.0  # FENCE_ACTION
@@ -146,12 +145,17 @@ class ArduCopter(Autopilot):
         """As its source has it."""
         return refusal.refused_in_rally(firmware, command, frame, values)
 
-    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
+    def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """To where its position controller can stop it (its stopping point).
 
+        >>> import numpy as np
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
         array([21.25])
         """
+        import numpy as np
+
+        from ipoa_mission.vehicles.arducopter.limits import copter_limits
+
         limits = copter_limits(parameters)
         near = limits.accel / limits.p_position**2
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))

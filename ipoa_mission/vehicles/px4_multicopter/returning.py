@@ -9,7 +9,6 @@ import math
 from collections.abc import Sequence
 
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
 from ipoa_mission.vehicles.returning import HOME, Place, level_distance
 
 NEARER = 2.0  # by so much a rally point must be nearer than home [m]
@@ -20,6 +19,8 @@ ALONG_THE_MISSION = frozenset({2.0, 4.0})  # RTL_TYPE: back along the mission, o
 
 def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
     """As `Px4Return` says, counted from the goal's height [m]."""
+    from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
+
     return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
 
 

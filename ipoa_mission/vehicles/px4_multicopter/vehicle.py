@@ -3,12 +3,9 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.commands import FLOWN_TO, Command
-from ipoa_mission.geometry import Vector
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance import Guidance
@@ -19,11 +16,13 @@ from ipoa_mission.vehicles.own_fence import Limit, OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter import refusal, returning
 from ipoa_mission.vehicles.px4_multicopter.book import BOOK
-from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.refusal import Refused
 from ipoa_mission.vehicles.returning import Place
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
+
+if TYPE_CHECKING:
+    from ipoa_mission.geometry import Vector
 
 ONLY_WARNS = 1.0  # GF_ACTION; 0 does nothing at all
 
@@ -127,8 +126,12 @@ class Px4Multicopter(Autopilot):
         """As its source has it."""
         return refusal.refused_in_rally(firmware, command, frame, values)
 
-    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
+    def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """With MPC_ACC_HOR, to which it changes by MPC_JERK_AUTO."""
+        import numpy as np
+
+        from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+
         limits = px4_limits(parameters)
         brakes, gains = limits.accel, np.clip(accel, 0.0, limits.accel)
         turns = (gains + brakes) / limits.jerk  # seconds until it brakes with all it may
