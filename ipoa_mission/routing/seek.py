@@ -20,7 +20,8 @@ from ipoa_mission.routing.assemble import Option, choose_route, expect_mode, nea
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.more_room import Needs, a_little, nothing
-from ipoa_mission.routing.refusal import refusal
+from ipoa_mission.routing.narrow import TooNarrow, expect_wide
+from ipoa_mission.routing.refusal import narrow_refusal, refusal
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.flown_in import flown_in
@@ -33,7 +34,8 @@ from ipoa_mission.world.obstacles import Obstacle
 #: is safe: less room than is needed for sure is quicker, and mostly enough.
 ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
 FAR_OFF = -0.15  # where the quick routes are so short of a limit the better ones are not looked at [m]
-ROUNDS = 4  # so often a path is moved aside
+ROUNDS, IN_VAIN = 4, 2  # so often a path is moved aside, and so often in a row where that gains less than
+LEAST_GAIN = 0.01  # so much [m]
 PLANS = 6  # so often a path is sought at most,
 AGAIN = 1  # so often of these where the one before was too near, with more room there,
 SEEDS = 2  # and with so many seeds
@@ -71,6 +73,8 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
         found = seek(scenario, seed, progress)
     except TooNear as error:
         raise refusal(error.nearest, scenario, lambda changed: _planned(changed, seed)) from None
+    except TooNarrow as error:
+        raise narrow_refusal(error.narrow, scenario, lambda changed: _planned(changed, seed)) from None
     options = weigh_routes(found.plan, scenario, found.route)
     return Routed(found.plan, options, found.mission, found.promise)
 
@@ -79,7 +83,7 @@ def _planned(scenario: Scenario, seed: int) -> Attempt | None:
     """What a first look comes to; None where it finds nothing that holds."""
     try:
         return seek(scenario, seed, silent, plans=1)
-    except (NoPath, NoRoute):
+    except (NoPath, NoRoute, TooNarrow):
         return None
 
 
@@ -88,8 +92,10 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = PLANS) 
 
     Raises:
         TooNear: none does.
+        TooNarrow: none can.
         NoPath, NoRoute, Unsafe, BadInput: as `plan_with_room`.
     """
+    expect_wide(scenario)
     nearest: Attempt | None = None
     tries = ((number, room) for number in range(seed, seed + SEEDS) for room in _rooms(scenario))
     for number, room in islice(tries, plans):
@@ -165,9 +171,10 @@ def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     A first look at each is by a few quick routes of the scenario's mode: only what they promise is asked of it all.
     What was needed is noted of the room.
     """
-    latest = best = _looked_at(_judged(plan, scenario), scenario)
+    latest = best = _looked_at(_judged(plan, scenario), scenario, FAR_OFF)
+    in_vain = 0
     for _ in range(0 if _as_printed(scenario) else ROUNDS):
-        if best.holds:
+        if best.holds or in_vain == IN_VAIN:
             break
         room.needs = room.needs.more(latest.promise, latest.plan.curve, scenario)
         moved = None
@@ -176,18 +183,23 @@ def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
                 moved = move_aside(latest.plan, room.needs.room(room.world, scenario, gaps))
         if moved is None:
             break
-        latest = _looked_at(_judged(moved, scenario), scenario)
-        best = max(best, latest, key=lambda attempt: (attempt.holds, attempt.slack))
+        latest = _looked_at(_judged(moved, scenario), scenario, max(FAR_OFF, best.slack + LEAST_GAIN))
+        in_vain = 0 if latest.slack > best.slack + LEAST_GAIN else in_vain + 1
+        best = max(best, latest, key=_merit)
     return best
 
 
-def _looked_at(plan: Plan, scenario: Scenario) -> Attempt:
-    """A quick attempt, and a whole one where that is not far off."""
+def _looked_at(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
+    """A quick attempt, and a whole one where that is short of a limit by less than `promising` [m]."""
     quick = _quick_attempt(plan, scenario)
-    if quick.slack < FAR_OFF:
+    if quick.slack < promising:
         return quick
     whole = _attempt(plan, scenario)
-    return whole if whole.holds else max(quick, whole, key=lambda attempt: (attempt.holds, attempt.slack))
+    return whole if whole.holds else max(quick, whole, key=_merit)
+
+
+def _merit(attempt: Attempt) -> tuple[bool, float]:
+    return attempt.holds, attempt.slack
 
 
 def _judged(plan: Plan, scenario: Scenario) -> Plan:
@@ -201,11 +213,14 @@ def _attempt(plan: Plan, scenario: Scenario) -> Attempt:
     if modes == ["fastest"]:
         modes += ["corridor", "even"]
     attempts = list[Attempt]()
-    for mode in modes:
+    while modes:
+        mode = modes.pop(0)
         try:
             attempts.append(_flown(plan, choose_route(plan, scenario, mode), scenario))
         except NoRoute as error:
             attempts += [_flown(plan, route, scenario) for route in error.tried]
+            if mode == "fastest":
+                modes.remove("corridor")  # that was its last resort
         if attempts and attempts[-1].holds:
             return attempts[-1]
     return max(attempts, key=lambda attempt: attempt.slack)
