@@ -99,8 +99,9 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Settled]:
             if sum(proof.holds for _, proof, _ in proved) == enough:
                 break
         if safe := [trail for trail, proof, _ in proved if proof.holds]:
-            finer = _finer(min(safe, key=problem.cost), strategy)
-            proved.append(_settle(finer, searcher, enough=1e-8))
+            best = min(safe, key=problem.cost)
+            if (finer := _finer(best, strategy)) is not best:
+                proved.append(_settle(finer, searcher, enough=1e-8))
             break
         if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why

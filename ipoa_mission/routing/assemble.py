@@ -84,9 +84,10 @@ def near_routes(plan: Plan, scenario: Scenario, mode: str) -> tuple[Route, ...]:
     """A few routes of a mode, chosen quickly; nobody looked whether they keep anything."""
     choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
     wide, narrow = choose(width), choose(width / 2**NARROW)
-    if mode == "fastest" and scenario.vehicle.autopilot.guidance.takes_radius:
-        return wide, narrow, replace(narrow, radius=TURNED_LATE)
-    return wide, narrow
+    if mode != "fastest":
+        return wide, narrow
+    late = (replace(narrow, radius=TURNED_LATE),) if scenario.vehicle.autopilot.guidance.takes_radius else ()
+    return wide, narrow, *late, choose(width / 2 ** (2 * NARROW))
 
 
 def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) -> tuple[Option, ...]:

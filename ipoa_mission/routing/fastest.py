@@ -27,7 +27,8 @@ class RouteSearch:
 
     starts: int = 2  # routes of different numbers of waypoints are improved
     most_behind: float = 1.06  # times the time of the first that the second may take, to be improved
-    trials: int = 60  # of leaving a waypoint out or moving it
+    trials: int = 60  # of leaving a waypoint out or moving it,
+    legs: int = 2000  # that are flown in these at most
     patience: int = 25  # after so many that gain nothing a step is given up
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
     least_gain_s: float = 0.1  # a change must save so much
@@ -99,10 +100,11 @@ def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
 def _improve(route: Route, flown: Flown, scenario: Scenario) -> Route:
     """Leave waypoints out and move them, as long as that saves time."""
     curve, seconds, tried = flown.curve, flown.seconds, set[bytes]()
+    trials = min(SEARCH.trials, SEARCH.legs // len(route.points))
     for share in SEARCH.step_shares:
         step, at, in_vain = share * scenario.route.tolerance, 0, 0
         changes = [*_changes(route.points, step, scenario.via_points, tried)]
-        while len(tried) < SEARCH.trials and in_vain < min(SEARCH.patience, len(changes)):
+        while len(tried) < trials and in_vain < min(SEARCH.patience, len(changes)):
             candidate = replace(route, points=changes[at % len(changes)])
             tried.add(candidate.points.tobytes())
             flown = sketch(candidate, curve, scenario)

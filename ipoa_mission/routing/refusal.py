@@ -7,6 +7,7 @@ import numpy as np
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
+from ipoa_mission.routing.narrow import Narrow
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.promise import Kept, Promise
 
@@ -22,14 +23,23 @@ def refusal(nearest: Attempt, scenario: Scenario, planned: Callable[[Scenario], 
     tightest = min((kept for kept in promise.limits if kept.forbids), key=lambda kept: kept.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
-    who = f"on {scenario.vehicle.autopilot}"
-    if promise.confidence is None:
+    words = _gap(tightest, scenario) if tightest.limit == "obstacles" else _limit(tightest, promise)
+    return _with_help(f"{words}, {where}", ", or a via point that leads round", scenario, planned)
+
+
+def narrow_refusal(narrow: Narrow, scenario: Scenario, planned: Callable[[Scenario], Attempt | None]) -> NoPath:
+    """The error for a gap that is too narrow for any flight."""
+    return _with_help(narrow.words(), "", scenario, planned)
+
+
+def _with_help(words: str, round_it: str, scenario: Scenario, planned: Callable[[Scenario], Attempt | None]) -> NoPath:
+    who, chance = f"on {scenario.vehicle.autopilot}", scenario.safety.chance
+    if chance is None:
         why = f"a path is there, but {who} it would not be kept to"
     else:
-        why = f"a path is there, but {100 * promise.confidence:g} % of flights {who} would not keep it"
-    words = _gap(tightest, scenario) if tightest.limit == "obstacles" else _limit(tightest, promise)
-    helps, hint = _what_helps(scenario, planned)
-    return NoPath(f"{why}: {words}, {where}; {helps}", hint=hint)
+        why = f"a path is there, but {100 * (1 - chance):g} % of flights {who} would not keep it"
+    helps, hint = _what_helps(scenario, round_it, planned)
+    return NoPath(f"{why}: {words}; {helps}", hint=hint)
 
 
 def _leg(nearest: Attempt, tightest: Kept) -> str:
@@ -85,7 +95,7 @@ def _across(spot: np.ndarray, name: str, needed: float, scenario: Scenario) -> t
     return best, found
 
 
-def _what_helps(scenario: Scenario, planned: Callable[[Scenario], Attempt | None]) -> tuple[str, str]:
+def _what_helps(scenario: Scenario, round_it: str, planned: Callable[[Scenario], Attempt | None]) -> tuple[str, str]:
     """What of some changes plans the scenario, tried one after the other: in words, and as a hint."""
     tried = list[str]()
     for change, changed in _changes(scenario):
@@ -97,7 +107,7 @@ def _what_helps(scenario: Scenario, planned: Callable[[Scenario], Attempt | None
         return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way"
     return (
         f"it was tried in vain with {', '.join(tried)}",
-        "leave a wider way there, or a smaller safety_distance, or a via point that leads round",
+        f"leave a wider way there, or a smaller safety_distance{round_it}",
     )
 
 

@@ -13,6 +13,8 @@ from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.planning.spline import Spline
 
 SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
+SPARSE = 3.0  # where these would be farther apart they are as near as the curve bends [m]
+CHORD_SHARE = 0.1  # of the tolerance, by which it may then leave the straight lines between them
 COMPARING_STEP = 0.5  # at which a path is held against a curve [m]
 ON_THE_CURVE = (0.0,)
 NOWHERE = np.zeros((0, 3))
@@ -37,8 +39,7 @@ def corridor(
     """
     from ipoa_mission.routing._corridor import fewest_legs
 
-    count = np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, SAMPLES // len(asides))
-    samples, stops = through(curve.sample(int(count)), via)
+    samples, stops = through(_spots(curve, tolerance, SAMPLES // len(asides)), via)
     spots = samples[:, None, :] + np.asarray(asides)[:, None] * lefts(samples)[:, None, :]  # (n, sides, 3)
     spots[[0, *stops, -1]] = samples[[0, *stops, -1], None, :]
     n = len(samples)
@@ -48,6 +49,13 @@ def corridor(
     while chosen[-1][0] > 0:
         chosen.append(tuple(before[chosen[-1]].tolist()))
     return np.array([spots[spot] for spot in reversed(chosen)])
+
+
+def _spots(curve: Spline, tolerance: float, most: int) -> Points:
+    """Places of the curve that show all its bends, (n, 3): evenly apart, if so many are enough for that."""
+    if curve.length > SPARSE * most:
+        return curve.points(curve.chords(CHORD_SHARE * tolerance))
+    return curve.sample(int(np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, most)))
 
 
 def deviation(path: Points, curve: Spline) -> float:

@@ -20,7 +20,8 @@ from ipoa_mission.routing.assemble import Option, choose_route, expect_mode, nea
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.more_room import Needs, a_little, nothing
-from ipoa_mission.routing.refusal import refusal
+from ipoa_mission.routing.narrow import TooNarrow, expect_wide
+from ipoa_mission.routing.refusal import narrow_refusal, refusal
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.flown_in import flown_in
@@ -32,9 +33,12 @@ from ipoa_mission.world.obstacles import Obstacle
 #: lowest given place has to spare the path may have to be higher over steep ground. Tried in this order until a route
 #: is safe: less room than is needed for sure is quicker, and mostly enough.
 ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
-FAR_OFF = -0.3  # where the quick routes are so short of a limit the better ones are not looked at [m]
-ROUNDS = 4  # so often a path is moved aside
-MORE_SEEDS = 1  # with which all rooms are tried
+FAR_OFF = -0.15  # where the quick routes are so short of a limit the better ones are not looked at [m]
+ROUNDS, IN_VAIN = 4, 2  # so often a path is moved aside, and so often in a row where that gains less than
+LEAST_GAIN = 0.01  # so much [m]
+PLANS = 6  # so often a path is sought at most,
+AGAIN = 1  # so often of these where the one before was too near, with more room there,
+SEEDS = 2  # and with so many seeds
 
 
 class Routed(NamedTuple):
@@ -69,6 +73,8 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
         found = seek(scenario, seed, progress)
     except TooNear as error:
         raise refusal(error.nearest, scenario, lambda changed: _planned(changed, seed)) from None
+    except TooNarrow as error:
+        raise narrow_refusal(error.narrow, scenario, lambda changed: _planned(changed, seed)) from None
     options = weigh_routes(found.plan, scenario, found.route)
     return Routed(found.plan, options, found.mission, found.promise)
 
@@ -76,35 +82,35 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
 def _planned(scenario: Scenario, seed: int) -> Attempt | None:
     """What a first look comes to; None where it finds nothing that holds."""
     try:
-        return seek(scenario, seed, silent, seeds=0, rooms=1)
-    except (NoPath, NoRoute):
+        return seek(scenario, seed, silent, plans=1)
+    except (NoPath, NoRoute, TooNarrow):
         return None
 
 
-def seek(
-    scenario: Scenario, seed: int, progress: Progress, seeds: int = MORE_SEEDS, rooms: int | None = None
-) -> Attempt:
-    """The first attempt that holds, of the first of more and more rooms and then of so many more seeds.
+def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = PLANS) -> Attempt:
+    """The first attempt that holds, of so many paths in more and more room, and then by another seed.
 
     Raises:
         TooNear: none does.
+        TooNarrow: none can.
         NoPath, NoRoute, Unsafe, BadInput: as `plan_with_room`.
     """
+    expect_wide(scenario)
     nearest: Attempt | None = None
-    for number in range(seed, seed + seeds + 1):
-        for roomy in islice(_rooms(scenario), rooms):
-            try:
-                attempt = _made_safe(plan_path(roomy.world, number, progress), roomy, scenario)
-            except NoPath as error:
-                roomy.closed = True
-                if roomy.world is scenario and not isinstance(error, NotFound):
-                    raise
-                missing = error
-                continue
-            if attempt.holds:
-                return attempt
-            if nearest is None or attempt.slack > nearest.slack:
-                nearest = attempt
+    tries = ((number, room) for number in range(seed, seed + SEEDS) for room in _rooms(scenario))
+    for number, room in islice(tries, plans):
+        try:
+            attempt = _made_safe(plan_path(room.world, number, progress), room, scenario)
+        except NoPath as error:
+            room.closed = True
+            if room.world is scenario and not isinstance(error, NotFound):
+                raise
+            missing = error
+            continue
+        if attempt.holds:
+            return attempt
+        if nearest is None or attempt.slack > nearest.slack:
+            nearest = attempt
     if nearest is None:
         raise missing
     raise TooNear(nearest)
@@ -122,8 +128,21 @@ class _Room:
 def _rooms(scenario: Scenario) -> Iterator[_Room]:
     """The scenario with room for the tube, more and more differently; at last without any.
 
-    Where there is no path, there is none with more room.
+    Each is followed by those with more room where the last path in it was too near, gaps or not: another way round may
+    have it. Where there is no path, there is none with more room.
     """
+    for room in _first_rooms(scenario):
+        yield room
+        latest, before = room, room.needs
+        for _ in range(0 if _as_printed(scenario) else AGAIN):
+            if latest.closed or latest.needs is before:
+                break
+            before = latest.needs
+            latest = _Room(before.room(room.world, scenario, gaps=False), before)
+            yield latest
+
+
+def _first_rooms(scenario: Scenario) -> Iterator[_Room]:
     none, sought, closed = nothing(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
     if scenario.safety.chance is None:
         if not _as_printed(scenario):
@@ -146,30 +165,41 @@ def _as_printed(scenario: Scenario) -> bool:
     return scenario.planning.planner == "paper" or not scenario.planning.polish
 
 
-def _made_safe(plan: Plan, roomy: _Room, scenario: Scenario) -> Attempt:
+def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     """The plan, moved aside while too few flights along it keep the limits and it can be; the best attempt.
 
     A first look at each is by a few quick routes of the scenario's mode: only what they promise is asked of it all.
+    What was needed is noted of the room.
     """
-    needs, latest = roomy.needs, _quick_attempt(_judged(plan, scenario), scenario)
-    best = latest if latest.slack < FAR_OFF else _attempt(latest.plan, scenario)
+    latest = best = _looked_at(_judged(plan, scenario), scenario, FAR_OFF)
+    in_vain = 0
     for _ in range(0 if _as_printed(scenario) else ROUNDS):
-        if best.holds:
-            return best
-        needs = needs.more(latest.promise, latest.plan.curve, scenario)
+        if best.holds or in_vain == IN_VAIN:
+            break
+        room.needs = room.needs.more(latest.promise, latest.plan.curve, scenario)
         moved = None
         for gaps in (False, True):
             if moved is None:
-                moved = move_aside(latest.plan, needs.room(roomy.world, scenario, gaps))
+                moved = move_aside(latest.plan, room.needs.room(room.world, scenario, gaps))
         if moved is None:
-            return best
-        latest = _quick_attempt(_judged(moved, scenario), scenario)
-        if latest.holds:
-            whole = _attempt(latest.plan, scenario)
-            latest = whole if whole.holds else latest
-        if latest.holds or latest.slack > best.slack:
-            best = latest
+            break
+        latest = _looked_at(_judged(moved, scenario), scenario, max(FAR_OFF, best.slack + LEAST_GAIN))
+        in_vain = 0 if latest.slack > best.slack + LEAST_GAIN else in_vain + 1
+        best = max(best, latest, key=_merit)
     return best
+
+
+def _looked_at(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
+    """A quick attempt, and a whole one where that is short of a limit by less than `promising` [m]."""
+    quick = _quick_attempt(plan, scenario)
+    if quick.slack < promising:
+        return quick
+    whole = _attempt(plan, scenario)
+    return whole if whole.holds else max(quick, whole, key=_merit)
+
+
+def _merit(attempt: Attempt) -> tuple[bool, float]:
+    return attempt.holds, attempt.slack
 
 
 def _judged(plan: Plan, scenario: Scenario) -> Plan:
@@ -183,11 +213,14 @@ def _attempt(plan: Plan, scenario: Scenario) -> Attempt:
     if modes == ["fastest"]:
         modes += ["corridor", "even"]
     attempts = list[Attempt]()
-    for mode in modes:
+    while modes:
+        mode = modes.pop(0)
         try:
             attempts.append(_flown(plan, choose_route(plan, scenario, mode), scenario))
         except NoRoute as error:
             attempts += [_flown(plan, route, scenario) for route in error.tried]
+            if mode == "fastest":
+                modes.remove("corridor")  # that was its last resort
         if attempts and attempts[-1].holds:
             return attempts[-1]
     return max(attempts, key=lambda attempt: attempt.slack)

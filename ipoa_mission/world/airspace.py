@@ -53,10 +53,14 @@ class Bounds:
 
     def margin(self, points: Points) -> Vector:
         """Distance of points (n, 3) to the nearest limit, (n,) [m]: negative outside."""
-        inside = np.hstack([points - np.asarray(self.lower), np.asarray(self.upper) - points]).min(axis=1)
+        inside = self.box_margin(points)
         if self.footprint is not None:
             inside = np.minimum(inside, -self.footprint.distance(points[:, :2]))
         return np.asarray(inside)
+
+    def box_margin(self, points: Points) -> Vector:
+        """Distance of points (n, 3) to the nearest side of the box, (n,) [m]: negative outside."""
+        return np.asarray(np.hstack([points - np.asarray(self.lower), np.asarray(self.upper) - points]).min(axis=1))
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
         """The least margin of the straight leg from a to b."""
@@ -70,9 +74,10 @@ class Bounds:
         points = a + fractions[:, None] * (b - a)
         margins = self.margin(points)
         least = int(np.argmin(margins))
-        return Clearance(float(margins[least]), _place(points[least]), self._nearest_limit(points[least]))
+        return Clearance(float(margins[least]), _place(points[least]), self.nearest_limit(points[least]))
 
-    def _nearest_limit(self, point: Vector) -> str:
+    def nearest_limit(self, point: Vector) -> str:
+        """What of the bounds is nearest to a point (3,)."""
         sides = np.concatenate([point - np.asarray(self.lower), np.asarray(self.upper) - point])
         names = ("west", "south", "lower", "east", "north", "upper")
         if self.footprint is not None and -self.footprint.distance(point[None, :2])[0] < sides.min():
@@ -181,8 +186,13 @@ class Airspace:
 
     def bounds_margin(self, points: Points) -> Clearance:
         """The least margin to the bounds of the legs between consecutive points (n, 3)."""
+        box, margins = replace(self.bounds, footprint=None), self.bounds.box_margin(points)
+        spot = int(np.argmin(margins))  # inside a box a leg is nowhere nearer to a side than at one of its ends
+        limit = box.nearest_limit(points[spot])
+        least = Clearance(float(margins[spot]), _place(points[spot]), limit, max(spot - 1, 0))
+        if self.bounds.footprint is None:
+            return least
         floor = self.bounds.margin((points[:-1] + points[1:]) / 2) - leg_lengths(points) / 2
-        least = NOTHING_NEAR
         for leg in np.argsort(floor, kind="stable"):
             if floor[leg] > least.distance:
                 break

@@ -59,6 +59,18 @@ def _away(place: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
     return float(np.linalg.norm(place - start - share * way))
 
 
+@pytest.mark.parametrize("tolerance", [0.4, 4.0])
+def test_a_long_curve_with_short_bends_is_kept_to_as_closely(tolerance: float) -> None:
+    """Six kilometres with a swerve of 12 m every kilometre: even steps of few spots would miss it."""
+    east = np.linspace(0.0, 6000.0, 400)
+    curve = Spline(np.column_stack([east, 12.0 * np.exp(-(((east + 500) % 1000 - 500) ** 2) / 900.0), 0 * east + 30]))
+    beside = (-0.6 * tolerance, 0.0, 0.6 * tolerance)
+    for waypoints in (corridor(curve, tolerance), corridor(curve, tolerance, beside)):
+        legs = shapely.LineString(waypoints[:, :2])
+        assert shapely.distance(legs, shapely.points(curve.sample(9000)[:, :2])).max() <= 1.15 * tolerance
+        assert len(waypoints) < 60
+
+
 def test_a_straight_curve_is_two_waypoints() -> None:
     assert len(corridor(Spline(np.linspace((0, 0, 10), (200, 100, 30), 8)), 0.5)) == 2
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.problem import encode, follow, freedom, pinned, pose, refine, surround
+from ipoa_mission.planning.spread import spread_of
 from tests.planning.conftest import Make, Place
 
 ENCODINGS = ("absolute", "chord", "sine")
@@ -72,6 +73,25 @@ def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> Non
     assert np.abs(moved - trail.curve.control)[1:-1].min() > 0
     again = pinned(type(trail)(type(trail.curve)(moved), trail.via_at), job)
     np.testing.assert_allclose(again.curve.control, moved, atol=1e-9)
+
+
+@pytest.mark.parametrize("via", [[(30, 40, 25), (60, -30, 30)], []])
+def test_a_band_by_what_is_free_is_that_of_the_whole_matrix(scenario: Make, via: list[Place]) -> None:
+    job = scenario(via=via)
+    free = freedom(follow(job.places, 15, job), job)
+    size, reach = 3 * len(free), 7
+    rng = np.random.default_rng(3)
+    band, gradient = rng.normal(size=(reach + 1, size)), rng.normal(size=size)
+    whole = np.zeros((size, size))
+    for k in range(reach + 1):
+        whole += np.diag(band[k, : size - k], -k) + (np.diag(band[k, : size - k], k) if k else 0.0)
+    ways = np.kron(free, np.eye(3))
+    expected = ways.T @ whole @ ways
+    slope, reduced = spread_of(free, reach).reduced(gradient, band)
+    np.testing.assert_allclose(slope, ways.T @ gradient, atol=1e-12)
+    for k in range(len(expected)):
+        found = reduced[k, : len(expected) - k] if k < len(reduced) else 0.0
+        np.testing.assert_allclose(found, np.diag(expected, -k), atol=1e-12)
 
 
 def test_a_part_is_varied_and_the_rest_stays(scenario: Make) -> None:

@@ -177,5 +177,5 @@ def test_the_refusal_of_a_gap_names_what_was_tried(monkeypatch: pytest.MonkeyPat
     narrow = Scenario.model_validate(text)
     assert seek(narrow, 0, lambda *_: None).holds
     text["vehicle"] = {"autopilot": "px4", "radius": 0.5}
-    with pytest.raises(MissionError, match=r"the gap between wall and other is 5\.80 m wide, and it needs"):
+    with pytest.raises(MissionError, match=r"the gap between other and wall is 5\.80 m wide, and it needs 7\.14 m"):
         plan_flight(Scenario.model_validate(text))

@@ -1,5 +1,7 @@
 """The airspace: what the index leaves out must not matter."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
@@ -78,6 +80,21 @@ def test_leaving_the_bounds_names_the_side() -> None:
     legs = np.array([[0.0, 0.0, 100.0], [100.0, 0.0, 100.0], [100.0, 0.0, 207.0], [0.0, 0.0, 100.0]])
     out = space.bounds_margin(legs)
     assert (out.distance, out.what, out.leg) == (-7.0, "the upper bound", 1)
+
+
+@pytest.mark.parametrize("area", [None, Polygon(((-40.0, -40.0), (60.0, -50.0), (10.0, 0.0), (-30.0, 70.0)))])
+def test_the_margin_to_the_bounds_is_the_least_of_many_places(area: Polygon | None) -> None:
+    rng = np.random.default_rng(8)
+    bounds = Bounds((-80.0, -80.0, 0.0), (80.0, 80.0, 50.0), area)
+    for _ in range(20):
+        legs = rng.uniform((-90, -90, -5), (90, 90, 55), (6, 3))
+        found = Airspace(bounds, Flat(0.0)).bounds_margin(legs)
+        shares = np.linspace(0, 1, 1501)[:, None]
+        spots = np.array([a + shares * (b - a) for a, b in pairwise(legs)])
+        margins = bounds.margin(spots.reshape(-1, 3)).reshape(5, -1)
+        assert found.distance == pytest.approx(margins.min(), abs=0.08)  # places are 0.15 m apart at most
+        assert found.distance <= margins.min() + 1e-9
+        assert margins[found.leg].min() == pytest.approx(found.distance, abs=0.08)
 
 
 def test_a_flight_area_is_kept_to_along_the_whole_leg() -> None:

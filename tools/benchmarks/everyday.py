@@ -275,6 +275,15 @@ def row_of(kind: str, number: int, autopilot: Autopilot) -> Table:
 FIELDS = ["scene", "autopilot", "cpu_s", "required", "kept", "on_way", "measured", "total_s", "error"]
 
 
+def _write(rows: list[Table], out: Path) -> None:
+    """All rows so far: what is stopped keeps what it has."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with out.open("w", newline="") as file:
+        writer = csv.DictWriter(file, FIELDS)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def main() -> None:
     """Plan the scenes that are asked for and tell of each, then of each kind the median CPU time and the refusals."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -289,17 +298,15 @@ def main() -> None:
     for kind, number, autopilot in product(asked.kinds.split(","), range(first, last + 1), pilots):
         rows.append(row_of(kind, number, autopilot))
         print(*(f"{name}={rows[-1].get(name, '')}" for name in FIELDS), flush=True)
-    if asked.out is not None:
-        with asked.out.open("w", newline="") as file:
-            writer = csv.DictWriter(file, FIELDS)
-            writer.writeheader()
-            writer.writerows(rows)
+        if asked.out is not None:
+            _write(rows, asked.out)
     for kind in asked.kinds.split(","):
         mine = [row for row in rows if row["scene"].startswith(kind)]
-        median = float(np.median([row["cpu_s"] for row in mine]))
+        seconds = [row["cpu_s"] for row in mine]
+        cpu = f"{np.median(seconds):.1f} s in the median, {max(seconds):.1f} at worst"
         near = sum("error" not in row and row["measured"] < row["required"] - 1e-3 for row in mine)
         refused = sum("error" in row for row in mine)
-        print(f"{kind}: {len(mine)} scenes, {median:.1f} s in the median, {refused} refused, {near} written too near")
+        print(f"{kind}: {len(mine)} scenes, {cpu}, {refused} refused, {near} written too near")
 
 
 if __name__ == "__main__":
