@@ -7,6 +7,8 @@ from functools import cache
 from itertools import chain
 from pathlib import Path
 
+import pytest
+
 import ipoa_mission
 from ipoa_mission.cli.app import VERBS
 
@@ -30,7 +32,9 @@ MAY_IMPORT = {
     "scenario": {"vehicles", "world", "maps", "energy"},
     "planning": {"compiled", "scenario", "world", "optimize", "vehicles"},
     "tube": {"planning", "scenario", "timing", "itinerary", "items", "vehicles", "commands", "world"},
+    "forecast": {"tube", "planning", "scenario", "timing", "itinerary", "items", "vehicles", "commands", "world"},
     "checks": {
+        "forecast",
         "tube",
         "timing",
         "planning",
@@ -43,6 +47,7 @@ MAY_IMPORT = {
         "world",
     },
     "routing": {
+        "forecast",
         "compiled",
         "tube",
         "checks",
@@ -55,7 +60,7 @@ MAY_IMPORT = {
         "commands",
         "world",
     },
-    "exports": {"checks", "scenario", "itinerary", "items", "vehicles", "commands", "world"},
+    "exports": {"forecast", "checks", "scenario", "itinerary", "items", "vehicles", "commands", "world"},
     "link": {"checks", "mission", "items", "vehicles", "commands", "world"},
     "simulator": {"link", "mission", "itinerary", "items", "vehicles", "commands", "world"},
     "report": set(),
@@ -68,7 +73,7 @@ _ABOVE = {"report", "flight", "learn", "studio", "paper", "simulator", "optimize
 _BELOW_THE_REPORT = set(MAY_IMPORT) - _ABOVE
 MAY_IMPORT["report"] = _BELOW_THE_REPORT
 MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
-MAY_IMPORT["learn"] = {"link", "timing", "energy", "itinerary", "items", "vehicles", "commands", "world"}
+MAY_IMPORT["learn"] = {"forecast", "link", "timing", "energy", "itinerary", "items", "vehicles", "commands", "world"}
 MAY_IMPORT["paper"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
 MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"paper", "optimize"}
 MAY_IMPORT["cli"] = set(MAY_IMPORT)
@@ -161,6 +166,18 @@ def test_no_room_names_an_autopilot() -> None:
         if named.search(line)
     }
     assert found == set()
+
+
+@pytest.mark.parametrize("name", ["predict", "flown_legs", "promise_of"])
+def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
+    """Whoever asks for legs, times or a promise asks a forecast, which keeps them."""
+    callers = {
+        path.relative_to(PACKAGE).as_posix()
+        for path in FILES
+        for node in ast.walk(tree(path))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == name
+    }
+    assert callers - {"timing/estimate.py"} == {"forecast/forecast.py"}
 
 
 def test_a_vehicle_is_known_before_its_flight_is() -> None:

@@ -3,22 +3,12 @@
 from collections.abc import Iterator
 
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
-from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.flown_in import flown_in
 from ipoa_mission.tube.measured import not_measured
-from ipoa_mission.tube.promise import Kept, Promise, promise_of
+from ipoa_mission.tube.promise import Kept, Promise
 
 NEAR = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above the ground", "bounds": "inside {}"}
-
-
-def promise_if_known(mission: Mission, scenario: Scenario) -> Promise | None:
-    """What the mission promises; None where nobody can say how it will be flown."""
-    try:
-        return promise_of(flown_in(mission, scenario), scenario) if mission.items else None
-    except MissionError:
-        return None
 
 
 def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | None) -> Iterator[Finding]:

@@ -9,8 +9,9 @@ import numpy as np
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.commands import Command, command_name
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
+from ipoa_mission.itinerary.legs import Leg, Phase
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.slow_landing import SURE, SlowStretch
 from ipoa_mission.world.frame import LocalFrame
@@ -103,8 +104,11 @@ def slow_landings(mission: Mission, scenario: "Scenario") -> Mission:
     names = mission.autopilot.slowed_by.names
     if stretch is None or not mission.autopilot.book.by_old_names(mission.parameters).keys().isdisjoint(names):
         return mission
-    legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
-    highest = max(landings(mission, scenario.frame, legs), key=lambda landing: landing.counted, default=None)
+    highest = max(
+        landings(mission, scenario.frame, Forecast(mission, scenario).legs),
+        key=lambda landing: landing.counted,
+        default=None,
+    )
     if highest is None or not stretch.is_fast(highest.counted + SURE):
         return mission
     wanted, most = mission.autopilot.slowed(mission.parameters, highest.counted), mission.autopilot.slowed_by.most
@@ -125,7 +129,7 @@ def slowed_for_ground(mission: Mission, scenario: "Scenario") -> Iterator[str]:
     given = scenario.vehicle.autopilot_parameters()
     wanted = {name: value for name, value in mission.parameters.items() if name not in given}
     if wanted:
-        legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
+        legs = Forecast(mission, scenario).legs
         highest = max(landings(mission, scenario.frame, legs), key=lambda landing: landing.counted)
         yield (
             f"{highest.words}: {_in_words(wanted)} in the vehicle, so that it slows down as high above it as it else "

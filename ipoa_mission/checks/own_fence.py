@@ -6,12 +6,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from ipoa_mission.commands import command_name
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
+from ipoa_mission.itinerary.legs import Leg, Phase
 from ipoa_mission.tube.measured import law_of
 from ipoa_mission.vehicles.own_fence import Limit, OwnFence
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.frame import Geodetic
 
 STRAYS = 0.01  # the share of flights that may get farther than is said here
 
@@ -23,9 +24,9 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
     """
     law = law_of(mission.autopilot)
     aside, down, up = law.beside(STRAYS), law.lowest.distance(STRAYS), law.highest.distance(STRAYS)
-    frame = LocalFrame(mission.home)
+    forecast = Forecast(mission)
+    frame, legs = forecast.frame, forecast.legs
     center = frame.local(there)[:2]
-    legs = flown_legs(mission, frame, mission.ground)
 
     def apart(leg: Leg) -> Vector:
         return np.asarray(np.hypot(*(leg.points[:, :2] - center).T))

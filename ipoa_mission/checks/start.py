@@ -8,9 +8,8 @@ import numpy as np
 from ipoa_mission.checks.finding import Severity
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Item, Mission, takeoff
-from ipoa_mission.itinerary.legs import flown_legs
-from ipoa_mission.tube.flown_in import flown_in
 from ipoa_mission.world.frame import Geodetic, apart
 
 if TYPE_CHECKING:
@@ -73,9 +72,8 @@ def check_start(mission: Mission, first: int, there: Geodetic, scenario: "Scenar
     place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
     ground = float(scenario.airspace.ground(place[None, :])[0])
     home = Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude + ground)
-    begun = flown_in(begun_at(mission, first, home), scenario)
-    legs = flown_legs(begun, frame, scenario.airspace.ground)
-    errors = [f for f in check_airspace(begun, scenario, legs) if f.severity is Severity.ERROR]
+    begun = Forecast(begun_at(mission, first, home), scenario)
+    errors = [f for f in check_airspace(begun.mission, scenario, begun.legs) if f.severity is Severity.ERROR]
     if errors:
         raise NotAtStart(
             f"{where}; from there: {errors[0].message}",

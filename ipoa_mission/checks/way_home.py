@@ -10,8 +10,9 @@ from dataclasses import replace
 from itertools import takewhile
 
 from ipoa_mission.commands import Command
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission, waypoint
-from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
+from ipoa_mission.itinerary.legs import Leg, Phase
 from ipoa_mission.planning.proof import prove, prove_heights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.room import with_room
@@ -32,7 +33,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
     roomy = with_room(scenario, TIGHT_PLACES)
-    if _is_clear(_ways_home(mission, scenario), roomy):
+    if _is_clear(Forecast(mission, scenario).ways_home, roomy):
         return mission
     last = mission.items[-2]
     stopped = replace(last, params=(1.0, *last.params[1:])) if last.command == Command.NAV_SPLINE_WAYPOINT else last
@@ -40,11 +41,8 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     for height in _heights(mission.altitude_above_home(last)):
         climb = waypoint(above, height)
         raised = replace(mission, items=(*mission.items[:-2], stopped, climb, mission.items[-1]))
-        way_up, *ways = (
-            leg
-            for leg in flown_legs(raised, scenario.frame, scenario.airspace.ground)
-            if leg.seq == len(mission.items) or leg.phase is Phase.RETURN
-        )
+        legs = Forecast(raised, scenario).legs
+        way_up, *ways = (leg for leg in legs if leg.seq == len(mission.items) or leg.phase is Phase.RETURN)
         if any(check.slack < 0 for check in prove(way_up.points, scenario).checks if check.limit != "climb"):
             return mission
         if _is_clear(ways, roomy):
@@ -63,7 +61,7 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     roomy = with_room(scenario, TIGHT_PLACES)
     for altitude in heights_to_try(scenario):
         name, value = by.name, by.spelled(altitude)
-        if _is_clear(_ways_home(mission.with_parameters({name: value}), scenario), roomy):
+        if _is_clear(Forecast(mission.with_parameters({name: value}), scenario).ways_home, roomy):
             return f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
     return others
 
@@ -85,11 +83,6 @@ def heights_to_try(scenario: Scenario) -> Iterator[float]:
 
 def _heights(above: float) -> Iterator[float]:
     return (float(height) for height in range(HEIGHT_STEP, HIGHEST + 1, HEIGHT_STEP) if height > above)
-
-
-def _ways_home(mission: Mission, scenario: Scenario) -> list[Leg]:
-    legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
-    return [leg for leg in legs if leg.phase is Phase.RETURN]
 
 
 def _is_clear(legs: Iterable[Leg], roomy: Scenario) -> bool:

@@ -30,6 +30,7 @@ def check(
     from ipoa_mission.checks.firmware import is_too_long
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_with_parameters, read_world
+    from ipoa_mission.forecast.forecast import Forecast
 
     mission, remarks = read_with_parameters(
         file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
@@ -37,12 +38,11 @@ def check(
     air = flown_by.air
     if air is not None and scenario is None:
         raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
-    world, promise = read_world(scenario, air), None
-    if world is not None:
-        from ipoa_mission.checks.clearance import promise_if_known
-
-        promise = None if refusals(mission) or is_too_long(mission) else promise_if_known(mission, world)
-    findings = check_mission(mission, world, promise)
+    world, forecast, promise = read_world(scenario, air), None, None
+    if world is not None and not (refusals(mission) or is_too_long(mission)):
+        forecast = Forecast(mission, world)
+        promise = forecast.promise_if_known
+    findings = check_mission(mission, world, forecast)
     version = mission.firmware_version
     if version is None and world is not None and world.vehicle.autopilot is mission.autopilot:
         version = world.vehicle.version
@@ -83,9 +83,9 @@ def estimate(
     from ipoa_mission.checks.finding import Severity
     from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
+    from ipoa_mission.cli.reading import read_with_parameters, read_world
     from ipoa_mission.commands import short_name
-    from ipoa_mission.timing.estimate import estimate as predict
+    from ipoa_mission.forecast.forecast import Forecast
 
     mission, remarks = read_with_parameters(
         file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
@@ -94,8 +94,8 @@ def estimate(
     if wrong := refusals(mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
     remarks += tuple(f.message for f in check_firmware(mission) if f.severity is Severity.ERROR)
-    mission, air = in_world(mission, world, flown_by.air)
-    prediction = predict(mission, wind=air)
+    forecast = Forecast(mission, world, flown_by.air)
+    mission, prediction = forecast.mission, forecast.estimate
     remarks += prediction.remarks
     energy = _energy(mission, world, prediction.track)
     if as_json:

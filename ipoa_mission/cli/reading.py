@@ -58,13 +58,3 @@ def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | Non
 
     world = read_scenario(file)
     return world if wind is None else world.in_wind(wind)
-
-
-def in_world(mission: Mission, world: "Scenario | None", wind: "Wind | None" = None) -> tuple[Mission, "Wind"]:
-    """The mission over the ground of the scenario on its vehicle, and the wind: the given one goes before its own."""
-    from ipoa_mission.tube.flown_in import flown_in
-    from ipoa_mission.wind import CALM
-
-    if world is None:
-        return mission, wind or CALM
-    return flown_in(mission, world), wind or world.wind.air()

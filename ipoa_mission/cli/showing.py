@@ -35,10 +35,10 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
+    from ipoa_mission.cli.reading import read_with_parameters, read_world
     from ipoa_mission.errors import MissionError
     from ipoa_mission.exports.table import mission_table, shown
-    from ipoa_mission.timing.estimate import estimate
+    from ipoa_mission.forecast.forecast import Forecast
 
     mission, remarks = read_with_parameters(
         file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
@@ -49,8 +49,7 @@ def show(
     done: dict[int, float] = {}
     try:
         if not errors:
-            flown, air = in_world(mission, world, air)
-            timed = estimate(flown, wind=air)
+            timed = Forecast(mission, world, air).estimate
             done = {item.seq: item.done_s for item in timed.items}
         total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:
@@ -106,8 +105,9 @@ def export(
     Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """
     from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.cli.reading import in_world, read_world
+    from ipoa_mission.cli.reading import read_world
     from ipoa_mission.exports import export_text
+    from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.files import mission_text, read_mission, write_mission
 
     if target == Path("-") and form is None:
@@ -126,8 +126,7 @@ def export(
     expect_free([target], force, ask=not as_json)
     remarks: tuple[str, ...] = ()
     if is_mission:
-        flown, _ = in_world(mission, world)
-        remarks = write_mission(flown, target, suffix)
+        remarks = write_mission(Forecast(mission, world).mission, target, suffix)
     else:
         write_atomically(target, export_text(mission, suffix, target.stem, world))
     if as_json:

@@ -12,11 +12,11 @@ import numpy as np
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.exports.track import in_world
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.itinerary.itinerary import itinerary
-from ipoa_mission.itinerary.legs import Leg, flown_legs
+from ipoa_mission.itinerary.legs import Leg
 from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
@@ -59,9 +59,10 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
 
     Where a position or height makes no sense no item has a leg: `refusals` says why.
     """
-    mission, frame, ground = in_world(mission, scenario)
+    forecast = Forecast(mission, scenario)
+    mission = forecast.mission
     legs: dict[int, list[Leg]] = defaultdict(list)
-    for leg in flown_legs(mission, frame, ground) if not refusals(mission) else ():
+    for leg in forecast.legs if not refusals(mission) else ():
         if not leg.alternative:
             legs[leg.seq].append(leg)
     home = Row(0, "home", mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude, 0.0)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import FenceCircle, FencePolygon, Mission
-from ipoa_mission.itinerary.legs import Leg, flown_legs
+from ipoa_mission.itinerary.legs import Leg
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from ipoa_mission.world.ground import Ground
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
@@ -27,24 +27,12 @@ class Stretch:
     over_terrain: bool
 
 
-def in_world(mission: Mission, scenario: "Scenario | None") -> "tuple[Mission, LocalFrame, Ground | None]":
-    """The mission with the parameters of the scenario's vehicle, its frame, and the ground, where that is known.
-
-    Raises:
-        BadInput: the mission is of another place than the scenario.
-    """
-    if scenario is None:
-        return mission, LocalFrame(mission.home), None
-    scenario.expect_here(mission.home)
-    return mission.assuming(scenario.vehicle.autopilot_parameters()), scenario.frame, scenario.airspace.ground
-
-
 def track(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Stretch, ...]:
     """The way from home over all items and back, in as few lines as possible; down to the ground of the scenario."""
-    mission, frame, ground = in_world(mission, scenario)
+    forecast = Forecast(mission, scenario)
     lines: list[Stretch] = []
-    for leg in flown_legs(mission, frame, ground):
-        for stretch in _stretches(leg, frame, mission.home.altitude if ground is None else None):
+    for leg in forecast.legs:
+        for stretch in _stretches(leg, forecast.frame, mission.home.altitude if forecast.ground is None else None):
             before = lines[-1] if lines else None
             joins = before and before.over_terrain == stretch.over_terrain and before.points[-1] == stretch.points[0]
             if before and joins and not leg.alternative:

@@ -11,15 +11,15 @@ from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.commands import Frame, plain_frame
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import flown_legs
 from ipoa_mission.link.departure import LIMITS
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.set_up import own_values
 from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
+from ipoa_mission.world.frame import Geodetic, apart
 
 FAR = 100.0  # [m] over the ground
 HIGHER = 5.0  # [m]
@@ -90,8 +90,8 @@ def expect_slow_landing(mission: Mission, vehicle: Vehicle) -> None:
         return
     own = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by))
 
-    frame = LocalFrame(mission.home)
-    for landing in landings(mission, frame, flown_legs(mission, frame, mission.ground)):
+    forecast = Forecast(mission)
+    for landing in landings(mission, forecast.frame, forecast.legs):
         if own is not None and own.is_fast(landing.counted) and not planned.is_fast(landing.counted):
             raise FastLanding(
                 f"{landing.words}: with the vehicle's own parameters, {touches_down(own, landing)}",

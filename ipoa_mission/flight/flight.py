@@ -26,6 +26,7 @@ from ipoa_mission.flight.summary import (
     rounded,
     route_summary,
 )
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission
 from ipoa_mission.mission.landing_ground import KEY, digest, landing_ground
 from ipoa_mission.mission.parameter_file import beside, write_with_parameters
@@ -35,11 +36,10 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option
-from ipoa_mission.routing.prove_route import prove_mission
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
-from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.timing.estimate import Estimate
 from ipoa_mission.timing.qgroundcontrol import COUNTS
 from ipoa_mission.tube.promise import Promise
 from ipoa_mission.wind import Wind
@@ -63,16 +63,33 @@ class Flight:
     scenario: Scenario
     plan: Plan
     options: tuple[Option, ...]
-    mission: Mission
-    proof: Proof
-    promise: Promise
+    forecast: Forecast
     findings: tuple[Finding, ...]
-    estimate: Estimate
     energy: Consumption | None
     remarks: tuple[str, ...]
 
     def __repr__(self) -> str:
         return f"<Flight {self.name}: {len(self.mission.items)} items, {self.estimate.total_s:.1f} s>"
+
+    @property
+    def mission(self) -> Mission:
+        """What is written and flown."""
+        return self.forecast.mission
+
+    @property
+    def proof(self) -> Proof:
+        """What its legs keep between the take-off and the last waypoint."""
+        return self.forecast.proof
+
+    @property
+    def promise(self) -> Promise:
+        """What its flights keep."""
+        return self.forecast.promise
+
+    @property
+    def estimate(self) -> Estimate:
+        """How long it takes."""
+        return self.forecast.estimate
 
     @property
     def name(self) -> str:
@@ -177,14 +194,14 @@ def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, pro
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
-    plan, options, mission, promise = plan_with_room(scenario, seed, progress)
+    plan, options, forecast = plan_with_room(scenario, seed, progress)
+    mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    findings = refuse_errors(check_mission(mission, scenario, promise))
-    predicted = estimate(mission, wind=scenario.wind.air())
-    energy = flight_energy(scenario, predicted.track.times, predicted.track.points, predicted.track.speeds)
+    findings = refuse_errors(check_mission(mission, scenario, forecast))
+    track = forecast.estimate.track
+    energy = flight_energy(scenario, track.times, track.points, track.speeds)
     expect_to_come_home(scenario, energy)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (*climb_for_way_home(mission), *slowed_for_ground(mission, scenario))
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
-    proof = prove_mission(mission, scenario)
-    return Flight(scenario, plan, options, mission, proof, promise, findings, predicted, energy, remarks)
+    return Flight(scenario, plan, options, forecast, findings, energy, remarks)

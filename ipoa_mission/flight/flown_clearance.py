@@ -6,11 +6,10 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission.centimeters import down, falls_short, up
-from ipoa_mission.checks.clearance import promise_if_known
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
@@ -79,12 +78,12 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     near = int(np.argmin(np.linalg.norm(points - np.asarray(least.place), axis=1)))
     place = scenario.frame.geodetic(np.asarray(least.place))
     planned = strayed = promised = None
-    legs = [] if mission is None else cruise(mission, scenario)
-    if mission is not None and legs:
-        checks = prove_mission(mission, scenario).checks
+    forecast = None if mission is None else Forecast(mission, scenario)
+    if forecast is not None and (legs := forecast.cruise):
+        checks = forecast.proof.checks
         planned = min(check.nearest.distance for check in checks if check.limit in ("obstacles", "ground"))
         strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
-        promise = promise_if_known(mission, scenario)
+        promise = forecast.promise_if_known
         kept = None if promise is None else promise.clearance
         promised = None if kept is None else kept.kept
     return FlownClearance(least, place, float(times[near]), required, planned, strayed, promised)

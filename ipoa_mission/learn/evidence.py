@@ -8,13 +8,13 @@ import numpy as np
 
 from ipoa_mission.energy.flight import hovering
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import itinerary
 from ipoa_mission.learn.witness import Witness, witness_of
 from ipoa_mission.link.flight_log import LoggedFlight, read_flights
 from ipoa_mission.link.logbook import brings_down
-from ipoa_mission.timing.estimate import predict
 from ipoa_mission.timing.flight_model import FlightModel
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import LearnedVehicle
@@ -42,7 +42,7 @@ class Evidence:
         """What the mission takes of this vehicle [Wh]; None where its hover power or the mission's end is not known."""
         if not self.visits or vehicle.hover_power is None:
             return None
-        route, prediction = predict(replace(self.mission, vehicle=vehicle), fast=True)
+        route, prediction = Forecast(replace(self.mission, vehicle=vehicle)).quick(sure=False)
         if self.visits[-1] + 1 < len(route.visits):
             return None
         track = prediction.track

@@ -14,11 +14,11 @@ from string import Template
 import numpy as np
 
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.commands import WAYPOINTS
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.planning.plan import Plan
@@ -34,7 +34,6 @@ from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.scene import page_data
 from ipoa_mission.report.stops import stops
-from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import Estimate
@@ -84,10 +83,10 @@ def report_html(
     remarks: Sequence[str] = (),
 ) -> str:
     """The whole page."""
-    proof = prove_mission(mission, scenario) if cruise(mission, scenario) else None
-    promise = promise_if_known(mission, scenario)
+    forecast = Forecast(mission, scenario)
+    proof = forecast.proof if forecast.cruise else None
     energy = flight_energy(scenario, estimate.track.times, estimate.track.points, estimate.track.speeds)
-    findings = check_mission(mission, scenario, promise)
+    findings, promise = check_mission(mission, scenario, forecast), forecast.promise_if_known
     return page_html(Subject(scenario, plan, mission, estimate, remarks, proof, promise, energy, findings), flight)
 
 

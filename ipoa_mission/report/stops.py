@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.commands import WAYPOINTS, Command, short_name
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector, polyline_length
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.itinerary.legs import item_places
 from ipoa_mission.itinerary.program import as_flown
 from ipoa_mission.planning.proof import Proof, prove
-from ipoa_mission.routing.prove_route import cruise
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.estimate import Estimate, ItemTime
 
@@ -44,7 +44,7 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
     """Every item in the order flown, with the leg that leads to it."""
     rows, airspace, flown = [], scenario.airspace, as_flown(mission)
     places = item_places(flown, scenario.frame, airspace.ground)
-    curves = {leg.seq: leg for leg in cruise(mission, scenario) if leg.stray > 0}
+    curves = {leg.seq: leg for leg in Forecast(mission, scenario).cruise if leg.stray > 0}
     before, flying = np.zeros(3), False
     for time in estimate.items:
         item, place = flown.items[time.seq - 1], places[time.seq - 1]

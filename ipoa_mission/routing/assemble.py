@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.build import build_mission, draft_mission
@@ -20,7 +21,6 @@ from ipoa_mission.routing.trial import flies_safely, fly
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.bound import least_time
 from ipoa_mission.timing.route import kinematics
-from ipoa_mission.tube.promise import promise_of
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 HALVINGS = 6  # of the step or the tolerance, before a mode gives up
@@ -120,7 +120,7 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) ->
 
 def is_promised(route: Route, scenario: Scenario) -> bool:
     """Whether enough flights keep every limit on the way, looked at from the arming on."""
-    return not any(kept.forbids for kept in promise_of(draft_mission(route, scenario), scenario).limits)
+    return not any(kept.forbids for kept in Forecast(draft_mission(route, scenario), scenario).promise.limits)
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.route import Route
 from ipoa_mission.tube.promise import Promise
@@ -10,12 +10,16 @@ from ipoa_mission.tube.promise import Promise
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """A plan, the mission of the best route along it that was looked at, and what that promises."""
+    """A plan, the best route along it that was looked at, and the forecast of its mission."""
 
     plan: Plan
     route: Route
-    mission: Mission
-    promise: Promise
+    forecast: Forecast
+
+    @property
+    def promise(self) -> Promise:
+        """What its flights keep."""
+        return self.forecast.promise
 
     @property
     def holds(self) -> bool:

@@ -81,6 +81,12 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
     )
 
 
+def items_of_waypoints(route: Route) -> tuple[int, ...]:
+    """Which item of its mission flies to each waypoint of the route, as indices of `Mission.items`."""
+    first = 0 if starts_over_home(route) else 2  # the take-off ends there, or a change of speed comes before it
+    return first, *range(max(first, 1) + 1, max(first, 1) + len(route.points))
+
+
 def starts_over_home(route: Route) -> bool:
     """Whether the take-off ends at its first waypoint."""
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)

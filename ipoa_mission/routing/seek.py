@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import NamedTuple
 
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.obstruction import NotFound
 from ipoa_mission.planning.plan import Plan
@@ -24,8 +24,6 @@ from ipoa_mission.routing.narrow import TooNarrow, expect_wide
 from ipoa_mission.routing.refusal import narrow_refusal, refusal
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.flown_in import flown_in
-from ipoa_mission.tube.promise import Promise, promise_of
 from ipoa_mission.tube.room import with_room
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -42,12 +40,11 @@ SEEDS = 2  # and with so many seeds
 
 
 class Routed(NamedTuple):
-    """A plan, what each mode would come to on it, quickest first, the mission of the mode asked for, its promise."""
+    """A plan, what each mode would come to on it, quickest first, and the forecast of the mission that is asked for."""
 
     plan: Plan
     options: tuple[Option, ...]
-    mission: Mission
-    promise: Promise
+    forecast: Forecast
 
 
 class TooNear(NoPath):
@@ -76,7 +73,7 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
     except TooNarrow as error:
         raise narrow_refusal(error.narrow, scenario, lambda changed: _planned(changed, seed)) from None
     options = weigh_routes(found.plan, scenario, found.route)
-    return Routed(found.plan, options, found.mission, found.promise)
+    return Routed(found.plan, options, found.forecast)
 
 
 def _planned(scenario: Scenario, seed: int) -> Attempt | None:
@@ -241,11 +238,8 @@ def _flown(plan: Plan, route: Route, scenario: Scenario) -> Attempt:
     Raises:
         NoRoute, Unsafe, BadInput: as `build_mission`, of a route that may be flown otherwise.
     """
-    mission = draft_mission(route, scenario)
-    attempt = Attempt(plan, route, mission, promise_of(mission, scenario))
+    attempt = Attempt(plan, route, Forecast(draft_mission(route, scenario), scenario))
     if not attempt.holds:
         return attempt
     built = build_mission(route, scenario)
-    if built == mission:
-        return attempt
-    return Attempt(plan, route, built, promise_of(flown_in(built, scenario), scenario))
+    return attempt if built == attempt.forecast.mission else Attempt(plan, route, Forecast(built, scenario))

@@ -2,27 +2,25 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing.build import draft_mission, starts_over_home
+from ipoa_mission.routing.build import draft_mission, items_of_waypoints
 from ipoa_mission.routing.resample import deviation
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.timing.estimate import in_local_frame, predict
+from ipoa_mission.timing.estimate import in_local_frame
 from ipoa_mission.timing.prediction import Track
 from ipoa_mission.timing.route import kinematics
 from ipoa_mission.tube.course import course_of
 from ipoa_mission.tube.promise import tube_holds
 from ipoa_mission.tube.thin import STRAY, thinned
 from ipoa_mission.vehicles.autopilot import Autopilot
-
-_LAST_FLIGHT: WeakKeyDictionary[Route, "tuple[Spline, Scenario, Flown]"] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,12 +63,8 @@ class Flown:
 
 
 def fly(route: Route, curve: Spline, scenario: Scenario) -> Flown:
-    """A route as `estimate` has its whole mission; the last flight of a route is kept as long as the route is."""
-    if (kept := _LAST_FLIGHT.get(route)) is not None and kept[0] is curve and kept[1] is scenario:
-        return kept[2]
-    flown = _flown(draft_mission(route, scenario), route, curve, scenario, sure=False)
-    _LAST_FLIGHT[route] = curve, scenario, flown
-    return flown
+    """A route as `estimate` has its whole mission."""
+    return _flown(draft_mission(route, scenario), route, curve, scenario, sure=False)
 
 
 def sketch(route: Route, curve: Spline, scenario: Scenario) -> Flown:
@@ -87,9 +81,8 @@ def flies_safely(route: Route, curve: Spline, scenario: Scenario) -> bool:
 
 
 def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, sure: bool) -> Flown:
-    _, prediction = predict(mission, scenario.wind.air(), fast=True, sure=sure)
-    first = 0 if starts_over_home(route) else 2  # the take-off, a change of speed, the start
-    last = len(route.points) if first == 0 else len(route.points) + 1
+    _, prediction = Forecast(mission, scenario).quick(sure)
+    first, *_, last = items_of_waypoints(route)
     begin, end = float(prediction.done[first]), float(prediction.done[last])
     track = in_local_frame(prediction.track)
     during = (track.times >= begin) & (track.times <= end)

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS
-from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import Itinerary
 from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.timing.estimate import in_local_frame, predict
+from ipoa_mission.timing.estimate import in_local_frame
 from ipoa_mission.timing.prediction import Prediction
 from ipoa_mission.tube.approach import approaches
 from ipoa_mission.tube.course import Course, course_of
@@ -149,16 +148,9 @@ def _tight(scenario: Scenario, law: Law) -> tuple[TightPlace, ...]:
     return tight_places(scenario, 2 * STRAY + (0.0 if chance is None else law.beside(chance)))
 
 
-def promise_of(mission: Mission, scenario: Scenario) -> Promise:
-    """What the mission promises in the world of a scenario.
-
-    Raises:
-        BadInput: the mission has no end, or a parameter has no sense.
-        MissionError: the vehicle does not get on.
-    """
-    route, prediction = predict(mission, scenario.wind.air(), sure=True)
-    flight = PredictedFlight(route, prediction, mission.autopilot, scenario)
-    chance = scenario.safety.chance
+def promise_of(flight: "PredictedFlight") -> Promise:
+    """What a mission promises that is flown so."""
+    chance = flight.scenario.safety.chance
     return Promise(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)), flight)
 
 

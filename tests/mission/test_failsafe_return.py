@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.checks.failsafe_return import RETURNS, Stops, broken_returns, check_failsafe_return, stops_of
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import return_ways
 from ipoa_mission.planning.proof import prove
@@ -14,7 +15,7 @@ from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.tube.flown_in import flown_in
-from ipoa_mission.tube.promise import PredictedFlight, promise_of
+from ipoa_mission.tube.promise import PredictedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 
 FLOWN = list(csv.DictReader(Path("docs/returns.csv").read_text().splitlines()))
@@ -53,7 +54,7 @@ WALL = 'kind = "box"\nname = "wall"\neast = 0.0\nnorth = -43.8\nwidth = 30.0\nde
 
 def flight_in(scenario: Scenario) -> tuple[Mission, PredictedFlight]:
     mission = flown_in(build_mission(Route(ROUND_THE_HALL), scenario), scenario)
-    return mission, promise_of(mission, scenario).flight
+    return mission, Forecast(mission, scenario).promise.flight
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -113,12 +114,12 @@ def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
     start, goal = scenario.places[0], scenario.places[-1]
     high = np.array([start, [start[0], start[1], 95.0], [goal[0], goal[1], 95.0], goal])
     mission = flown_in(build_mission(Route(high), scenario), scenario)
-    (finding,) = check_failsafe_return(mission, promise_of(mission, scenario).flight)
+    (finding,) = check_failsafe_return(mission, Forecast(mission, scenario).promise.flight)
     assert "under the ground" in finding.message
     assert finding.hint is not None
     name, _, value, *_ = finding.hint.split()
     higher = flown_in(mission.with_parameters({name: float(value)}), scenario)
-    assert not list(check_failsafe_return(higher, promise_of(higher, scenario).flight))
+    assert not list(check_failsafe_return(higher, Forecast(higher, scenario).promise.flight))
 
 
 def test_a_place_that_is_not_left_is_no_way() -> None:

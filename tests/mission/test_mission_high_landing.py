@@ -10,6 +10,7 @@ import pytest
 from ipoa_mission.checks.ground import slow_landings
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.flight.flight import Flight, plan_flight
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import Scenario
@@ -86,7 +87,7 @@ def test_a_planned_landing_on_high_ground_is_slow(
     assert sink_at_last(flight) == pytest.approx(slow, rel=0.25)
     without = replace(flight.mission, parameters={})
     assert flight.estimate.total_s > estimate(without).total_s + 5.0
-    assert sink_at_last(replace(flight, mission=without)) > 2 * slow * 0.75
+    assert sink_at_last(replace(flight, forecast=Forecast(without))) > 2 * slow * 0.75
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 
 from ipoa_mission.centimeters import down
 from ipoa_mission.commands import Command
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import return_to_launch
 from ipoa_mission.itinerary.legs import join
 from ipoa_mission.mission.files import read_mission
@@ -21,11 +22,9 @@ from ipoa_mission.report.panels.headline import verdict
 from ipoa_mission.report.panels.profile import _near
 from ipoa_mission.report.stops import stops
 from ipoa_mission.report.words import meters, number, seconds, share
-from ipoa_mission.routing.prove_route import cruise, prove_mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.timing.estimate import estimate
-from ipoa_mission.tube.promise import promise_of
 from ipoa_mission.world.obstacles import Prism
 from tests.report.conftest import Bowed, Planned
 
@@ -141,7 +140,7 @@ def test_the_script_is_given_the_world_as_it_is(bowed: Bowed) -> None:
 def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("downtown.toml")
     found = stops(mission, timed, scenario)
-    least = scenario.airspace.polyline_clearance(join(cruise(mission, scenario))[0])
+    least = scenario.airspace.polyline_clearance(join(Forecast(mission, scenario).cruise)[0])
     assert least.distance < 0  # an arc through a city does not miss its towers
     page = report_html(scenario, None, mission, timed)
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
@@ -152,7 +151,7 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed) 
 
 def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
-    kept = promise_of(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).clearance
+    kept = Forecast(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).promise.clearance
     assert kept is not None
     page = report_html(scenario, None, mission.with_parameters({"RTL_ALT": 6500.0}), timed)
     words = f"Clear of teaching block A: 99 % of flights keep {down(kept.kept):.2f} m"
@@ -196,7 +195,7 @@ def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Planned) -> None:
 
 def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
-    proof = prove_mission(mission, scenario)
+    proof = Forecast(mission, scenario).proof
     course = follow(timed.track, scenario.airspace)
     text = scenario.model_dump(mode="json")
     beside = scenario.airspace.obstacle_distance(course.points).min()
@@ -292,7 +291,7 @@ def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Bowed
     route, ratio, least = map(float, shown.groups())
     assert route == pytest.approx(done[last] - done[1], abs=0.06)
     assert route == pytest.approx(ratio * least, rel=0.01)
-    length = np.linalg.norm(np.diff(join(cruise(mission, scenario))[0], axis=0), axis=1).sum()
+    length = np.linalg.norm(np.diff(join(Forecast(mission, scenario).cruise)[0], axis=0), axis=1).sum()
     assert least > 0.95 * length / scenario.vehicle.cruise_speed  # corners are cut
     grounded = replace(mission, items=(mission.items[0], mission.items[-1]))
     assert "first place" not in report_html(scenario, None, grounded, estimate(grounded))

@@ -11,12 +11,12 @@ from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.approach import Approaches
 from ipoa_mission.tube.measured import law_of
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 
 @pytest.mark.parametrize("wind", [0.0, 5.0])
 @pytest.mark.parametrize("chance", [0.2, 0.1, 0.01, 0.002])
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_one_passage_nearer_than_the_least_reach_breaks_the_promise(
     autopilot: Autopilot, chance: float, wind: float
 ) -> None:

@@ -15,12 +15,12 @@ from scipy.stats import binomtest
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight, plan_flight
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.flight import Flight as Simulated
 from ipoa_mission.simulator.flight import MissionState
-from ipoa_mission.tube.promise import promise_of
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 
 LEVELS = (0.5, 0.9, 0.99)
@@ -71,7 +71,7 @@ def flown(mission: Mission, seed: int) -> Points:
 def kept_at(flight: Flight, level: float) -> float:
     """What so many flights are to keep to an obstacle on the way [m]."""
     safety = flight.scenario.safety.model_copy(update={"confidence": level})
-    promise = promise_of(flight.mission, flight.scenario.model_copy(update={"safety": safety}))
+    promise = Forecast(flight.mission, flight.scenario.model_copy(update={"safety": safety})).promise
     return min((one.kept for one in promise.limits if one.limit == "obstacles" and one.on_the_way), default=np.inf)
 
 

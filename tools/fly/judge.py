@@ -17,8 +17,9 @@ from typing import get_type_hints
 
 import numpy as np
 
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.tube.promise import Kept, promise_of
+from ipoa_mission.tube.promise import Kept
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools.fly.flown import Flown, read_flown
 
@@ -97,7 +98,7 @@ def _promised(flight: Flown, scenario: Scenario, level: float) -> Kept:
     """What so many flights are to keep of the obstacles, on the part of the flight that keeps the least."""
     safety = scenario.safety.model_copy(update={"confidence": level})
     mission = flight.mission.assuming(scenario.vehicle.autopilot_parameters())
-    promise = promise_of(mission, scenario.model_copy(update={"safety": safety}))
+    promise = Forecast(mission, scenario.model_copy(update={"safety": safety})).promise
     return min((kept for kept in promise.limits if kept.limit == "obstacles"), key=lambda kept: kept.kept)
 
 
