@@ -14,8 +14,15 @@ from ipoa_mission.errors import BadInput as BadInput
 from ipoa_mission.errors import MissionError as MissionError
 from ipoa_mission.exports import write_export as write_export
 from ipoa_mission.exports.table import mission_table as mission_table
+from ipoa_mission.flight.boarding import FarFromHome as FarFromHome
+from ipoa_mission.flight.boarding import FastLanding as FastLanding
+from ipoa_mission.flight.boarding import OutsideOwnFence as OutsideOwnFence
+from ipoa_mission.flight.boarding import expect_fit as expect_fit
 from ipoa_mission.flight.flight import Flight as Flight
 from ipoa_mission.flight.flight import plan_flight as plan_flight
+from ipoa_mission.flight.procedure import fly_mission as fly_mission
+from ipoa_mission.flight.procedure import upload_mission as upload_mission
+from ipoa_mission.forecast.forecast import Forecast as Forecast
 from ipoa_mission.items import FenceCircle as FenceCircle
 from ipoa_mission.items import FencePolygon as FencePolygon
 from ipoa_mission.items import Item as Item

@@ -11,7 +11,7 @@ from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
 from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.cli.vehicles import connect_to, get, put, states_firmware
+from ipoa_mission.cli.vehicles import connect_to, get, stages_shown, states_firmware
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
@@ -33,16 +33,14 @@ def upload(
     Example: `ipoa-mission upload campus.plan --link udpin:127.0.0.1:14550`
     """
     from ipoa_mission.cli.reading import read_with_parameters
-    from ipoa_mission.link.set_up import other_values
+    from ipoa_mission.flight.procedure import upload_mission
 
     mission, beside = read_with_parameters(file, autopilot)
     usual = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, usual) as vehicle:
         if not states_firmware(file, autopilot):
             mission, beside = read_with_parameters(file, vehicle.autopilot)
-        remarks = (*beside, *put(mission, vehicle, on_link.anyway))
-        others, missing = other_values(vehicle, mission.parameters)
-        remarks += (*map(str, others), *(f"the vehicle has no parameter {name}" for name in missing))
+        remarks = (*beside, *upload_mission(vehicle, mission, anyway=on_link.anyway, stages=stages_shown))
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
     about = counts | {"remarks": list(remarks), "written": on_link.written(usual)}

@@ -4,19 +4,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
+from ipoa_mission.checks.start import begun_at
 from ipoa_mission.cli.flown import flight_as_json
-from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.job import Job
-from ipoa_mission.cli.telling import progress_bar
-from ipoa_mission.cli.vehicles import put
+from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.boarding import await_home, expect_slow_landing
+from ipoa_mission.flight.procedure import fly_mission
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.link.set_up import other_values
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.timing.estimate import estimate
-from ipoa_mission.world.frame import Geodetic
 
 
 @contextmanager
@@ -57,21 +53,19 @@ class RealFlight:
             MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
         """
         job, vehicle = self.job, self.vehicle
+        scenario = job.flight.scenario if job.flight else None
         try:
-            vehicle.expect_on_ground()
-            with left_behind("nothing was sent"), progress_bar("waiting for a position", is_waiting=True) as show:
-                await_home(vehicle, show)
-            self.remarks += self._parameters()
-            self.remarks += put(job.mission, vehicle, self.anyway)
-            with (
-                left_behind("the vehicle was not armed"),
-                progress_bar("waiting until it is ready", is_waiting=True) as show,
-            ):
-                vehicle.prepare(self.first, show, self._permit)
-            with left_behind("see the hint", hint="look at it"):
-                vehicle.start()
-            with left_behind("nobody watches, and the vehicle flies on"), progress_bar("flying") as bar:
-                return self.remarks, vehicle.watch(bar)
+            record = fly_mission(
+                vehicle,
+                job.mission,
+                scenario,
+                first=self.first,
+                anyway=self.anyway,
+                set_params=self.set_params,
+                stages=stages_shown,
+                remark=self._remark,
+            )
+            return self.remarks, record
         except MissionError as error:
             state = vehicle.state
             error.known = flight_as_json(job.estimate, vehicle.record())
@@ -79,28 +73,5 @@ class RealFlight:
             error.known |= {"remarks": list(self.remarks)}
             raise
 
-    def _permit(self, there: Geodetic) -> None:
-        scenario = self.job.flight.scenario if self.job.flight else None
-        try:
-            self.remarks += check_start(self.job.mission, self.first, there, scenario)
-        except NotAtStart as elsewhere:
-            if not self.anyway:
-                elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"
-                raise
-            self.remarks += (str(elsewhere),)
-
-    def _parameters(self) -> tuple[str, ...]:
-        """Hold the vehicle's parameters against those that the mission was made for, and set them if that is wished.
-
-        Raises:
-            FastLanding: it is not wished, and the vehicle would touch down fast.
-        """
-        others, missing = other_values(self.vehicle, self.job.mission.parameters)
-        remarks = tuple(f"the vehicle has no parameter {name}" for name in missing)
-        if not self.set_params:
-            if not self.anyway:
-                expect_slow_landing(self.job.mission, self.vehicle)
-            return remarks + tuple(f"{other}: --set-params writes it" for other in others)
-        for other in others:
-            self.vehicle.set_parameter(other.name, other.wanted)
-        return remarks + tuple(f"{other.name} set to {other.wanted:g} (it was {other.has:g})" for other in others)
+    def _remark(self, words: str) -> None:
+        self.remarks += (words,)

@@ -2,6 +2,8 @@
 
 import logging
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,9 +17,11 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
+    from ipoa_mission.flight.procedure import Stage
     from ipoa_mission.items import Mission
     from ipoa_mission.link.dialogue import Patience
     from ipoa_mission.link.vehicle import Vehicle
+    from ipoa_mission.progress import Progress
 
 log = logging.getLogger(__name__)
 
@@ -65,23 +69,28 @@ def patience_of(timeout: float | None) -> "Patience":
     return SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout)
 
 
-def put(mission: "Mission", vehicle: "Vehicle", anyway: bool) -> tuple[str, ...]:
-    """Check a mission as this very vehicle would meet it, and upload it; what comes back are remarks for the user.
+@contextmanager
+def stages_shown(stage: "Stage") -> "Iterator[Progress]":
+    """A bar where a stage takes its time; and, where one is broken off, what that has left behind."""
+    from ipoa_mission.flight.procedure import Stage
+    from ipoa_mission.progress import silent
 
-    Raises:
-        Unsafe, FarFromHome: it would crash or be refused, and `anyway` does not say to send it all the same.
-    """
-    from ipoa_mission.flight.boarding import expect_fit
-    from ipoa_mission.link.set_up import idle_fence
-
-    with left_behind("nothing was sent"):
-        remarks = expect_fit(mission, vehicle, anyway)
-    with left_behind("the mission on the vehicle may be the old or the new one"), progress_bar("upload") as show:
-        vehicle.upload(mission, show, checked=False)
-    log.info("%d items on system %d, read back and equal", len(mission.items), vehicle.system)
-    with left_behind("the new mission is on the vehicle"):
-        idle = idle_fence(vehicle, mission)
-    return (*remarks, *([idle] if idle else []))
+    left = {
+        Stage.POSITION: "nothing was sent",
+        Stage.CHECK: "nothing was sent",
+        Stage.UPLOAD: "the mission on the vehicle may be the old or the new one",
+        Stage.STORED: str(Stage.STORED),
+        Stage.READY: "the vehicle was not armed",
+        Stage.FLIGHT: "nobody watches, and the vehicle flies on",
+    }
+    if stage is Stage.START:
+        with left_behind("see the hint", hint="look at it"):
+            yield silent
+        return
+    waits = stage in (Stage.POSITION, Stage.READY)
+    is_long = waits or stage in (Stage.UPLOAD, Stage.FLIGHT)
+    with left_behind(left[stage]), progress_bar(stage, is_waiting=waits) if is_long else nullcontext(silent) as show:
+        yield show
 
 
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:

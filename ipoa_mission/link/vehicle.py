@@ -83,7 +83,7 @@ class Vehicle:
 
         Raises:
             NotFlown: the vehicle is no multicopter.
-            BadInput: the mission is for none.
+            BadInput: the mission is for none, or for another autopilot.
             Unsafe: the check found errors, and nothing was sent.
             MissionRefused, NoAnswer, ReadBackDiffers, Replaced, Unflyable, TimeUp, Cancelled: it is not on the vehicle,
                 or cannot be flown.
@@ -91,7 +91,12 @@ class Vehicle:
         self.state.expect_flown()
         if mission.other_vehicle:
             raise BadInput(f"the mission is for {mission.other_vehicle}, and the vehicle is a multicopter")
-        suited = replace(mission, autopilot=self.autopilot)
+        if mission.autopilot is not self.autopilot:
+            raise BadInput(
+                f"the mission is for {mission.autopilot}, and the vehicle is {self.autopilot}: its path would be other",
+                hint=f"read it for {self.autopilot}: read_mission(path, autopilot)",
+            )
+        suited = mission
         with noted_interrupts() as interrupt, self._in_time():
             if checked:
                 suited = replace(suited, firmware_version=self.firmware_version())

@@ -10,20 +10,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ipoa_mission.checks.start import check_start
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.flight.procedure import Stage, begin_mission, load_mission
 from ipoa_mission.link.connect import connect
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
-from ipoa_mission.link.set_up import idle_fence, other_values
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.studio.answers import Landed, Loaded, Seen, State
 from ipoa_mission.studio.harness import Answer, Order, work
-from ipoa_mission.world.frame import Geodetic
 
 SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by its own clock
 LOOK_S = 0.1
@@ -101,30 +99,36 @@ def _vehicle(order: Order, flight: Flight, log: Path) -> Iterator[Vehicle]:
 
 
 def _upload(flight: Flight, vehicle: Vehicle, tell: Callable[[str], None]) -> tuple[str, ...]:
-    vehicle.expect_on_ground()
-    await_home(vehicle, lambda _, words: tell(words))
-    tell("checking the mission against the vehicle")
-    remarks = expect_fit(flight.mission, vehicle)
-    expect_slow_landing(flight.mission, vehicle)
-    vehicle.upload(flight.mission, lambda _, words: tell(words), checked=False)
-    idle = idle_fence(vehicle, flight.mission)
-    others, missing = other_values(vehicle, flight.mission.parameters)
-    lacking = (f"the vehicle has no parameter {name}" for name in missing)
-    return (*remarks, *([idle] if idle else []), *map(str, others), *lacking)
+    """The mission on the vehicle, each stage told; what the user should know of it."""
+
+    @contextmanager
+    def stages(stage: Stage) -> Iterator[Progress]:
+        tell(stage)
+        yield lambda _, words: tell(words)
+
+    remarks: list[str] = []
+    load_mission(vehicle, flight.mission, stages=stages, remark=remarks.append)
+    return tuple(remarks)
 
 
 def _flown(flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | None) -> FlightRecord:
     """The flight from here to its end; the built-in autopilot, which knows no clock, so many times as fast as real."""
 
-    def permit(there: Geodetic) -> None:
-        for words in check_start(flight.mission, 0, there, flight.scenario):
-            answer(State(phase="preparing", words=words))
+    @contextmanager
+    def stages(stage: Stage) -> Iterator[Progress]:
+        if stage is Stage.FLIGHT:
+            answer(State(phase="flying", words=Stage.START))
+            yield silent
+        elif stage is Stage.READY:
+            yield lambda _, words: answer(State(phase="preparing", words=words))
+        else:
+            vehicle.overhearing = Watch(flight, vehicle, answer, speedup).hear
+            yield silent
 
-    vehicle.prepare(progress=lambda _, words: answer(State(phase="preparing", words=words)), permit=permit)
-    vehicle.overhearing = Watch(flight, vehicle, answer, speedup).hear
-    vehicle.start()
-    answer(State(phase="flying", words="armed and started"))
-    return vehicle.watch()
+    def remark(words: str) -> None:
+        answer(State(phase="preparing", words=words))
+
+    return begin_mission(vehicle, flight.mission, flight.scenario, stages=stages, remark=remark)
 
 
 class Watch:

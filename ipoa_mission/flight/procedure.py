@@ -1,0 +1,175 @@
+"""The one safe way to put a mission on a vehicle, and to fly it: what the command line, the studio and users call."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from enum import StrEnum
+from typing import TypeAlias
+
+from ipoa_mission.checks.start import NotAtStart, check_start
+from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
+from ipoa_mission.items import Mission
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.set_up import idle_fence, other_values
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.progress import Progress, silent
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.frame import Geodetic
+
+
+class Stage(StrEnum):
+    """Where a flight is, from the first look at the vehicle until it stands again."""
+
+    POSITION = "waiting for a position"
+    CHECK = "checking the mission against the vehicle"
+    UPLOAD = "upload"
+    STORED = "the new mission is on the vehicle"
+    READY = "waiting until it is ready"
+    START = "armed and started"
+    FLIGHT = "flying"
+
+
+#: What is to be shown, and said where it breaks off, while each stage lasts.
+Stages: TypeAlias = Callable[[Stage], AbstractContextManager[Progress]]
+
+
+Remark: TypeAlias = Callable[[str], None]
+
+
+def unheard(words: str) -> None:
+    """Nobody is told."""
+
+
+def unseen(stage: Stage) -> AbstractContextManager[Progress]:
+    """Nothing is shown of any stage."""
+    return nullcontext(silent)
+
+
+def upload_mission(
+    vehicle: Vehicle, mission: Mission, *, anyway: bool = False, stages: Stages = unseen
+) -> tuple[str, ...]:
+    """Check a mission as this very vehicle would meet it, upload it and verify each list.
+
+    Parameters:
+        vehicle: at the other end of a link, as `connect` finds it.
+        mission: for this vehicle's autopilot, unless `anyway`.
+        anyway: what fails a check is among the remarks, and the mission is sent all the same.
+        stages: told of each stage; what it gives shows how far that is.
+
+    Returns:
+        Remarks for the user: warnings of the check, parameters that the vehicle has otherwise, a fence that is off.
+
+    Raises:
+        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or broken off; nothing was sent.
+        MissionError: it was made for another autopilot; or it is not on the vehicle, as `Vehicle.upload` says.
+
+    Example:
+        with connect("udpin:127.0.0.1:14550") as vehicle:
+            print(*upload_mission(vehicle, read_mission("campus.plan")), sep="\n")
+    """
+    with stages(Stage.CHECK):
+        remarks = expect_fit(mission, vehicle, anyway)
+    with stages(Stage.UPLOAD) as show:
+        vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
+    with stages(Stage.STORED):
+        idle = idle_fence(vehicle, mission)
+        others, missing = other_values(vehicle, mission.parameters)
+    lacking = (f"the vehicle has no parameter {name}" for name in missing)
+    return (*remarks, *([idle] if idle else []), *map(str, others), *lacking)
+
+
+def fly_mission(
+    vehicle: Vehicle,
+    mission: Mission,
+    scenario: Scenario | None = None,
+    *,
+    first: int = 0,
+    anyway: bool = False,
+    set_params: bool = False,
+    stages: Stages = unseen,
+    remark: Remark = unheard,
+) -> FlightRecord:
+    """Upload a mission, make the vehicle ready, arm it, start it, and watch it until it stands again.
+
+    Parameters:
+        vehicle: on the ground and disarmed.
+        mission: for its autopilot, unless `anyway`.
+        scenario: in whose world the way from where the vehicle stands is looked at.
+        first: the index in `mission.items` of the item to begin with.
+        anyway: what fails a check is told to `remark`, and it is flown all the same.
+        set_params: write the parameters that the mission was made for, where the vehicle has others.
+        stages: told of each stage; what it gives shows how far that is.
+        remark: told what the user should know, as it is found.
+
+    Returns:
+        When its items were reached, its path, and whether it completed.
+
+    Raises:
+        NotReady: it is armed already, does not know where it is, or cannot be armed; with its own reasons.
+        FastLanding, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check says no, and nothing was armed.
+        MissionError: as `upload_mission` and `Vehicle.start`, or the vehicle was lost.
+
+    Example:
+        with connect("udpin:127.0.0.1:14550") as vehicle:
+            record = fly_mission(vehicle, flight.mission, flight.scenario)
+    """
+    load_mission(vehicle, mission, anyway=anyway, set_params=set_params, stages=stages, remark=remark)
+    return begin_mission(vehicle, mission, scenario, first=first, anyway=anyway, stages=stages, remark=remark)
+
+
+def load_mission(
+    vehicle: Vehicle,
+    mission: Mission,
+    *,
+    anyway: bool = False,
+    set_params: bool = False,
+    stages: Stages = unseen,
+    remark: Remark = unheard,
+) -> None:
+    """The first half of `fly_mission`: all until the mission is on a vehicle that stands and knows where it is."""
+    vehicle.expect_on_ground()
+    with stages(Stage.POSITION) as show:
+        await_home(vehicle, show)
+    if set_params:
+        _set_parameters(vehicle, mission, remark)
+    elif not anyway:
+        expect_slow_landing(mission, vehicle)
+    for words in upload_mission(vehicle, mission, anyway=anyway, stages=stages):
+        remark(words)
+
+
+def begin_mission(
+    vehicle: Vehicle,
+    mission: Mission,
+    scenario: Scenario | None = None,
+    *,
+    first: int = 0,
+    anyway: bool = False,
+    stages: Stages = unseen,
+    remark: Remark = unheard,
+) -> FlightRecord:
+    """The second half of `fly_mission`: the vehicle is made ready, armed, started and watched."""
+
+    def permit(there: Geodetic) -> None:
+        try:
+            told = check_start(mission, first, there, scenario)
+        except NotAtStart as elsewhere:
+            if not anyway:
+                elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"
+                raise
+            told = (str(elsewhere),)
+        for words in told:
+            remark(words)
+
+    with stages(Stage.READY) as show:
+        vehicle.prepare(first, show, permit)
+    with stages(Stage.START):
+        vehicle.start()
+    with stages(Stage.FLIGHT) as show:
+        return vehicle.watch(show)
+
+
+def _set_parameters(vehicle: Vehicle, mission: Mission, remark: Remark) -> None:
+    for other in other_values(vehicle, mission.parameters)[0]:
+        vehicle.set_parameter(other.name, other.wanted)
+        remark(f"{other.name} set to {other.wanted:g} (it was {other.has:g})")
