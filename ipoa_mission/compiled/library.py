@@ -22,7 +22,11 @@ PACKAGE = Path(__file__).parent.parent
 SOURCES = (
     "compiled/native.py",
     "commands.py",
-    "vehicles/**/*.py",
+    "vehicles/*/dynamics/*.py",
+    "vehicles/arducopter/compiled.py",
+    "vehicles/*/book.py",
+    "vehicles/*/limits.py",
+    "vehicles/parameters.py",
     "geometry.py",
     "planning/_*.py",
     "planning/banded.py",
