@@ -15,9 +15,11 @@ class Severity(StrEnum):
 class Finding:
     """One thing found; `seq` is the item's number as in mission files (home is 0), None where no item is meant.
 
-    `hint` is what can be done about it, where that is known.
+    `code` says which rule found it, by the same word in every version: docs/findings.md has them all. `hint` is what
+    can be done about it, where that is known.
     """
 
+    code: str
     severity: Severity
     seq: int | None
     message: str

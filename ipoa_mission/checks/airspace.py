@@ -41,14 +41,20 @@ def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) 
     offset = np.abs(scenario.frame.local(mission.home))
     if offset.max() > SAME_HOME:
         message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
-        yield Finding(Severity.WARNING, 0, message)
+        yield Finding("home-differs", Severity.WARNING, 0, message)
     for leg in legs:
         for broken in _broken(leg, scenario):
             item, message = mission.items[leg.seq - 1], f"{NAMES[leg.phase]}: {broken.words()}"
             if leg.phase is not Phase.CRUISE and not _touches(broken, scenario):
-                yield warning(leg.seq, item, message)
+                yield warning("leg-too-near", leg.seq, item, message)
             else:
-                yield error(leg.seq, item, message, remedy(mission, scenario) if leg.phase is Phase.RETURN else None)
+                yield error(
+                    "leg-too-near",
+                    leg.seq,
+                    item,
+                    message,
+                    remedy(mission, scenario) if leg.phase is Phase.RETURN else None,
+                )
 
 
 def _broken(leg: Leg, scenario: Scenario) -> list[Check]:

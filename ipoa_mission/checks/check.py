@@ -4,7 +4,7 @@ Autopilots accept positions at (0, 0), altitudes that are no number and missions
 one checks first.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from ipoa_mission.checks.positions import check_positions, refusals
 from ipoa_mission.checks.sound import between_sound, sound_part
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg
+from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.vehicles.kinds import NO_AIRCRAFT
 
 if TYPE_CHECKING:
@@ -25,27 +26,35 @@ __all__ = ["Finding", "Severity", "check_mission"]
 
 
 def check_mission(
-    mission: Mission, scenario: "Scenario | None" = None, forecast: "Forecast | None" = None
+    mission: Mission,
+    scenario: "Scenario | None" = None,
+    forecast: "Forecast | None" = None,
+    ignore: Iterable[str] = (),
 ) -> tuple[Finding, ...]:
     """What is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
 
     The vehicle has the mission's parameters, and those of the scenario that the mission does not name. A leg is looked
     at where the positions at both of its ends are sound. `forecast` is that of the mission in that world, where there
-    is one already. Errors come before warnings, items in their order.
+    is one already. Findings whose codes are in `ignore`, or are ignored by the scenario, are left out. Errors come
+    before warnings, items in their order.
+
+    Raises:
+        BadInput: a code in `ignore` is none, or a crash may follow from what it finds.
     """
     if scenario is not None and mission.firmware_version is None and mission.autopilot is scenario.vehicle.autopilot:
         mission = replace(mission, firmware_version=scenario.vehicle.version)
+    ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
     findings = [*mission.findings, *check_firmware(mission), *positions]
     if mission.vehicle_type in NO_AIRCRAFT:
         message = f"the mission is for {mission.other_vehicle}, which does not fly: only flights are judged"
-        findings.append(Finding(Severity.ERROR, None, message))
+        findings.append(Finding("no-aircraft", Severity.ERROR, None, message))
     elif mission.other_vehicle:
         message = f"the mission is for {mission.other_vehicle}: its legs are judged as a multicopter flies them"
-        findings.append(Finding(Severity.WARNING, None, message))
+        findings.append(Finding("other-vehicle", Severity.WARNING, None, message))
     elsewhere = None if scenario is None else scenario.why_elsewhere(mission.home)
     if elsewhere is not None:
-        findings.append(Finding(Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
+        findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
     sound = None if elsewhere else sound_part(mission, positions)
     if sound is not None:
         from ipoa_mission.forecast.forecast import Forecast
@@ -60,6 +69,7 @@ def check_mission(
             findings += _check_world(flown.mission, legs, scenario, promise)
             if promise is not None and not any(finding.severity is Severity.ERROR for finding in findings):
                 findings += check_failsafe_return(flown.mission, promise.flight)
+    findings = [finding for finding in findings if finding.code not in ignored]
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
 
 

@@ -20,12 +20,12 @@ def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | Non
     if promise is None:
         return
     if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.speed)):
-        yield Finding(Severity.WARNING, None, why)
+        yield Finding("wind-not-measured", Severity.WARNING, None, why)
     for kept in promise.broken:
         item = mission.items[kept.item - 1]
         touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius
         says = error if kept.forbids or touches else warning
-        yield says(kept.item, item, f"{_where(kept)}: {kept.words(promise.confidence)}")
+        yield says("flights-too-near", kept.item, item, f"{_where(kept)}: {kept.words(promise.confidence)}")
 
 
 def _where(kept: Kept) -> str:

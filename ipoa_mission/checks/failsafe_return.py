@@ -66,7 +66,11 @@ def check_failsafe_return(mission: Mission, flight: PredictedFlight) -> Iterator
             worst = min(some, key=lambda one: one.check.slack)
             message = f"{_items_in_words(some)}: {order} on the way there {verb} {worst.check.words()}"
             yield Finding(
-                Severity.WARNING, worst.seq, message, _remedy(mission, flight.scenario, stops, some) if going else None
+                "return-too-near",
+                Severity.WARNING,
+                worst.seq,
+                message,
+                _remedy(mission, flight.scenario, stops, some) if going else None,
             )
 
 

@@ -17,16 +17,18 @@ TOUCH = 0.05  # [m] by which a leg may cross the fence's edge
 def check_fence(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iterator[Finding]:
     """Findings about the fence itself, then about what lies outside of it."""
     wrong = {n: words for n, part in enumerate(mission.fence) if (words := _wrong(part, frame))}
-    yield from (Finding(Severity.ERROR, None, f"fence[{n}]: {words}") for n, words in wrong.items())
+    yield from (Finding("fence-shape", Severity.ERROR, None, f"fence[{n}]: {words}") for n, words in wrong.items())
     if wrong or not mission.fence:
         return
     allowed = _allowed(mission, frame)
     home = shapely.Point(frame.local(mission.home)[:2])
     if not allowed.covers(home):
-        yield Finding(Severity.ERROR, 0, "home: expected inside the fence, but it lies outside")
+        yield Finding("outside-fence", Severity.ERROR, 0, "home: expected inside the fence, but it lies outside")
     for n, place in enumerate(mission.rally):
         if not allowed.covers(shapely.Point(frame.local(place)[:2])):
-            yield Finding(Severity.ERROR, None, f"rally[{n}]: expected inside the fence, but it lies outside")
+            yield Finding(
+                "outside-fence", Severity.ERROR, None, f"rally[{n}]: expected inside the fence, but it lies outside"
+            )
     yield from _legs(mission, legs, allowed)
 
 
@@ -76,4 +78,4 @@ def _legs(mission: Mission, legs: tuple[Leg, ...], allowed: shapely.Geometry) ->
         else:
             continue
         reported.add(leg.seq)
-        yield error(leg.seq, mission.items[leg.seq - 1], message)
+        yield error("outside-fence", leg.seq, mission.items[leg.seq - 1], message)

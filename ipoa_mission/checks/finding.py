@@ -7,11 +7,11 @@ from ipoa_mission.items import Item
 __all__ = ["Finding", "Severity", "error", "warning"]
 
 
-def error(seq: int, item: Item, message: str, hint: str | None = None) -> Finding:
+def error(code: str, seq: int, item: Item, message: str, hint: str | None = None) -> Finding:
     """An error about an item."""
-    return Finding(Severity.ERROR, seq, f"item {seq} ({command_name(item.command)}): {message}", hint)
+    return Finding(code, Severity.ERROR, seq, f"item {seq} ({command_name(item.command)}): {message}", hint)
 
 
-def warning(seq: int, item: Item, message: str) -> Finding:
+def warning(code: str, seq: int, item: Item, message: str) -> Finding:
     """A warning about an item."""
-    return Finding(Severity.WARNING, seq, f"item {seq} ({command_name(item.command)}): {message}")
+    return Finding(code, Severity.WARNING, seq, f"item {seq} ({command_name(item.command)}): {message}")

@@ -53,7 +53,7 @@ def is_too_long(mission: Mission) -> bool:
 
 def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
     if not (mission.items or mission.fence or mission.rally):
-        yield Finding(Severity.ERROR, None, "the mission: expected at least one item, but there is none")
+        yield Finding("empty", Severity.ERROR, None, "the mission: expected at least one item, but there is none")
     counts = {
         "mission items": (len(to_wire(mission)), firmware.max_items),
         "fence items (one for each vertex or circle)": (len(fence_to_wire(mission.fence)), firmware.max_fence_items),
@@ -62,7 +62,7 @@ def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
     for what, (count, most) in counts.items():
         if count > most:
             message = f"the mission: expected at most {most} {what} for {firmware.name}, not {count}"
-            yield Finding(Severity.ERROR, None, message)
+            yield Finding("too-many", Severity.ERROR, None, message)
 
 
 def _command_and_frame(
@@ -72,20 +72,32 @@ def _command_and_frame(
     if not placed and not plain:
         where = " in a mission: it belongs into the fence or rally list" if _is_fence(item, firmware) else ""
         words = f"{firmware} does not take {command_name(item.command)}{where}"
-        yield error(seq, item, words, _taken_later(item, autopilot, firmware))
+        yield error("command-not-taken", seq, item, words, _taken_later(item, autopilot, firmware))
     elif item.command in firmware.never_flown:
-        yield error(seq, item, f"{firmware} keeps {command_name(item.command)}, and flies no mission that holds it")
+        yield error(
+            "command-never-flown",
+            seq,
+            item,
+            f"{firmware} keeps {command_name(item.command)}, and flies no mission that holds it",
+        )
     elif is_development and not _before(autopilot, firmware).takes(item.command):
-        yield warning(seq, item, f"not every development version of {firmware} takes {command_name(item.command)}")
+        yield warning(
+            "command-of-development",
+            seq,
+            item,
+            f"not every development version of {firmware} takes {command_name(item.command)}",
+        )
     elif placed and item.frame not in firmware.frames:
         what = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
-        yield error(seq, item, f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}")
+        yield error(
+            "frame-not-taken", seq, item, f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}"
+        )
     elif placed and not plain and item.frame == Frame.MISSION:
         message = "expected a frame with a position, not frame 2"
         if firmware.frame_2_is_amsl:
-            yield warning(seq, item, f"{message}, which {firmware.name} takes for AMSL")
+            yield warning("frame-without-place", seq, item, f"{message}, which {firmware.name} takes for AMSL")
         else:
-            yield error(seq, item, message)
+            yield error("frame-without-place", seq, item, message)
 
 
 def _before(autopilot: Autopilot, firmware: Firmware) -> Firmware:
@@ -113,11 +125,15 @@ def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
         is_height = wrong.param == 7 and spoken.command in FLOWN_TO
         if item.frame == Frame.MISSION or not (is_place or is_height):
-            yield error(seq, item, f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission")
+            yield error(
+                "param-refused", seq, item, f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission"
+            )
     for seq, item in enumerate(fence_to_wire(mission.fence)):
         wrong = mission.autopilot.refused_in_fence(firmware, item.command, item.frame, values_of(item))
         if wrong is not None and wrong.words and wrong.result != "ERROR":  # of too few vertices `_fence` speaks
-            yield Finding(Severity.ERROR, None, f"fence item {seq}: {wrong.words}: {firmware} refuses the fence")
+            yield Finding(
+                "fence-refused", Severity.ERROR, None, f"fence item {seq}: {wrong.words}: {firmware} refuses the fence"
+            )
 
 
 def _is_fence(item: Item, firmware: Firmware) -> bool:
@@ -127,30 +143,47 @@ def _is_fence(item: Item, firmware: Firmware) -> bool:
 def _params(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
     for n, value in enumerate(item.params, start=1):
         if abs(value) > SINGLE_MAX:
-            yield error(seq, item, f"param{n}: expected a number that fits in single precision, not {value:g}")
+            yield error(
+                "param-too-large",
+                seq,
+                item,
+                f"param{n}: expected a number that fits in single precision, not {value:g}",
+            )
     hold = item.params[0]
     if item.command in HOLDING and math.isfinite(hold):
         if hold < 0:
-            yield error(seq, item, f"param1: expected a hold of zero seconds or more, not {hold:g}")
+            yield error("hold", seq, item, f"param1: expected a hold of zero seconds or more, not {hold:g}")
         elif hold > firmware.longest_hold:
-            yield error(seq, item, f"param1: expected a hold of at most {firmware.longest_hold:.0f} s, not {hold:g}")
+            yield error(
+                "hold", seq, item, f"param1: expected a hold of at most {firmware.longest_hold:.0f} s, not {hold:g}"
+            )
         elif firmware.holds_whole_seconds and not hold.is_integer():
-            yield warning(seq, item, f"param1: {firmware.name} holds for whole seconds: {int(hold)} s, not {hold:g}")
+            yield warning(
+                "hold-rounded",
+                seq,
+                item,
+                f"param1: {firmware.name} holds for whole seconds: {int(hold)} s, not {hold:g}",
+            )
     if item.command in HOLDING and math.isnan(hold) and firmware.nan_holds:
         words = f"param1: expected a hold in seconds, not NaN, at which {firmware.name} stays for ever"
-        yield error(seq, item, words)
+        yield error("hold", seq, item, words)
     if item.command == Command.DO_CHANGE_SPEED and not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
-        yield error(seq, item, f"param2: expected a speed above zero, not {item.params[1]:g}")
+        yield error("speed", seq, item, f"param2: expected a speed above zero, not {item.params[1]:g}")
 
 
 def _jump(seq: int, item: Item, count: int) -> Iterator[Finding]:
     target, repeats = item.params[:2]
     if not (math.isfinite(target) and target.is_integer() and 1 <= target <= count):
-        yield error(seq, item, f"param1: expected the number of an item, 1 to {count}, not {target:g}")
+        yield error("jump-target", seq, item, f"param1: expected the number of an item, 1 to {count}, not {target:g}")
     elif target == seq:
-        yield error(seq, item, "param1: expected another item, not the jump itself")
+        yield error("jump-target", seq, item, "param1: expected another item, not the jump itself")
     if not repeats >= 0:
-        yield warning(seq, item, f"param2: {repeats:g} repeats never end: the mission flies until someone ends it")
+        yield warning(
+            "jump-without-end",
+            seq,
+            item,
+            f"param2: {repeats:g} repeats never end: the mission flies until someone ends it",
+        )
 
 
 def _takeoff(mission: Mission) -> Iterator[Finding]:
@@ -165,9 +198,13 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     if first.command not in TAKEOFFS:
         later = any(item.command in TAKEOFFS for _, item in moving)
         if guidance.needs_takeoff or later:
-            yield error(seq, first, f"expected the take-off first, not {command_name(first.command)}")
+            yield error(
+                "takeoff-not-first", seq, first, f"expected the take-off first, not {command_name(first.command)}"
+            )
         else:
-            yield warning(seq, first, "the mission has no take-off: it serves a vehicle that already flies")
+            yield warning(
+                "takeoff-missing", seq, first, "the mission has no take-off: it serves a vehicle that already flies"
+            )
     yield from _waits_armed(mission, seq)
     least = 0.0
     if guidance.least_takeoff is not None:
@@ -178,9 +215,14 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
         if item.command in TAKEOFFS and height <= least:
             if guidance.own_takeoff > 0.0:
                 climbs = f"{mission.autopilot.model} climbs {guidance.own_takeoff:g} m all the same"
-                yield warning(seq, item, f"a take-off to {height:g} m above home: {climbs}")
+                yield warning("takeoff-low", seq, item, f"a take-off to {height:g} m above home: {climbs}")
             else:  # it finds such a mission infeasible
-                yield error(seq, item, f"expected a take-off to more than {least:g} m above home, not to {height:g} m")
+                yield error(
+                    "takeoff-low",
+                    seq,
+                    item,
+                    f"expected a take-off to more than {least:g} m above home, not to {height:g} m",
+                )
 
 
 def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
@@ -192,7 +234,7 @@ def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
     for seq, item in enumerate(mission.items[: takeoff - 1], start=1):
         if item.command == Command.NAV_DELAY and 0.0 < stands <= item.params[0]:
             words = f"on the ground {mission.autopilot.model} disarms after {stands:g} s ({name}; 0: never)"
-            yield warning(seq, item, words)
+            yield warning("disarms-waiting", seq, item, words)
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:
@@ -204,11 +246,11 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
             f"{items}: above terrain: {mission.autopilot.model} is armed only with terrain data, which a ground "
             f"station sends or its card holds, or with a range finder ({sensor})"
         )
-        yield Finding(Severity.WARNING, over[0], message)
+        yield Finding("terrain-data", Severity.WARNING, over[0], message)
 
 
 def _ending(mission: Mission) -> Iterator[Finding]:
     flown = [(seq, item) for seq, item in enumerate(mission.items, 1) if item.command < Command.CONDITION_DELAY]
     if flown and flown[-1][1].command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
         seq, last = flown[-1]
-        yield warning(seq, last, "the mission ends in the air, where the vehicle stays")
+        yield warning("ends-in-the-air", seq, last, "the mission ends in the air, where the vehicle stays")

@@ -68,6 +68,7 @@ def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) 
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
     if abs(at_home) > HOME_AGREES:
         yield Finding(
+            "home-not-on-ground",
             Severity.WARNING,
             0,
             f"home: the ground there is {_apart(at_home)} home's altitude: a vehicle counts heights from where it "
@@ -81,14 +82,22 @@ def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) 
         if stretch.is_fast(landing.counted):
             wanted = _in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
             hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
-            yield Finding(Severity.WARNING, landing.seq, f"{landing.words}: {touches_down(stretch, landing)}", hint)
+            yield Finding(
+                "fast-touchdown",
+                Severity.WARNING,
+                landing.seq,
+                f"{landing.words}: {touches_down(stretch, landing)}",
+                hint,
+            )
         elif landing.height < -DEEP:
             way = stretch.ends - landing.height
             words = (
                 f"the last {way:.0f} m are flown at {stretch.landing:.1f} m/s and take {way / stretch.landing:.0f} s"
             )
             hint = "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
-            yield Finding(Severity.WARNING, landing.seq, f"{landing.words}: without a rangefinder {words}", hint)
+            yield Finding(
+                "slow-landing", Severity.WARNING, landing.seq, f"{landing.words}: without a rangefinder {words}", hint
+            )
 
 
 def slow_landings(mission: Mission, scenario: "Scenario") -> Mission:

@@ -30,4 +30,4 @@ def check_passed_over(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...
             others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
             where = f"passes {aside:.1f} m from" if aside > 0 else "crosses"
             words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
-            yield error(leg.seq, mission.items[leg.seq - 1], words, first.remedy)
+            yield error("map-not-understood", leg.seq, mission.items[leg.seq - 1], words, first.remedy)

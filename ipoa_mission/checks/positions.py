@@ -24,7 +24,7 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     yield from _home(mission)
     elsewhere = home_elsewhere(mission)
     if elsewhere:
-        yield Finding(Severity.WARNING, 0, elsewhere)
+        yield Finding("home-elsewhere", Severity.WARNING, 0, elsewhere)
     for seq, item in enumerate(mission.items, start=1):
         if (
             item.command in FLOWN_TO | mission.autopilot.firmware(mission.firmware_version).placed.keys()
@@ -38,10 +38,10 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     yield from _fence(mission)
     for n, place in enumerate(mission.rally):
         if wrong := _wrong_corner(mission.home, place.latitude_deg, place.longitude_deg):
-            yield Finding(Severity.ERROR, None, f"rally[{n}]: {wrong}")
+            yield Finding("rally-place", Severity.ERROR, None, f"rally[{n}]: {wrong}")
         elif not math.isfinite(place.altitude) or not 0 <= place.altitude <= HIGHEST:
             message = f"rally[{n}]: expected a height above home in metres, not {place.altitude:g}"
-            yield Finding(Severity.ERROR, None, message)
+            yield Finding("rally-height", Severity.ERROR, None, message)
 
 
 def _fence(mission: Mission) -> Iterator[Finding]:
@@ -51,7 +51,7 @@ def _fence(mission: Mission) -> Iterator[Finding]:
         if isinstance(part, FenceCircle) and not 0 < part.radius <= TOO_FAR:
             wrong = f"expected a radius above zero and up to {TOO_FAR / 1000:g} km, not {part.radius:g} m"
         if wrong:
-            yield Finding(Severity.ERROR, None, f"fence[{n}]: {wrong}")
+            yield Finding("fence-place", Severity.ERROR, None, f"fence[{n}]: {wrong}")
 
 
 def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> str | None:
@@ -103,14 +103,14 @@ def refusals(mission: Mission) -> tuple[str, ...]:
 def _home(mission: Mission) -> Iterator[Finding]:
     home = mission.home
     if wrong := out_of_range(home.latitude_deg, home.longitude_deg):
-        yield Finding(Severity.ERROR, 0, f"home: {wrong}")
+        yield Finding("home-place", Severity.ERROR, 0, f"home: {wrong}")
     elif (home.latitude_deg, home.longitude_deg) == (0.0, 0.0):
         needed = any(item.has_position for item in mission.items)
         message = "home: expected a position, not latitude 0, longitude 0"
-        yield Finding(Severity.ERROR if needed else Severity.WARNING, 0, message)
+        yield Finding("home-unknown", Severity.ERROR if needed else Severity.WARNING, 0, message)
     if not DEEPEST_LAND <= home.altitude <= HIGHEST_LAND:
         message = f"home: expected an altitude AMSL from {DEEPEST_LAND:g} to {HIGHEST_LAND:g} m, not {home.altitude:g}"
-        yield Finding(Severity.ERROR, 0, message)
+        yield Finding("home-altitude", Severity.ERROR, 0, message)
 
 
 def out_of_range(latitude_deg: float, longitude_deg: float) -> str | None:
@@ -124,16 +124,24 @@ def out_of_range(latitude_deg: float, longitude_deg: float) -> str | None:
 
 def _position(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
     if wrong := out_of_range(item.latitude_deg, item.longitude_deg):
-        yield error(seq, item, wrong)
+        yield error("position-out-of-range", seq, item, wrong)
     elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
         if is_here(item, mission.autopilot):
             if item.command not in MAY_BE_HERE:
-                yield warning(seq, item, f"latitude 0, longitude 0: {mission.autopilot.model} does it where it is")
+                yield warning(
+                    "position-here",
+                    seq,
+                    item,
+                    f"latitude 0, longitude 0: {mission.autopilot.model} does it where it is",
+                )
         elif item.command not in MAY_BE_HERE:
-            yield error(seq, item, "expected a position, not latitude 0, longitude 0")
+            yield error("position-missing", seq, item, "expected a position, not latitude 0, longitude 0")
         elif not mission.autopilot.guidance.zero_is_here:
             yield error(
-                seq, item, f"expected a position: {mission.autopilot.model} would fly to latitude 0, longitude 0"
+                "position-missing",
+                seq,
+                item,
+                f"expected a position: {mission.autopilot.model} would fly to latitude 0, longitude 0",
             )
 
 
@@ -148,34 +156,36 @@ def _far(seq: int, item: Item, home: Geodetic) -> Iterator[Finding]:
         return
     km = distance(home, item.latitude_deg, item.longitude_deg) / 1000
     if km > TOO_FAR / 1000:
-        yield error(seq, item, f"expected a position within {TOO_FAR / 1000:g} km of home, not {km:.0f} km")
+        yield error("too-far", seq, item, f"expected a position within {TOO_FAR / 1000:g} km of home, not {km:.0f} km")
     elif km > FAR / 1000:
-        yield warning(seq, item, f"lies {km:.1f} km from home")
+        yield warning("far", seq, item, f"lies {km:.1f} km from home")
 
 
 def _height(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
     if item.command not in FLOWN_TO:
         return
     if not math.isfinite(item.altitude):
-        yield error(seq, item, f"expected an altitude in metres, not {item.altitude}")
+        yield error("altitude-missing", seq, item, f"expected an altitude in metres, not {item.altitude}")
         return
     if is_as_high_as_now(item, mission.autopilot):
         if item.command != Command.NAV_PAYLOAD_PLACE:
-            yield warning(seq, item, "altitude 0: ArduCopter stays as high as it is")
+            yield warning("altitude-kept", seq, item, "altitude 0: ArduCopter stays as high as it is")
         return
     if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
         if not (item.altitude > 0 or item.command == Command.NAV_LAND) or abs(item.altitude) > HIGHEST:
-            yield error(seq, item, f"expected a height above the terrain, not {item.altitude:g} m")
+            yield error(
+                "height-over-terrain", seq, item, f"expected a height above the terrain, not {item.altitude:g} m"
+            )
         return
     height = mission.altitude_above_home(item)
     if math.isnan(height):
         return  # a frame that no firmware takes: `check_firmware` says so
     if not LOWEST <= height <= HIGHEST:
         message = f"expected a height from {LOWEST:g} to {HIGHEST:g} m above home, not {height:g} m"
-        yield error(seq, item, message + _doubt(item, mission))
+        yield error("height-absurd", seq, item, message + _doubt(item, mission))
     elif height <= 0 and item.command not in MAY_BE_HERE:
         words = f"lies {-height:g} m below home" if height else "flies at the height of home: has it no altitude?"
-        yield warning(seq, item, words + _doubt(item, mission))
+        yield warning("below-home", seq, item, words + _doubt(item, mission))
 
 
 def _doubt(item: Item, mission: Mission) -> str:

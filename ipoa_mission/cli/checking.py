@@ -1,6 +1,7 @@
 """`check` and `estimate`: what a mission file is worth before it flies."""
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -8,6 +9,7 @@ from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import FileArgument, JsonOption, ScenarioOption
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
 
 if TYPE_CHECKING:
     from ipoa_mission.energy.flight import Consumption
@@ -18,7 +20,17 @@ if TYPE_CHECKING:
 
 
 def check(
-    file: FileArgument, flown_by: FlownByOptions, scenario: ScenarioOption = None, as_json: JsonOption = False
+    file: FileArgument,
+    flown_by: FlownByOptions,
+    scenario: ScenarioOption = None,
+    ignore: Annotated[
+        list[str] | None,
+        typer.Option("--ignore", metavar="CODE", help="Leave out the findings of a code; not those of a crash."),
+    ] = None,
+    sarif: Annotated[
+        Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings as SARIF, for CI.")
+    ] = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
 
@@ -29,6 +41,7 @@ def check(
     from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.checks.firmware import is_too_long
     from ipoa_mission.checks.positions import refusals
+    from ipoa_mission.checks.sarif import sarif as sarif_log
     from ipoa_mission.cli.reading import read_with_parameters, read_world
     from ipoa_mission.forecast.forecast import Forecast
 
@@ -42,7 +55,9 @@ def check(
     if world is not None and not (refusals(mission) or is_too_long(mission)):
         forecast = Forecast(mission, world)
         promise = forecast.promise_if_known
-    findings = check_mission(mission, world, forecast)
+    findings = check_mission(mission, world, forecast, ignore or ())
+    if sarif is not None:
+        write_atomically(sarif, sarif_log(file, findings))
     version = mission.firmware_version
     if version is None and world is not None and world.vehicle.autopilot is mission.autopilot:
         version = world.vehicle.version
@@ -50,7 +65,7 @@ def check(
     remarks = tuple(remark for remark in remarks if remark not in messages) + (() if world is None else world.remarks)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
-        rows = [picked(finding, "severity", "seq", "message", "hint") for finding in findings]
+        rows = [picked(finding, "code", "severity", "seq", "message", "hint") for finding in findings]
         about: dict[str, Any] = {}
         if world is not None:
             from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
@@ -60,7 +75,7 @@ def check(
         tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))
-        tell(*(line for f in findings for line in (str(f), *([f"hint: {f.hint}"] if f.hint else []))))
+        tell(*(line for f in findings for line in (f"{f} [{f.code}]", *([f"hint: {f.hint}"] if f.hint else []))))
         if promise is not None:
             from ipoa_mission.cli.summary import promised
 

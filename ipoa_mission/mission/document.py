@@ -34,7 +34,7 @@ class Node:
 
     def note(self, message: str, severity: Severity = Severity.WARNING) -> None:
         """Say something about this value without refusing it."""
-        self.findings.append(Finding(severity, None, f"{self.place}: {message}" if self.place else message))
+        self.findings.append(Finding("file", severity, None, f"{self.place}: {message}" if self.place else message))
 
     def __getitem__(self, key: str) -> "Node":
         """The value under a key that must be there."""

@@ -98,7 +98,7 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     if (home.latitude_deg, home.longitude_deg) == (0.0, 0.0) and (places := [i for i in items if i.has_position]):
         home = replace(home, latitude_deg=places[0].latitude_deg, longitude_deg=places[0].longitude_deg)
         message = "home: 0, 0 stands for no place: the first place of the mission is taken for it"
-        findings.append(Finding(Severity.WARNING, 0, message))
+        findings.append(Finding("file-home", Severity.WARNING, 0, message))
     return Mission(home, items, autopilot, findings=tuple(findings), source=text)
 
 
@@ -108,7 +108,7 @@ def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) 
     is_rally = items[0].command == Command.NAV_RALLY_POINT
     home = Geodetic(items[0].latitude_deg, items[0].longitude_deg, 0.0)
     what = "rally points" if is_rally else "a geofence"
-    finding = Finding(Severity.WARNING, None, f"the file holds {what} and no mission")
+    finding = Finding("file-other-list", Severity.WARNING, None, f"the file holds {what} and no mission")
     try:
         if is_rally:
             return Mission(home, (), autopilot, rally=rally_from_wire(items), findings=(finding,), source=text)
@@ -233,7 +233,7 @@ def _check_numbers(rows: Sequence[tuple[_Line, Item]]) -> Iterator[Finding]:
             if has_jump:
                 raise line.wrong("seq", f"{count} (a jump counts on it)")
             message = f"line {line.number}: seq {line.fields['seq']} stands where {count} is due: numbered by lines"
-            yield Finding(Severity.WARNING, count, message)
+            yield Finding("file-numbers", Severity.WARNING, count, message)
             return
 
 

@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
+from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
 from ipoa_mission.scenario.maps import MapSection
@@ -137,6 +138,22 @@ class SafetySection(Section):
     confidence: Annotated[float, Field(ge=0.5, le=0.999)] | Literal["nominal"] = 0.99
     """The share of flights that keep the required clearance, by how far this autopilot flies beside its predicted path;
     `nominal`: what the predicted path keeps, as the paper has it."""
+    ignore: tuple[str, ...] = ()
+    """Codes of findings that are not to be told; those from which a crash may follow are told all the same."""
+
+    @field_validator("ignore")
+    @classmethod
+    def _may_be_ignored(cls, codes: tuple[str, ...]) -> tuple[str, ...]:
+        try:
+            expect_ignorable(codes)
+        except BadInput as error:
+            raise ValueError(str(error)) from error
+        return codes
+
+    @property
+    def ignored(self) -> frozenset[str]:
+        """The same, to look codes up."""
+        return frozenset(self.ignore)
 
     @property
     def chance(self) -> float | None:

@@ -1,0 +1,44 @@
+"""Findings as SARIF 2.1.0, which code hosts and editors show beside a file."""
+
+import json
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from ipoa_mission.finding import Finding
+from ipoa_mission.rules import RULES
+
+SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
+
+
+def sarif(file: Path, findings: Sequence[Finding]) -> str:
+    """The text of a SARIF log of what was found in one mission file; an item is the logical location `item N`."""
+    codes = sorted({finding.code for finding in findings})
+    rules = [
+        {
+            "id": code,
+            "shortDescription": {"text": RULES[code].means},
+            "help": {"text": RULES[code].do},
+        }
+        for code in codes
+    ]
+    results = [
+        {
+            "ruleId": finding.code,
+            "ruleIndex": codes.index(finding.code),
+            "level": str(finding.severity),
+            "message": {"text": finding.message + (f" ({finding.hint})" if finding.hint else "")},
+            "locations": [
+                {
+                    "physicalLocation": {"artifactLocation": {"uri": file.as_posix()}},
+                    "logicalLocations": [
+                        {"name": "mission" if finding.seq is None else f"item {finding.seq}", "kind": "element"}
+                    ],
+                }
+            ],
+        }
+        for finding in findings
+    ]
+    driver = {"name": "ipoa-mission", "version": version("ipoa-mission"), "rules": rules}
+    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
+    return json.dumps(log, indent=2) + "\n"

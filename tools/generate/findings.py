@@ -1,0 +1,29 @@
+"""Write docs/findings.md: every finding of `check` by its code.
+
+python -m tools.generate.findings
+"""
+
+from ipoa_mission.rules import RULES
+from tools import REPOSITORY
+
+PAGE = REPOSITORY / "docs" / "findings.md"
+HEAD = """\
+# Findings
+
+Made from the code by `python -m tools.generate.findings`. `check` prints the code of a finding behind it;
+`--json` and `--sarif` have it too. A code keeps its meaning. What is marked so can be left out, with
+`check --ignore CODE` or in a scenario with `ignore = ["CODE"]` under `[safety]`; from the others a crash may follow.
+
+| code | means | do | may be ignored |
+|---|---|---|---|
+"""
+
+
+def page() -> str:
+    """The text of the page."""
+    rows = (f"| `{code}` | {one.means} | {one.do} | {'' if one.crash else 'yes'} |" for code, one in RULES.items())
+    return HEAD + "\n".join(rows) + "\n"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
