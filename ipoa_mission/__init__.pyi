@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from ipoa_mission.autopilots.vehicle import Autopilot as Autopilot
 from ipoa_mission.checks.check import Finding as Finding
 from ipoa_mission.checks.check import Severity as Severity
 from ipoa_mission.checks.check import check_mission as check_mission
@@ -37,10 +36,10 @@ from ipoa_mission.link.logbook import FlightRecord as FlightRecord
 from ipoa_mission.link.orders import CommandRefused as CommandRefused
 from ipoa_mission.link.state import NotFlown as NotFlown
 from ipoa_mission.link.state import NotReady as NotReady
+from ipoa_mission.link.unbroken import Unsettled as Unsettled
 from ipoa_mission.link.upload import ReadBackDiffers as ReadBackDiffers
 from ipoa_mission.link.upload import Replaced as Replaced
 from ipoa_mission.link.upload import Unflyable as Unflyable
-from ipoa_mission.link.upload import Unsettled as Unsettled
 from ipoa_mission.link.vehicle import Vehicle as Vehicle
 from ipoa_mission.mission.files import read_mission as read_mission
 from ipoa_mission.mission.files import write_mission as write_mission
@@ -70,6 +69,7 @@ from ipoa_mission.simulator.fly import fly as fly
 from ipoa_mission.timing.estimate import Estimate as Estimate
 from ipoa_mission.timing.estimate import ItemTime as ItemTime
 from ipoa_mission.timing.estimate import estimate as estimate
+from ipoa_mission.vehicles.autopilot import Autopilot as Autopilot
 from ipoa_mission.wind import Wind as Wind
 from ipoa_mission.world.airspace import Airspace as Airspace
 from ipoa_mission.world.airspace import Bounds as Bounds

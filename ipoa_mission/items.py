@@ -7,14 +7,14 @@ Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPil
 import math
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.autopilots.kinds import MULTICOPTERS, QUADROTOR, class_name, with_article
-from ipoa_mission.autopilots.learned import LearnedVehicle
-from ipoa_mission.autopilots.parameters import expect_own
-from ipoa_mission.autopilots.renamed import overridden
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.finding import Finding
+from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
+from ipoa_mission.vehicles.kinds import MULTICOPTERS, QUADROTOR, class_name, with_article
+from ipoa_mission.vehicles.known_parameters import expect_own
+from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.ground import LEVEL, Ground
 
@@ -89,7 +89,7 @@ class Mission:
 
     home: Geodetic
     items: tuple[Item, ...]
-    autopilot: Autopilot = Autopilot.PX4
+    autopilot: Autopilot = field(default_factory=default_autopilot)
     cruise_speed: float | None = None
     fence: tuple[FencePolygon | FenceCircle, ...] = ()
     rally: tuple[Geodetic, ...] = ()
@@ -116,11 +116,19 @@ class Mission:
             BadInput: one of them is the other firmware's.
         """
         expect_own(parameters, self.autopilot)
-        return replace(self, parameters=overridden(self.parameters, parameters)) if parameters else self
+        return (
+            replace(self, parameters=self.autopilot.book.overridden(self.parameters, parameters))
+            if parameters
+            else self
+        )
 
     def assuming(self, parameters: Parameters) -> "Mission":
         """The same on a vehicle that has these parameters too; those that it carries go before them."""
-        return replace(self, parameters=overridden(parameters, self.parameters)) if parameters else self
+        return (
+            replace(self, parameters=self.autopilot.book.overridden(parameters, self.parameters))
+            if parameters
+            else self
+        )
 
     def altitude_above_home(self, item: Item) -> float:
         """Altitude of an item over home [m]; NaN where it is given over terrain."""

@@ -14,6 +14,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: 
 import pytest
 from hypothesis import settings
 
+from ipoa_mission.vehicles.autopilot import Autopilot
+
 gc.set_threshold(50_000)  # imports and the collection of tests make many objects, and no garbage
 REPOSITORY = Path(__file__).parent.parent
 
@@ -99,3 +101,8 @@ def samples() -> Path:
     if found is None:
         pytest.skip("no samples beside the repository")
     return found
+
+
+def pytest_make_parametrize_id(val: object) -> str | None:
+    """A test of an autopilot has its name."""
+    return str(val) if isinstance(val, Autopilot) else None

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from itertools import cycle
 from typing import Any, TypeVar
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, takeoff, waypoint
 from ipoa_mission.link.codec import Target
@@ -16,6 +15,7 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.simulator.personality import personality
 from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 T = TypeVar("T")

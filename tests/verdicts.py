@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from ipoa_mission.vehicles.version import Version
 
 RECORDS = Path(__file__).parent / "recorded_verdicts"
 PLACE = (47.3978, 8.5457, 20.0)
@@ -66,4 +66,4 @@ def read_record(path: Path) -> Record:
     """A record from its file."""
     read = json.loads(path.read_text(encoding="utf-8"))
     rows = {tuple(map(int, key.split())): letters for key, letters in read["rows"].items()}
-    return Record(Autopilot(read["autopilot"]), Version.parsed(read["table"]), read["says"], read["commit"], rows)  # type: ignore[arg-type]
+    return Record(autopilot_named(read["autopilot"]), Version.parsed(read["table"]), read["says"], read["commit"], rows)  # type: ignore[arg-type]

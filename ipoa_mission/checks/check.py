@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ipoa_mission.autopilots.kinds import NO_AIRCRAFT
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.firmware import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, refusals
 from ipoa_mission.checks.sound import between_sound, sound_part
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, flown_legs
+from ipoa_mission.vehicles.kinds import NO_AIRCRAFT
 from ipoa_mission.world.frame import LocalFrame
 
 if TYPE_CHECKING:

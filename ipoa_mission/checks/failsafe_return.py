@@ -15,10 +15,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilots.braking import REACTION, braking_distance
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.finding import Finding, Severity
-from ipoa_mission.checks.way_home import HEIGHT_STEP, PARAMETERS
+from ipoa_mission.checks.way_home import HEIGHT_STEP
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import return_ways
@@ -76,16 +74,16 @@ def stops_of(mission: Mission, flight: PredictedFlight) -> Stops:
     """Where it is and then stands, between the end of the take-off and the last waypoint."""
     (begin, end), course = flight.way, flight.course
     times = np.append(np.arange(begin, end, LOOK_EVERY_S), end)
-    then = np.minimum(times + REACTION[mission.autopilot], end)
+    then = np.minimum(times + mission.autopilot.guidance.brakes_after, end)
     before, places, stands, after = (
         _along(course, at) for at in (then - LOOK_EVERY_S, times, then, then + LOOK_EVERY_S)
     )
     velocity = (after - before) / (2 * LOOK_EVERY_S)
     speed = np.hypot(*velocity[:, :2].T)
-    if mission.autopilot is Autopilot.ARDUPILOT:
+    if mission.autopilot.guidance.climb_ends_at_once:
         velocity[:, 2] = 0.0  # it stops its climb by itself, within half a meter
     accel = np.gradient(speed, LOOK_EVERY_S) if len(speed) > 1 else np.zeros(1)
-    way = braking_distance(mission.autopilot, mission.parameters, speed, accel)
+    way = mission.autopilot.braking_distance(mission.parameters, speed, accel)
     stands += velocity * (way / np.maximum(speed, STANDS))[:, None]
     seqs = np.array([visit.seq for visit in flight.route.visits])
     return Stops(places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)])
@@ -96,7 +94,7 @@ def broken_returns(
 ) -> Iterator[Broken]:
     """What breaks a limit in `parts` of the returns from the way to each item, one of each, not always the worst."""
     for ways in return_ways(mission, scenario.frame, stops.stands):
-        sheets = _Sheets(stops, ways[:, 1:], mission.autopilot is Autopilot.PX4)
+        sheets = _Sheets(stops, ways[:, 1:], mission.autopilot.guidance.climbs_coming_back)
         yield from sheets.near_obstacles(scenario, parts)
         yield from sheets.near_the_ground(scenario, parts)
 
@@ -191,16 +189,17 @@ def _once(broken: Iterable[Broken]) -> Iterator[Broken]:
 
 def _remedy(mission: Mission, scenario: Scenario, stops: Stops, broken: list[Broken]) -> str | None:
     """A return altitude, a multiple of five meters, at which the way home is clear from everywhere."""
-    name, unit = PARAMETERS[mission.autopilot]
+    by = mission.autopilot.book.return_height
     height, tops = 0.0, {body.name: float(body.bounds[1, 2]) for body in scenario.airspace.obstacles}
     for _ in range(MOST_TRIES):
         wanted = max(_height_over(one.check, tops) for one in broken)
         height = max(height + HEIGHT_STEP, HEIGHT_STEP * math.ceil(wanted / HEIGHT_STEP))
-        higher = mission.with_parameters({name: height / unit})
+        higher = mission.with_parameters({by.name: by.spelled(height)})
         if not (broken := list(broken_returns(higher, scenario, stops, (RETURNS,)))):
             highest = scenario.airspace.bounds.upper[2]
             beyond = f" (above the upper bound of {highest:g} m)" if height > highest else ""
-            return f"{name} = {height / unit:.0f}{beyond} makes it clear, in the vehicle and under [vehicle.parameters]"
+            set_to = f"{by.name} = {by.spelled(height):.0f}{beyond}"
+            return f"{set_to} makes it clear, in the vehicle and under [vehicle.parameters]"
     return None
 
 

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.checks.finding import Finding, Severity, error
 from ipoa_mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.itinerary.legs import Leg, Phase
@@ -49,7 +48,7 @@ def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:
     """Where the fence allows flying, in the local plane; a fence of exclusions only allows everything else."""
     inside = [_area(part, frame) for part in mission.fence if part.inclusion]
     outside = [_area(part, frame) for part in mission.fence if not part.inclusion]
-    join = shapely.union_all if FIRMWARE[mission.autopilot].fence_is_union else shapely.intersection_all
+    join = shapely.union_all if mission.autopilot.firmware().fence_is_union else shapely.intersection_all
     allowed = join(inside) if inside else shapely.box(-1e7, -1e7, 1e7, 1e7)
     return shapely.difference(allowed, shapely.union_all(outside))
 

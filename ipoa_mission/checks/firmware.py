@@ -3,13 +3,6 @@
 import math
 from collections.abc import Iterator
 
-from ipoa_mission.autopilots import firmware as tables
-from ipoa_mission.autopilots.firmware import Firmware, series_known
-from ipoa_mission.autopilots.kinds import NO_AIRCRAFT
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
-from ipoa_mission.autopilots.refusal import param_name, refused, refused_in_fence
-from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
 from ipoa_mission.checks.positions import out_of_range
 from ipoa_mission.commands import (
@@ -26,18 +19,23 @@ from ipoa_mission.commands import (
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import to_wire, values_of
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.kinds import NO_AIRCRAFT
+from ipoa_mission.vehicles.parameters import SINGLE_MAX
+from ipoa_mission.vehicles.refusal import param_name
+from ipoa_mission.vehicles.version import Version
 
 DEVELOPMENT = "dev"  # the stage of a version
-LONGEST_HOLD_S = 65535  # ArduPilot keeps it in sixteen bits, in whole seconds
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
     """Findings about commands, frames, params, jumps, limits, take-off and ending."""
-    firmware = tables.firmware(mission.autopilot, mission.firmware_version)
+    firmware = mission.autopilot.firmware(mission.firmware_version)
     is_development = mission.firmware_version is not None and mission.firmware_version.stage == DEVELOPMENT
     yield from _limits(mission, firmware)
     for seq, item in enumerate(mission.items, start=1):
-        yield from _command_and_frame(seq, item, firmware, is_development)
+        yield from _command_and_frame(seq, item, mission.autopilot, firmware, is_development)
         yield from _params(seq, item, firmware)
         if item.command == Command.DO_JUMP:
             yield from _jump(seq, item, len(mission.items))
@@ -50,7 +48,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
 
 def is_too_long(mission: Mission) -> bool:
     """Whether its firmware holds fewer mission items than it has: it is refused, and nothing flies it."""
-    return len(to_wire(mission)) > tables.firmware(mission.autopilot, mission.firmware_version).max_items
+    return len(to_wire(mission)) > mission.autopilot.firmware(mission.firmware_version).max_items
 
 
 def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
@@ -67,39 +65,39 @@ def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
             yield Finding(Severity.ERROR, None, message)
 
 
-def _command_and_frame(seq: int, item: Item, firmware: Firmware, is_development: bool) -> Iterator[Finding]:
+def _command_and_frame(
+    seq: int, item: Item, autopilot: Autopilot, firmware: Firmware, is_development: bool
+) -> Iterator[Finding]:
     placed, plain = item.command in firmware.placed, item.command in firmware.plain
     if not placed and not plain:
         where = " in a mission: it belongs into the fence or rally list" if _is_fence(item, firmware) else ""
         words = f"{firmware} does not take {command_name(item.command)}{where}"
-        yield error(seq, item, words, _taken_later(item, firmware))
+        yield error(seq, item, words, _taken_later(item, autopilot, firmware))
     elif item.command in firmware.never_flown:
         yield error(seq, item, f"{firmware} keeps {command_name(item.command)}, and flies no mission that holds it")
-    elif is_development and not _before(firmware).takes(item.command):
+    elif is_development and not _before(autopilot, firmware).takes(item.command):
         yield warning(seq, item, f"not every development version of {firmware} takes {command_name(item.command)}")
     elif placed and item.frame not in firmware.frames:
         what = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
         yield error(seq, item, f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}")
     elif placed and not plain and item.frame == Frame.MISSION:
         message = "expected a frame with a position, not frame 2"
-        if firmware.home_is_item_0:
-            yield warning(seq, item, f"{message}, which ArduPilot takes for AMSL")
+        if firmware.frame_2_is_amsl:
+            yield warning(seq, item, f"{message}, which {firmware.name} takes for AMSL")
         else:
             yield error(seq, item, message)
 
 
-def _before(firmware: Firmware) -> Firmware:
+def _before(autopilot: Autopilot, firmware: Firmware) -> Firmware:
     """The tables of the series before, or its own where it is the oldest."""
-    older = [series for series in series_known(firmware.autopilot) if series < firmware.version.series]
-    return tables.firmware(firmware.autopilot, Version(*older[-1])) if older else firmware
+    older = [series for series in autopilot.tables.series if series < firmware.version.series]
+    return autopilot.firmware(Version(*older[-1])) if older else firmware
 
 
-def _taken_later(item: Item, firmware: Firmware) -> str | None:
+def _taken_later(item: Item, autopilot: Autopilot, firmware: Firmware) -> str | None:
     """Which version takes the command that this one does not."""
-    for series in series_known(firmware.autopilot):
-        if series > firmware.version.series and tables.firmware(firmware.autopilot, Version(*series)).takes(
-            item.command
-        ):
+    for series in autopilot.tables.series:
+        if series > firmware.version.series and autopilot.firmware(Version(*series)).takes(item.command):
             return f"{firmware.name} {series[0]}.{series[1]} takes it"
     return None
 
@@ -109,7 +107,7 @@ def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
     wire = to_wire(mission)
     first = len(wire) - len(mission.items)
     for seq, (item, spoken) in enumerate(zip(mission.items, wire[first:], strict=True), start=1):
-        wrong = refused(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
+        wrong = mission.autopilot.refused(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
             continue  # unknown commands and frames, and jumps, have words of their own
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
@@ -117,7 +115,7 @@ def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
         if item.frame == Frame.MISSION or not (is_place or is_height):
             yield error(seq, item, f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission")
     for seq, item in enumerate(fence_to_wire(mission.fence)):
-        wrong = refused_in_fence(firmware, item.command, item.frame, values_of(item))
+        wrong = mission.autopilot.refused_in_fence(firmware, item.command, item.frame, values_of(item))
         if wrong is not None and wrong.words and wrong.result != "ERROR":  # of too few vertices `_fence` speaks
             yield Finding(Severity.ERROR, None, f"fence item {seq}: {wrong.words}: {firmware} refuses the fence")
 
@@ -134,12 +132,13 @@ def _params(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
     if item.command in HOLDING and math.isfinite(hold):
         if hold < 0:
             yield error(seq, item, f"param1: expected a hold of zero seconds or more, not {hold:g}")
-        elif firmware.home_is_item_0 and hold > LONGEST_HOLD_S:
-            yield error(seq, item, f"param1: expected a hold of at most {LONGEST_HOLD_S} s, not {hold:g}")
-        elif firmware.home_is_item_0 and not hold.is_integer():
-            yield warning(seq, item, f"param1: ArduPilot holds for whole seconds: {int(hold)} s, not {hold:g}")
-    if item.command in HOLDING and math.isnan(hold) and not firmware.home_is_item_0:
-        yield error(seq, item, "param1: expected a hold in seconds, not NaN, at which PX4 stays for ever")
+        elif hold > firmware.longest_hold:
+            yield error(seq, item, f"param1: expected a hold of at most {firmware.longest_hold:.0f} s, not {hold:g}")
+        elif firmware.holds_whole_seconds and not hold.is_integer():
+            yield warning(seq, item, f"param1: {firmware.name} holds for whole seconds: {int(hold)} s, not {hold:g}")
+    if item.command in HOLDING and math.isnan(hold) and firmware.nan_holds:
+        words = f"param1: expected a hold in seconds, not NaN, at which {firmware.name} stays for ever"
+        yield error(seq, item, words)
     if item.command == Command.DO_CHANGE_SPEED and not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
         yield error(seq, item, f"param2: expected a speed above zero, not {item.params[1]:g}")
 
@@ -162,41 +161,48 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     ]
     if not moving:
         return
-    seq, first = moving[0]
+    (seq, first), guidance = moving[0], mission.autopilot.guidance
     if first.command not in TAKEOFFS:
         later = any(item.command in TAKEOFFS for _, item in moving)
-        if mission.autopilot is Autopilot.ARDUPILOT or later:
+        if guidance.needs_takeoff or later:
             yield error(seq, first, f"expected the take-off first, not {command_name(first.command)}")
         else:
             yield warning(seq, first, "the mission has no take-off: it serves a vehicle that already flies")
     yield from _waits_armed(mission, seq)
-    least = DEFAULT_PARAMETERS[Autopilot.PX4]["NAV_MC_ALT_RAD"] + 1.0 if mission.autopilot is Autopilot.PX4 else 0.0
+    least = 0.0
+    if guidance.least_takeoff is not None:
+        name, more = guidance.least_takeoff
+        least = mission.autopilot.book.moving[name] + more
     for seq, item in moving:
         height = mission.altitude_above_home(item)
         if item.command in TAKEOFFS and height <= least:
-            if mission.autopilot is Autopilot.ARDUPILOT:
-                yield warning(seq, item, f"a take-off to {height:g} m above home: ArduCopter climbs 1 m all the same")
-            else:  # PX4 finds such a mission infeasible
+            if guidance.own_takeoff > 0.0:
+                climbs = f"{mission.autopilot.model} climbs {guidance.own_takeoff:g} m all the same"
+                yield warning(seq, item, f"a take-off to {height:g} m above home: {climbs}")
+            else:  # it finds such a mission infeasible
                 yield error(seq, item, f"expected a take-off to more than {least:g} m above home, not to {height:g} m")
 
 
 def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
-    """ArduCopter that stands armed disarms by itself, in a mission too."""
-    if mission.autopilot is not Autopilot.ARDUPILOT:
+    """One that stands armed may disarm by itself, in a mission too."""
+    name = mission.autopilot.guidance.waits_armed
+    if not name:
         return
-    stands = {**DEFAULT_PARAMETERS[Autopilot.ARDUPILOT], **mission.parameters}["DISARM_DELAY"]
+    stands = {**mission.autopilot.book.moving, **mission.parameters}[name]
     for seq, item in enumerate(mission.items[: takeoff - 1], start=1):
         if item.command == Command.NAV_DELAY and 0.0 < stands <= item.params[0]:
-            yield warning(seq, item, f"on the ground ArduCopter disarms after {stands:g} s (DISARM_DELAY; 0: never)")
+            words = f"on the ground {mission.autopilot.model} disarms after {stands:g} s ({name}; 0: never)"
+            yield warning(seq, item, words)
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:
     over = [seq for seq, item in enumerate(mission.items, 1) if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT]
-    if over and mission.autopilot is Autopilot.ARDUPILOT and not mission.parameters.get("RNGFND1_TYPE"):
+    sensor = mission.autopilot.guidance.terrain_by
+    if over and sensor and not mission.parameters.get(sensor):
         items = f"item{'s' if len(over) > 1 else ''} {', '.join(map(str, over))}"
         message = (
-            f"{items}: above terrain: ArduCopter is armed only with terrain data, which a ground station sends or its "
-            "card holds, or with a range finder (RNGFND1_TYPE)"
+            f"{items}: above terrain: {mission.autopilot.model} is armed only with terrain data, which a ground "
+            f"station sends or its card holds, or with a range finder ({sensor})"
         )
         yield Finding(Severity.WARNING, over[0], message)
 

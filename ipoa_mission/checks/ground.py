@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.autopilots.renamed import by_old_names
-from ipoa_mission.autopilots.slow_landing import SLOWED_BY, SURE, SlowStretch, raised, slow_stretch
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.commands import Command, command_name
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.slow_landing import SURE, SlowStretch
 from ipoa_mission.world.frame import LocalFrame
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ def landings(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iter
             item = mission.items[leg.seq - 1]
             lands_at = item.command == Command.NAV_LAND and item.has_position
             below = min(item.height(mission.home), 0.0) if lands_at else 0.0  # ArduCopter 4.7 counts from there
-            counted = height - (below if mission.autopilot is Autopilot.ARDUPILOT else 0.0)
+            counted = height - (below if mission.autopilot.guidance.lands_below_item else 0.0)
             east, north = (float(value) for value in leg.points[-1, :2])
             yield Landing(leg.seq, item.command, east, north, height, counted)
 
@@ -74,12 +73,12 @@ def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) 
             f"stands, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
             f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
         )
-    stretch = slow_stretch(mission.autopilot, mission.parameters)
+    stretch = mission.autopilot.slow_stretch(mission.parameters)
     if stretch is None:
         return
     for landing in landings(mission, scenario.frame, legs):
         if stretch.is_fast(landing.counted):
-            wanted = _in_words(raised(mission.autopilot, mission.parameters, landing.counted))
+            wanted = _in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
             hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
             yield Finding(Severity.WARNING, landing.seq, f"{landing.words}: {touches_down(stretch, landing)}", hint)
         elif landing.height < -DEEP:
@@ -100,22 +99,22 @@ def slow_landings(mission: Mission, scenario: "Scenario") -> Mission:
     Raises:
         Unsafe: the ground is so high that no value that the firmware documents helps.
     """
-    stretch = slow_stretch(mission.autopilot, mission.parameters)
-    names = SLOWED_BY[mission.autopilot].names
-    if stretch is None or not by_old_names(mission.parameters).keys().isdisjoint(names):
+    stretch = mission.autopilot.slow_stretch(mission.parameters)
+    names = mission.autopilot.slowed_by.names
+    if stretch is None or not mission.autopilot.book.by_old_names(mission.parameters).keys().isdisjoint(names):
         return mission
     legs = flown_legs(mission, scenario.frame, scenario.airspace.ground)
     highest = max(landings(mission, scenario.frame, legs), key=lambda landing: landing.counted, default=None)
     if highest is None or not stretch.is_fast(highest.counted + SURE):
         return mission
-    wanted, most = raised(mission.autopilot, mission.parameters, highest.counted), SLOWED_BY[mission.autopilot].most
-    slowed = slow_stretch(mission.autopilot, {**mission.parameters, **wanted})
+    wanted, most = mission.autopilot.slowed(mission.parameters, highest.counted), mission.autopilot.slowed_by.most
+    slowed = mission.autopilot.slow_stretch({**mission.parameters, **wanted})
     if slowed is not None and slowed.is_fast(highest.counted):
         raise Unsafe(
             f"{highest.words}, and {' and '.join(names)} reach to {most:.0f} m above home: "
             f"{touches_down(slowed, highest)}",
             hint=f"land elsewhere, descend no faster than {slowed.landing:g} m/s (vehicle.descent_speed), or name "
-            f"{'RNGFND1_TYPE or ' if mission.autopilot is Autopilot.ARDUPILOT else ''}{names[0]} under "
+            f"{' or '.join(filter(None, (mission.autopilot.slowed_by.spared_by, names[0])))} under "
             "[vehicle.parameters]: then it is yours to see to",
         )
     return replace(mission, parameters={**mission.parameters, **wanted})

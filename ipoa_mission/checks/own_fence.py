@@ -5,12 +5,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.autopilots.own_fence import Limit, OwnFence
 from ipoa_mission.commands import command_name
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
 from ipoa_mission.tube.measured import law_of
+from ipoa_mission.vehicles.own_fence import Limit, OwnFence
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 STRAYS = 0.01  # the share of flights that may get farther than is said here

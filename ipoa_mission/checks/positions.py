@@ -5,8 +5,6 @@ from collections.abc import Iterator
 
 from pyproj import Geod
 
-from ipoa_mission.autopilots.firmware import firmware
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
@@ -29,7 +27,7 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
         yield Finding(Severity.WARNING, 0, elsewhere)
     for seq, item in enumerate(mission.items, start=1):
         if (
-            item.command in FLOWN_TO | firmware(mission.autopilot, mission.firmware_version).placed.keys()
+            item.command in FLOWN_TO | mission.autopilot.firmware(mission.firmware_version).placed.keys()
             and item.frame != Frame.MISSION
         ):
             findings = list(_position(seq, item, mission))
@@ -74,7 +72,11 @@ def home_elsewhere(mission: Mission) -> str | None:
     placed = [item for item in mission.items if item.has_position and item.command != Command.NAV_TAKEOFF]
     places = [(item.latitude_deg, item.longitude_deg) for item in placed]
     home = (mission.home.latitude_deg, mission.home.longitude_deg)
-    if not places or mission.autopilot is not Autopilot.ARDUPILOT or any(out_of_range(*p) for p in (home, *places)):
+    if (
+        not places
+        or not mission.autopilot.guidance.home_is_where_armed
+        or any(out_of_range(*p) for p in (home, *places))
+    ):
         return None
     nearest = min(distance(mission.home, *place) for place in places)
     if nearest <= TOO_FAR or any(distance(Geodetic(*places[0]), *place) > TOO_FAR for place in places):
@@ -126,11 +128,13 @@ def _position(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
     elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
         if is_here(item, mission.autopilot):
             if item.command not in MAY_BE_HERE:
-                yield warning(seq, item, "latitude 0, longitude 0: ArduCopter does it where it is")
+                yield warning(seq, item, f"latitude 0, longitude 0: {mission.autopilot.model} does it where it is")
         elif item.command not in MAY_BE_HERE:
             yield error(seq, item, "expected a position, not latitude 0, longitude 0")
-        elif mission.autopilot is Autopilot.PX4:
-            yield error(seq, item, "expected a position: PX4 would fly to latitude 0, longitude 0")
+        elif not mission.autopilot.guidance.zero_is_here:
+            yield error(
+                seq, item, f"expected a position: {mission.autopilot.model} would fly to latitude 0, longitude 0"
+            )
 
 
 def distance(home: Geodetic, latitude_deg: float, longitude_deg: float) -> float:

@@ -9,7 +9,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import takewhile
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission, waypoint
 from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
@@ -21,9 +20,6 @@ from ipoa_mission.world.frame import Geodetic
 HEIGHT_STEP, HIGHEST = 5, 500  # [m] above home
 TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
 SAG = 0.3  # the predicted way home is up to so much lower than it is set [m]
-
-#: The parameter for the return altitude, and its unit in metres.
-PARAMETERS = {Autopilot.PX4: ("RTL_RETURN_ALT", 1.0), Autopilot.ARDUPILOT: ("RTL_ALT", 0.01)}
 
 
 def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
@@ -63,10 +59,10 @@ def remedy(mission: Mission, scenario: Scenario) -> str:
     required clearance, if one does: near home an autopilot does not climb to it.
     """
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
-    name, unit = PARAMETERS[mission.autopilot]
+    by = mission.autopilot.book.return_height
     roomy = with_room(scenario, TIGHT_PLACES)
     for altitude in heights_to_try(scenario):
-        value = altitude / unit
+        name, value = by.name, by.spelled(altitude)
         if _is_clear(_ways_home(mission.with_parameters({name: value}), scenario), roomy):
             return f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
     return others

@@ -26,8 +26,6 @@ def check(
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
-    from ipoa_mission.autopilots.said import as_json as as_json_of
-    from ipoa_mission.autopilots.said import checked_for
     from ipoa_mission.checks.check import Severity, check_mission
     from ipoa_mission.checks.firmware import is_too_long
     from ipoa_mission.checks.positions import refusals
@@ -58,7 +56,7 @@ def check(
             from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
 
             about = {"clearance": clearance_as_json(promise) or None, "passed_over": passed_over_as_json(world)}
-        about["firmware"] = as_json_of(mission.autopilot, version)
+        about["firmware"] = mission.autopilot.facts(version)
         tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))
@@ -68,7 +66,7 @@ def check(
 
             tell(*promised(promise))
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
-        tell(f"{file}: {counts} for {checked_for(mission.autopilot, version)}")
+        tell(f"{file}: {counts} for {mission.autopilot.checked_for(version)}")
     if errors:
         raise typer.Exit(1)
 
@@ -82,8 +80,6 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
-    from ipoa_mission.autopilots.said import as_json as as_json_of
-    from ipoa_mission.autopilots.said import checked_for
     from ipoa_mission.checks.finding import Severity
     from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
@@ -104,7 +100,7 @@ def estimate(
     energy = _energy(mission, world, prediction.track)
     if as_json:
         energy_wh = None if energy is None else round(energy.energy_wh, 3)
-        firmware = as_json_of(mission.autopilot, mission.firmware_version)
+        firmware = mission.autopilot.facts(mission.firmware_version)
         tell_json(
             estimate_as_json(prediction) | {"firmware": firmware, "energy_wh": energy_wh, "remarks": list(remarks)}
         )
@@ -124,7 +120,7 @@ def estimate(
         for item in prediction.items
     ]
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "what keeps it slow"]
-    title = f"{file.name} on {checked_for(mission.autopilot, mission.firmware_version)}, from arming"
+    title = f"{file.name} on {mission.autopilot.checked_for(mission.firmware_version)}, from arming"
     tell_table(title, columns, rows)
     tell(*notes(remarks))
     tell(

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, ScenarioOption, expect_mission
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flown_clearance import FlownClearance
@@ -62,7 +61,6 @@ def compare(
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
-    from ipoa_mission.autopilots.modes import beyond_the_model
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.flown_clearance import flown_clearance
@@ -105,7 +103,7 @@ def compare(
         words for row in rows if row.held for words in landed_elsewhere(row.held.mission, row.record, air or CALM)
     )
     remarks = [*beside, *flown.remarks, *_remarks(rows, log, world), *landed]
-    beyond = beyond_the_model(flown.autopilot, flown.version)
+    beyond = flown.autopilot.beyond_the_model(flown.version)
     on = f"{flown.autopilot} {flown.version}".strip()
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
     useless = all(row.held is None and row.clearance is None for row in rows)
@@ -117,7 +115,7 @@ def compare(
     elif not useless:
         flights = [_as_json(row) for row in rows]
         about = {
-            "autopilot": flown.autopilot.value,
+            "autopilot": flown.autopilot.name,
             "version": flown.version,
             "model": beyond,
             "remarks": remarks,
@@ -143,27 +141,28 @@ def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool)
     return mission, remarks
 
 
-def _no_mission(flight: "LoggedFlight", log: Path) -> str:
+def _no_mission(log: Path) -> str:
     """Why a log does not tell which mission was flown."""
-    if flight.autopilot is Autopilot.PX4 and log.suffix.lower() == ".ulg":
-        return "PX4 writes only those items into its logs to which it came, and these are not all"
-    if log.suffix.lower() == ".bin":
-        return "the log does not have the whole list of items that was flown"
+    from ipoa_mission.link.logged import log_format
+
+    written = log_format(log.suffix)
+    if written is not None:
+        return written.no_mission
     return "the mission was neither uploaded nor downloaded while this log was written"
 
 
 def _useless(rows: list[_Row], log: Path) -> str:
     flown = [row for row in rows if row.flight.in_mission]
     if flown:
-        return _no_mission(flown[0].flight, log)
-    return f"nothing in it was flown in {FIRMWARE[rows[0].flight.autopilot].name}'s mission mode"
+        return _no_mission(log)
+    return f"nothing in it was flown in {rows[0].flight.autopilot.firmware_name}'s mission mode"
 
 
 def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]:
     """What of the flights could not be done."""
     several = len(rows) > 1
     remarks = [
-        f"{f'flight {row.number}: ' if several else ''}{_no_mission(row.flight, log)}: it has no estimate"
+        f"{f'flight {row.number}: ' if several else ''}{_no_mission(log)}: it has no estimate"
         for row in rows
         if row.held is None and row.flight.in_mission
     ]

@@ -27,8 +27,8 @@ from ipoa_mission.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from ipoa_mission.autopilots.version import Version
     from ipoa_mission.simulator.faults import Faults
+    from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
 
@@ -114,7 +114,7 @@ class FlownByOptions:
     @cached_property
     def version(self) -> "Version | None":
         """Of the firmware, if one was given; BadInput where it is none."""
-        from ipoa_mission.autopilots.version import Version
+        from ipoa_mission.vehicles.version import Version
 
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 

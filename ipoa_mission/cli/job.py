@@ -5,10 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.autopilots.firmware import expect_known_version
-from ipoa_mission.autopilots.parameters import expect_own
-from ipoa_mission.autopilots.renamed import overridden
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -21,6 +17,8 @@ from ipoa_mission.items import Mission
 from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.known_parameters import expect_own
 from ipoa_mission.wind import CALM, Wind
 
 log = logging.getLogger(__name__)
@@ -81,9 +79,10 @@ def adapt_scenario(path: Path, search: SearchOptions, flown_by: FlownByOptions) 
     if flown_by.version is not None or autopilot not in (None, scenario.vehicle.autopilot):
         changed["firmware_version"] = flown_by.firmware_version
     if flown_by.version is not None:
-        expect_known_version(autopilot or scenario.vehicle.autopilot, flown_by.version)
+        (autopilot or scenario.vehicle.autopilot).tables.expect(flown_by.version)
     if flown_by.parameters:
-        changed["parameters"] = overridden(scenario.vehicle.parameters, flown_by.parameters)
+        flies = autopilot or scenario.vehicle.autopilot
+        changed["parameters"] = flies.book.overridden(scenario.vehicle.parameters, flown_by.parameters)
     if changed or vehicle:
         expect_own(changed.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
         changes["vehicle"] = scenario.vehicle.model_copy(update=changed)

@@ -12,9 +12,9 @@ from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
 
 if TYPE_CHECKING:
-    from ipoa_mission.autopilots.learned import LearnedVehicle
     from ipoa_mission.learn.evidence import Evidence
     from ipoa_mission.learn.judge import LeftOut
+    from ipoa_mission.vehicles.learned import LearnedVehicle
 
 MISSIONS = (".plan", ".waypoints", ".mission")
 
@@ -95,7 +95,7 @@ def _gathered(files: list[Path]) -> tuple[list["Evidence"], list[str], str]:
         usable, left, version, autopilot = flights_in(file, reader)
         flights, remarks, mission = flights + usable, remarks + left, None
         if usable:
-            kinds.add((autopilot, version))
+            kinds.add((autopilot.name, version))
     if not flights:
         raise MissionError("; ".join(remarks) or "no flight to learn from")
     if len({autopilot for autopilot, _ in kinds}) > 1 or len({v.startswith("3.") for _, v in kinds}) > 1:

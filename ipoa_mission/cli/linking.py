@@ -1,12 +1,11 @@
 """The verbs for a vehicle at the other end of a link: its mission, and what it does with it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.autopilots.modes import MISSION_MODE, mode_name
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
@@ -106,7 +105,7 @@ def set_current(
     with connect_to(link, on_link, None) as vehicle, left_behind("the vehicle may go on with either item"):
         vehicle.set_current(item - 1)
     state = vehicle.state
-    goes_on = bool(state.armed) and vehicle.mode == mode_name(vehicle.autopilot, MISSION_MODE[vehicle.autopilot])
+    goes_on = bool(state.armed) and vehicle.mode == vehicle.autopilot.modes.name(vehicle.autopilot.modes.mission)
     about = {"current": item, "goes_on": goes_on, "mode": vehicle.mode, "armed": state.armed}
     words = f"{_name(vehicle)} goes on with item {item}" if goes_on else f"item {item} is the next one; {state}"
     _tell(as_json, vehicle, about | {"written": on_link.written(None)}, [words])
@@ -211,7 +210,7 @@ def _tell(
         tell(*words, *(f"written: {path}" for path in (about["written"] if log is None else log)))
 
 
-def _in_words(row: dict[str, object]) -> str:
+def _in_words(row: Mapping[str, object]) -> str:
     armed = ", armed" if row["armed"] else ""
     contested = ", and another vehicle with the same system id" if row["contested"] else ""
     other = "" if row["flown"] else ": nothing is changed on it"

@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.groups import FaultOptions
 from ipoa_mission.cli.options import (
     JsonOption,
@@ -14,11 +13,13 @@ from ipoa_mission.cli.options import (
     ParameterOption,
     ScenarioOption,
     SystemOption,
+    autopilot_option,
     bad_link_option,
     link_option,
     read_parameter_options,
 )
 from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 
 @dataclass
@@ -26,7 +27,7 @@ class StandsOptions:
     """Who stands where, in what world."""
 
     autopilot: Annotated[
-        Autopilot | None, typer.Option("--autopilot", help="Whom to answer as; left out, the scenario's, or px4.")
+        Autopilot | None, autopilot_option(help="Whom to answer as; left out, the scenario's, or px4.")
     ] = None
     scenario: ScenarioOption = None
     home: Annotated[
@@ -60,23 +61,22 @@ def mock(
 
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`
     """
-    from ipoa_mission.autopilots.firmware import expect_known_version
-    from ipoa_mission.autopilots.parameters import expect_own
-    from ipoa_mission.autopilots.version import MEASURED, Version
     from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.cli.standing import stands
     from ipoa_mission.link.address import parse_address
-    from ipoa_mission.simulator.autopilot import Autopilot as Mock
+    from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
     from ipoa_mission.simulator.conditions import Conditions
     from ipoa_mission.simulator.server import serve
+    from ipoa_mission.vehicles.known_parameters import expect_own
+    from ipoa_mission.vehicles.version import Version
 
     address = parse_address(link)
     given = read_parameter_options(one.param, one.param_file)
     there = stands(one.scenario, one.home, one.autopilot, given)
     expect_own(there.parameters, there.autopilot)
-    version = MEASURED[there.autopilot]
+    version = there.autopilot.measured
     if one.firmware_version is not None:
-        version = expect_known_version(there.autopilot, Version.parsed(one.firmware_version))
+        version = there.autopilot.tables.expect(Version.parsed(one.firmware_version))
     signer = signer_of(key, "mock")
     place = there.home
     about = {

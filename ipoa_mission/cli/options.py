@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot
 from ipoa_mission.errors import BadInput
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.vehicles.parameters import SINGLE_MAX
 
 if TYPE_CHECKING:
     from ipoa_mission.wind import Wind
@@ -93,9 +94,23 @@ OutOption: TypeAlias = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the files; made if absent.")
 ]
 SeedOption: TypeAlias = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Same seed, same bytes.")]
+
+
+def autopilot_called(name: str) -> Autopilot:
+    """The autopilot of a name on the command line."""
+    try:
+        return autopilot_named(name)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
+#: How an option that names an autopilot is read.
+autopilot_option = partial(
+    typer.Option, "--autopilot", parser=autopilot_called, metavar="|".join(one.name for one in registered())
+)
 AutopilotOption: TypeAlias = Annotated[
     Autopilot | None,
-    typer.Option("--autopilot", help="Firmware that flies it; left out, what the file says (.waypoints: px4)."),
+    autopilot_option(help="Firmware that flies it; left out, what the file says (.waypoints: px4)."),
 ]
 FirmwareVersionOption: TypeAlias = Annotated[
     str | None,
@@ -199,7 +214,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
 
 def _known(name: str) -> str:
     """The same name, if either firmware's models know it: what else a vehicle has may come from a file."""
-    from ipoa_mission.autopilots.parameters import expect_known
+    from ipoa_mission.vehicles.known_parameters import expect_known
 
     try:
         expect_known([name])

@@ -5,16 +5,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ipoa_mission.autopilots.firmware import expect_known_version
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission
 from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.parameter_file import beside
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
-    from ipoa_mission.autopilots.version import Version
     from ipoa_mission.scenario import Scenario
+    from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
 SHOWN = 6  # parameters in a note
@@ -36,7 +35,7 @@ def read_with_parameters(
     """
     mission = read_mission(file, autopilot)
     if version is not None:
-        mission = replace(mission, firmware_version=expect_known_version(mission.autopilot, version))
+        mission = replace(mission, firmware_version=mission.autopilot.tables.expect(version))
     remarks = tuple(finding.message for finding in mission.findings)
     if mission.parameters:
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])

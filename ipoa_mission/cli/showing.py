@@ -34,7 +34,6 @@ def show(
     """
     from dataclasses import asdict
 
-    from ipoa_mission.autopilots.said import checked_for
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import in_world, read_with_parameters, read_world
     from ipoa_mission.errors import MissionError
@@ -77,7 +76,7 @@ def show(
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
-    tell(f"{file.name}: {len(mission.items)} items for {checked_for(mission.autopilot, mission.firmware_version)}")
+    tell(f"{file.name}: {len(mission.items)} items for {mission.autopilot.checked_for(mission.firmware_version)}")
     tell_table(place, columns, cells)
     climbs = [row.climb for row in rows if row.climb is not None]
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)

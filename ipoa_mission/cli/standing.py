@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ipoa_mission.autopilots.learned import LearnedVehicle
-from ipoa_mission.autopilots.renamed import overridden
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.tube.flown_in import ground_of
+from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
+from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.ground import LEVEL, Ground
@@ -43,12 +42,12 @@ def stands(
     if home is not None and not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
         raise BadInput(f"--home: expected latitude and longitude in degrees, not {home[0]} {home[1]}")
     if scenario is None:
-        return Stands(autopilot or Autopilot.PX4, Geodetic(*(home or ZURICH)), parameters)
+        return Stands(autopilot or default_autopilot(), Geodetic(*(home or ZURICH)), parameters)
     if home is not None:
         raise BadInput("--home: expected no --scenario beside it, which says where its home is")
     world = read_scenario(scenario)
     flies = autopilot or world.vehicle.autopilot
     own = world.vehicle if flies is world.vehicle.autopilot else None
-    values = overridden(world.vehicle.parameters, parameters) if own else parameters
+    values = flies.book.overridden(world.vehicle.parameters, parameters) if own else parameters
     learned = own.learned if own else None
     return Stands(flies, world.home.geodetic(), values, world.wind.air(), ground_of(world), learned)

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from ipoa_mission.autopilots.said import checked_for
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
@@ -20,7 +19,7 @@ def tell_planned(flight: Flight, written: Iterable[Path]) -> None:
 def describe(flight: Flight) -> list[str]:
     """The plan in a few lines."""
     mission, estimate = flight.mission, flight.estimate
-    firmware = checked_for(mission.autopilot, mission.firmware_version)
+    firmware = mission.autopilot.checked_for(mission.firmware_version)
     lines = [
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
         *promised(flight.promise),

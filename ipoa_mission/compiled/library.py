@@ -21,9 +21,8 @@ PACKAGE = Path(__file__).parent.parent
 #: What is compiled, and what it takes constants from.
 SOURCES = (
     "compiled/native.py",
-    "autopilots/*.py",
     "commands.py",
-    "dynamics/**/*.py",
+    "vehicles/**/*.py",
     "geometry.py",
     "planning/_*.py",
     "planning/banded.py",

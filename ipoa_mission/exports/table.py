@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.errors import BadInput
@@ -86,7 +85,7 @@ def _repeated(rows: Iterable[Row], mission: Mission) -> Iterator[Row]:
 
 
 def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Scenario | None") -> Row:
-    placed = item.command in FIRMWARE[mission.autopilot].placed and item.frame != Frame.MISSION
+    placed = item.command in mission.autopilot.firmware().placed and item.frame != Frame.MISSION
     on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     height = mission.altitude_above_home(item) if placed else math.nan
     points = np.vstack([leg.points for leg in legs]) if legs else None

@@ -4,10 +4,6 @@ import logging
 import math
 from dataclasses import replace
 
-from ipoa_mission.autopilots.own_fence import OWN_FENCE, own_fence
-from ipoa_mission.autopilots.said import vehicle_says
-from ipoa_mission.autopilots.slow_landing import DECIDED_BY, slow_stretch
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.ground import landings, touches_down
 from ipoa_mission.checks.own_fence import breaches
@@ -27,11 +23,6 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
 FAR = 100.0  # [m] over the ground
 HIGHER = 5.0  # [m]
-WIDER = {
-    Autopilot.ARDUPILOT: "give the vehicle a wider fence, or take that part out of its FENCE_TYPE (4: what the mission "
-    "brings alone); --anyway sends it all the same",
-    Autopilot.PX4: "give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
-}
 log = logging.getLogger(__name__)
 
 
@@ -94,10 +85,10 @@ def expect_slow_landing(mission: Mission, vehicle: Vehicle) -> None:
     Raises:
         FastLanding: naming the place, the ground there, and how fast.
     """
-    planned = slow_stretch(mission.autopilot, mission.parameters)
+    planned = mission.autopilot.slow_stretch(mission.parameters)
     if mission.autopilot is not vehicle.autopilot or planned is None or mission.ground.is_level:
         return
-    own = slow_stretch(vehicle.autopilot, own_values(vehicle, DECIDED_BY[vehicle.autopilot]))
+    own = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by))
 
     frame = LocalFrame(mission.home)
     for landing in landings(mission, frame, flown_legs(mission, frame, mission.ground)):
@@ -149,7 +140,7 @@ def expect_fit(mission: Mission, vehicle: Vehicle, anyway: bool = False) -> tupl
     version = vehicle.firmware_version()
     findings = check_mission(replace(mission, autopilot=vehicle.autopilot, firmware_version=version))
     warnings = findings if anyway else refuse_errors(findings)
-    said = vehicle_says(vehicle.autopilot, version)
+    said = vehicle.autopilot.vehicle_says(version)
     there = _home_of(vehicle)
     return (
         *_compare_home(mission, there, anyway),
@@ -162,14 +153,14 @@ def expect_fit(mission: Mission, vehicle: Vehicle, anyway: bool = False) -> tupl
 def _compare_fence(mission: Mission, vehicle: Vehicle, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
     """Hold the mission against the fence that the vehicle has by its own parameters."""
     try:
-        fence = own_fence(vehicle.autopilot, vehicle.parameters(OWN_FENCE[vehicle.autopilot]))
+        fence = vehicle.autopilot.own_fence(vehicle.parameters(vehicle.autopilot.own_fence_by))
     except NoAnswer:
         return ("the vehicle does not tell whether it has a fence of its own: nobody compared the mission with it",)
     if fence is None or refusals(mission):
         return ()
     wrong = breaches(replace(mission, autopilot=vehicle.autopilot), fence, there or mission.home)
     if wrong and not anyway:
-        raise OutsideOwnFence("\n".join(wrong), hint=WIDER[vehicle.autopilot])
+        raise OutsideOwnFence("\n".join(wrong), hint=vehicle.autopilot.manners.widen_fence)
     return wrong
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.autopilots.said import as_json
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Finding
 from ipoa_mission.checks.ground import slowed_for_ground
@@ -113,7 +112,7 @@ class Flight:
         return {
             "name": scenario.name,
             "version": version("ipoa-mission"),
-            "firmware": as_json(self.mission.autopilot, self.mission.firmware_version),
+            "firmware": self.mission.autopilot.facts(self.mission.firmware_version),
             "seed": plan.seed,
             "optimizer": plan.optimizer,
             "evaluations": int(plan.evaluations[-1]),

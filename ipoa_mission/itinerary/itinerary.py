@@ -3,13 +3,12 @@
 import math
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.autopilots.renamed import by_old_names
-from ipoa_mission.autopilots.returning import HOME, goal_of_return
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item, Mission
 from ipoa_mission.itinerary.program import Place, Program, as_flown
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
 
@@ -45,7 +44,7 @@ class Itinerary:
 
     def goal_of_return(self, here: Place) -> Place:
         """Where a return from `here` leads: home, or a rally point and its height."""
-        n = goal_of_return(self.program.autopilot, self.parameters, here, self.rally)
+        n = self.program.autopilot.goal_of_return(self.parameters, here, self.rally)
         return HOME if n is None else self.rally[n]
 
 
@@ -66,7 +65,7 @@ def itinerary(mission: Mission) -> Itinerary:
     )
     visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
     program = Program(items, LocalFrame(mission.home), mission.autopilot)
-    by_names = by_old_names(mission.parameters)
+    by_names = mission.autopilot.book.by_old_names(mission.parameters)
     return Itinerary(visits, program, tuple(over_terrain), mission.ground, rally_places(mission), by_names)
 
 

@@ -14,10 +14,6 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
-from ipoa_mission.autopilots.renamed import by_old_names
-from ipoa_mission.autopilots.returning import goal_of_return, return_height
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item, Mission
@@ -107,7 +103,7 @@ class _Flight:
         self.home = frame.local(mission.home)
         self.ground = ground or Ground(Flat(float(self.home[2])))
         self.places = item_places(mission, frame, self.ground)
-        self.parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
+        self.parameters = mission.autopilot.book.complete(mission.parameters)
         self.at = self.home
         self.flown_in: Vector | None = None
         """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""
@@ -133,7 +129,7 @@ class _Flight:
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
         """The leg to an item, straight or curved; the next one may begin with its direction."""
         origin, following = self.at, onward(self.mission.items, seq - 1, self.mission.autopilot)
-        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot is Autopilot.ARDUPILOT
+        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot.guidance.flies_splines
         if is_curve and not _follows(item) and np.linalg.norm(target - origin) > SHORTEST_CURVE:
             leg, arriving = self._curve(seq, target, following)
         elif is_arc(_triple(origin), _triple(target), turn := turn_of(item)) and not _follows(item):
@@ -176,7 +172,7 @@ class _Flight:
             return
         yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + item.height(self.mission.home))
         target = self.places[seq - 1]
-        if self.mission.autopilot is Autopilot.ARDUPILOT or target is None:
+        if self.mission.autopilot.guidance.climbs_where_it_stands or target is None:
             return  # ArduCopter climbs where it stands, whatever position the take-off names
         if np.hypot(*(target - self.at)[:2]) > NEARBY:
             yield self._to(seq, target, _follows(item))
@@ -190,7 +186,7 @@ class _Flight:
     def returns(self, seq: int) -> Iterator[Leg]:
         """Home, or to the rally point that the autopilot chooses; and to all others, to which it may turn as well."""
         places = [_triple(place) for place in self._rally_points()]
-        chosen = goal_of_return(self.mission.autopilot, self.parameters, _triple(self.at), places)
+        chosen = self.mission.autopilot.goal_of_return(self.parameters, _triple(self.at), places)
         ways = list(self.return_ways(self.at[None]))
         ways.insert(0, ways.pop(0 if chosen is None else chosen + 1))
         landed = self.at
@@ -213,7 +209,7 @@ class _Flight:
             there = self.frame.geodetic(goal)
             distances = np.hypot(*(goal - places)[:, :2].T)
             both = zip(altitude - amsl, distances, strict=True)
-            heights = np.array([return_height(autopilot, self.parameters, *one, up) for one in both])
+            heights = np.array([autopilot.return_height(self.parameters, *one, up) for one in both])
             ways = np.stack([places, places, np.tile(goal, (len(places), 1))], axis=1)
             ways[:, 1, 2] = self.frame.to_local(latitude, longitude, amsl + heights)[:, 2]
             beyond = np.full(len(places), there.latitude_deg), np.full(len(places), there.longitude_deg)

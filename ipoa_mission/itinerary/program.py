@@ -14,26 +14,21 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, WAYPOINTS, Command, Frame, plain_frame
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Item, Mission
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
 JUMPS_WITHOUT_END = 10_000  # a loop of nothing but jumps must not hang
-#: After a waypoint the vehicle flies on into these; before everything else that moves it, it comes to a stop.
-FLOWN_ON_INTO = {
-    Autopilot.ARDUPILOT: frozenset({*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}),
-    Autopilot.PX4: FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
-}
 
 
 def is_here(item: Item, autopilot: Autopilot) -> bool:
-    """Whether ArduCopter does this item where it is: it names latitude 0, longitude 0."""
+    """Whether it does this item where it is: it names latitude 0, longitude 0, and that is "here" to it."""
     return (
-        autopilot is Autopilot.ARDUPILOT
+        autopilot.guidance.zero_is_here
         and item.command in FLOWN_TO
         and item.frame != Frame.MISSION
         and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0)
@@ -41,9 +36,9 @@ def is_here(item: Item, autopilot: Autopilot) -> bool:
 
 
 def is_as_high_as_now(item: Item, autopilot: Autopilot) -> bool:
-    """Whether ArduCopter keeps its height on the way to this item: it names altitude 0, in whatever frame."""
+    """Whether it keeps its height on the way to this item: it names altitude 0, in whatever frame."""
     return (
-        autopilot is Autopilot.ARDUPILOT
+        autopilot.guidance.zero_is_here
         and item.command in FLOWN_TO - TO_THE_GROUND
         and item.frame != Frame.MISSION
         and item.altitude == 0.0
@@ -78,7 +73,7 @@ def as_flown(mission: Mission) -> Mission:
 
 
 def is_passed(item: Item) -> bool:
-    """Whether ArduCopter is to have been at this waypoint, and not to stay there: a hold counts in whole seconds."""
+    """Whether it is to have been at this waypoint, and not to stay there, as ArduCopter holds for whole seconds."""
     if item.command == Command.NAV_ARC_WAYPOINT:  # whose param1 is an angle
         return True
     return item.command in WAYPOINTS and item.params[0] < 1
@@ -89,11 +84,11 @@ def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[
 
     `later` are the items that follow in the order in which they come up; without it, in the order of their numbers.
     """
-    if autopilot is Autopilot.ARDUPILOT and not is_passed(items[n]):
+    if autopilot.guidance.stops_to_hold and not is_passed(items[n]):
         return None
     for index in range(n + 1, len(items)) if later is None else later:
         if items[index].command <= LAST_NAV:
-            return index if items[index].command in FLOWN_ON_INTO[autopilot] else None
+            return index if items[index].command in autopilot.guidance.flown_on_into else None
     return None
 
 

@@ -6,9 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.autopilots.learned import LearnedVehicle
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.dynamics.px4.airframe import airframe_of
 from ipoa_mission.energy.flight import hovering
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Vector
@@ -18,13 +15,12 @@ from ipoa_mission.learn.witness import Witness, witness_of
 from ipoa_mission.link.flight_log import LoggedFlight, read_flights
 from ipoa_mission.link.logbook import brings_down
 from ipoa_mission.timing.estimate import predict
-from ipoa_mission.timing.px4 import STEP, Flights
+from ipoa_mission.timing.flight_model import FlightModel
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.world.frame import Geodetic
 
 NOWHERE = Geodetic(0.0, 0.0, 0.0)
-RUNS = 8  # of PX4's noise, the same in every forecast
-#: Standard deviations of an item's time about its model's, by the recorded flights: seconds, share, and of an ending.
-SCATTER = {Autopilot.ARDUPILOT: (0.15, 0.01, 0.6), Autopilot.PX4: (0.7, 0.02, 2.0)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +49,7 @@ class Evidence:
         return hovering(vehicle.hover_power.value, track.times, track.points, track.speeds).energy_wh
 
     def forecast(self, vehicle: LearnedVehicle | None) -> Vector:
-        """How long the items take on this vehicle (n,) [s]; PX4's are means over its noise.
+        """How long the items take on this vehicle (n,) [s].
 
         Raises:
             MissionError: the vehicle does not get on.
@@ -61,15 +57,8 @@ class Evidence:
         if not self.visits:
             return np.empty(0)
         mission = replace(self.mission, vehicle=vehicle)
-        done = _px4(mission) if mission.autopilot is Autopilot.PX4 else predict(mission, fast=True)[1].done
+        done = mission.autopilot.part(FlightModel).usual(mission)
         return np.diff(done[list(self.visits)], prepend=0.0)
-
-
-def _px4(mission: Mission) -> Vector:
-    flights = Flights(itinerary(mission), mission.parameters, airframe=airframe_of(mission.vehicle))
-    steps = RUNS * sum(order.patience for order in flights.plan.orders) / STEP
-    once = flights.prepared(True, True, steps)
-    return np.asarray(np.median([once(seed)[0] for seed in range(1, RUNS + 1)], axis=0))
 
 
 def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None) -> Evidence:
@@ -102,7 +91,7 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
     if len(visits) < 2 or min(done_s) > 0:
         raise MissionError(f"{name}: it knows when {len(visits)} of {len(mission.items)} items were done")
     seconds = np.diff(done, prepend=0.0)
-    least, share, ending = SCATTER[mission.autopilot]
+    least, share, ending = mission.autopilot.part(FlightModel).scatter
     ends = np.array([brings_down(route.visits[n].item.command) for n in visits])
     return Evidence(name, mission, tuple(visits), seconds, np.where(ends, ending, least) + share * seconds)
 

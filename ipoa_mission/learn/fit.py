@@ -12,14 +12,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import least_squares
 
-from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
-from ipoa_mission.dynamics.px4.airframe import SIH
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.learn.evidence import Evidence, errors, scatter
 from ipoa_mission.learn.witness import hover_power
+from ipoa_mission.timing.flight_model import FlightModel
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 
 NINE_IN_TEN = 1.645  # standard deviations on either side
 TOLD = 0.5  # of the standard deviation before: a number that is less sure than that has not been told
@@ -27,10 +26,6 @@ TOLD = 0.5  # of the standard deviation before: a number that is less sure than 
 UNSURE = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}
 STEPS = {"drag": 0.1, "lag": 0.2, "lift_delay": 0.2, "landing_delay": 0.2}
 LOGARITHMIC = frozenset({"drag", "lag"})
-SIMULATED = {
-    Autopilot.ARDUPILOT: {"drag": 1.0, "lag": ARDUPILOT_SIMULATOR.lag, "lift_delay": 0.0, "landing_delay": 0.0},
-    Autopilot.PX4: {"drag": 1.0, "lag": SIH.lag, "lift_delay": 0.0, "landing_delay": 0.0},
-}
 
 
 def fit(flights: Sequence[Evidence], leashed: bool = False) -> LearnedVehicle:
@@ -64,7 +59,7 @@ def fit(flights: Sequence[Evidence], leashed: bool = False) -> LearnedVehicle:
 
 def _number(autopilot: Autopilot, name: str, change: float) -> float:
     """A number of the vehicle by its change from the simulated one's."""
-    simulated = SIMULATED[autopilot][name]
+    simulated = autopilot.part(FlightModel).simulated[name]
     return simulated * math.exp(change) if name in LOGARITHMIC else simulated + change
 
 

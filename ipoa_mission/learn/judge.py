@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.autopilots.learned import LearnedVehicle
 from ipoa_mission.errors import MissionError
 from ipoa_mission.learn.evidence import Evidence
 from ipoa_mission.learn.fit import fit
+from ipoa_mission.vehicles.learned import LearnedVehicle
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,11 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
-from ipoa_mission.dynamics.px4.airframe import SIH
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.learn.track import CLEAR, Track
+from ipoa_mission.timing.flight_model import FlightModel
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 EVERY, SMOOTHED, ALONE = 0.2, 5, 10  # samples: their distance [s], how many are averaged, one in how many is its own
 GAP = 2.0  # between two attitudes [s]: what is between them is not known
@@ -50,7 +49,7 @@ def drag_by_lean(attitude: Points, track: Track, autopilot: Autopilot) -> tuple[
     if fast_s < LEAST_S:
         raise MissionError(f"it flies level at more than {FAST:g} m/s for {fast_s:.0f} s")
     velocity, axes, held = velocity[steady], axes[steady], (pull - gained)[steady]
-    airframe = SIH if autopilot is Autopilot.PX4 else ARDUPILOT_SIMULATOR.at_altitude(track.home_altitude)
+    airframe = autopilot.part(FlightModel).airframe(track.home_altitude)
 
     def misfit(change: Vector, noise: float) -> Vector:
         slowed = np.exp(change[0]) * airframe.slowing(velocity - [change[1], change[2], 0.0], axes)[:, :2]

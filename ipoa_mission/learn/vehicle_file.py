@@ -5,10 +5,10 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_bytes
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 
 NUMBERS = ("drag", "lag", "lift_delay", "landing_delay", "hover_power")
 PLAIN = {"autopilot", "leashed", "version", "flights"}
@@ -68,9 +68,12 @@ def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehic
 
 def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> LearnedVehicle:
     name = found.get("autopilot")
-    if name not in tuple(Autopilot):
-        raise BadInput(f'{path}: autopilot: expected "ardupilot" or "px4", not {name!r:.40}')
-    if autopilot not in (None, name):
+    known = {one.name: one for one in registered()}
+    if name not in known:
+        names = " or ".join(f'"{one}"' for one in sorted(known))
+        raise BadInput(f"{path}: autopilot: expected {names}, not {name!r:.40}")
+    flies = known[name]
+    if autopilot not in (None, flies):
         raise BadInput(f"{path}: expected a vehicle with {autopilot}, not with {name}")
     kinds: dict[str, tuple[type, Any]] = {"leashed": (bool, False), "version": (str, ""), "flights": (int, 0)}
     plain: dict[str, Any] = {}
@@ -78,10 +81,10 @@ def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> 
         plain[key] = found.get(key, otherwise)
         if type(plain[key]) is not kind:
             raise BadInput(f"{path}: {key}: expected {kind.__name__}, not {plain[key]!s:.40}")
-    if plain["leashed"] and name != Autopilot.ARDUPILOT:
-        raise BadInput(f"{path}: leashed: expected with ArduCopter only")
+    if plain["leashed"] and not flies.guidance.was_leashed:
+        raise BadInput(f"{path}: leashed: expected with an autopilot that once flew on a leash, not with {flies}")
     numbers = {key: _learned(path, key, found[key]) for key in NUMBERS if key in found}
-    return LearnedVehicle(Autopilot(name), **plain).with_numbers(numbers)
+    return LearnedVehicle(flies, **plain).with_numbers(numbers)
 
 
 def _learned(path: Path, name: str, given: Any) -> Learned:

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import stdtrit
 
-from ipoa_mission.autopilots.learned import Learned
 from ipoa_mission.errors import MissionError
 from ipoa_mission.learn.lean import drag_by_lean
 from ipoa_mission.learn.track import CLEAR, Track, track_of
 from ipoa_mission.link.flight_log import LoggedFlight
+from ipoa_mission.vehicles.learned import Learned
 
 SLOW, LEVEL, LEAST_S = 2.0, 0.3, 3.0  # hovering: the most level and upright [m/s], and how long at least [s]
 SECONDS_AN_HOUR = 3600.0

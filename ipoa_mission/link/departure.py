@@ -7,8 +7,6 @@ unless it may be in the air.
 
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Remark, TimeUp, until, wait
@@ -19,6 +17,7 @@ from ipoa_mission.link.orders import CommandRefused, command, set_current, strea
 from ipoa_mission.link.state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.progress import Progress, silent
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 #: What a flight is watched by, and how often it is wanted [s]; ArduPilot sends none of it unasked.
 STREAMS_S = {
@@ -126,7 +125,7 @@ def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[N
 
 
 def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
-    state, mode = departure.state, ARMING_MODE[departure.autopilot]
+    state, mode = departure.state, departure.autopilot.modes.arming
     waited_s, hinders = 0.0, ""
     try:
         while True:
@@ -190,7 +189,7 @@ def depart(departure: Departure) -> Dialogue[None]:
 
 def _begin(departure: Departure) -> Dialogue[None]:
     state = departure.state
-    if departure.autopilot is Autopilot.ARDUPILOT:
+    if departure.autopilot.manners.starts_by_command:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)
@@ -198,7 +197,7 @@ def _begin(departure: Departure) -> Dialogue[None]:
         yield from until(lambda: state.current is not None, LIMITS.again_s)
         expect_unchanged(departure.holdings)
         yield from _order("start the mission", Order.MISSION_START)
-    mode = MISSION_MODE[departure.autopilot]
+    mode = departure.autopilot.modes.mission
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
         raise NotReady(f"the vehicle did not begin its mission: {state}")
 

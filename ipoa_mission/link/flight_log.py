@@ -8,20 +8,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
-from ipoa_mission.autopilots.modes import MISSION_MODE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Item, Mission
-from ipoa_mission.link.copter_log import read_copter_log
 from ipoa_mission.link.logbook import FlightRecord, Logbook
-from ipoa_mission.link.logged import Begun, Held, Log, told
+from ipoa_mission.link.logged import Begun, Held, Log, log_format, told
 from ipoa_mission.link.measured import Measured
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.link.telemetry_log import read_telemetry_log
-from ipoa_mission.link.ulog import read_ulog
 from ipoa_mission.mission.firmware import from_wire, home_item
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 #: Who rises by so much was in the air [m].
@@ -74,7 +70,7 @@ def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
     """
     log = read_flights(path)
     if log.autopilot is not mission.autopilot:
-        raise MissionError(f"{path}: expected a log of {FIRMWARE[mission.autopilot].name}, as the mission is for")
+        raise MissionError(f"{path}: expected a log of {mission.autopilot.firmware_name}, as the mission is for")
     flown = [flight for flight in log.flights if flight.in_mission]
     if not flown:
         raise _nothing_flown(path, log)
@@ -91,16 +87,14 @@ def read_flights(path: str | Path) -> FlightLog:
         MissionError: nothing in it was flown, or a package to read it is missing.
     """
     path = Path(path)
-    match path.suffix.lower():
-        case ".tlog":
-            log = read_telemetry_log(path)
-        case ".bin":
-            log = read_copter_log(path)
-        case ".ulg":
-            log = read_ulog(path)
-        case _:
-            raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
-    mode = MISSION_MODE[log.autopilot]
+    written = log_format(path.suffix)
+    if written is not None:
+        log = written.read(path)
+    elif path.suffix.lower() == ".tlog":
+        log = read_telemetry_log(path)
+    else:
+        raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
+    mode = log.autopilot.modes.mission
     stretches = list(_stretches(log))
     flights = [stretch for stretch in stretches if stretch.flew_in(mode) or stretch.rose]
     whole = tuple(stretch.flight(log) for stretch in flights if stretch.is_whole)
@@ -117,7 +111,7 @@ def read_flights(path: str | Path) -> FlightLog:
 
 
 def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
-    words = [f"nothing in it was flown in {FIRMWARE[log.autopilot].name}'s mission mode", *log.remarks]
+    words = [f"nothing in it was flown in {log.autopilot.firmware_name}'s mission mode", *log.remarks]
     return MissionError(f"{path}: {'; '.join(words)}", hint="is it the log of this flight?")
 
 
@@ -173,7 +167,7 @@ class _Stretch:
 
     def flight(self, log: Log) -> LoggedFlight:
         parameters = self.later.parameters | self.at_arming.parameters
-        mission, flown = self._mission(log.autopilot), self.flew_in(MISSION_MODE[log.autopilot])
+        mission, flown = self._mission(log.autopilot), self.flew_in(log.autopilot.modes.mission)
         messages, measured = tuple(self.messages), log.measured.between(self.armed_s, self.ends_s)
         return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, messages, measured)
 
@@ -184,7 +178,7 @@ class _Stretch:
         by item.
         """
         home = self.later.home or self.at_arming.home or self._first_place()
-        first = int(FIRMWARE[autopilot].home_is_item_0)
+        first = autopilot.counts_home
         items = self.at_arming.items or self.later.items
         if self.begun:
             total = max(begun.total for begun in self.begun.values())

@@ -1,7 +1,5 @@
 """What a flying vehicle is told besides its mission: pause, resume, return to launch; and any change of mode."""
 
-from ipoa_mission.autopilots.modes import HOLD_MODE, MISSION_MODE, RETURN_MODE, mode_name
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Order
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, until
@@ -24,12 +22,12 @@ def pause(state: VehicleState) -> Dialogue[None]:
         NotReady: it does not fly, or will not stop.
     """
     yield from _expect_flying(state)
-    if state.autopilot is Autopilot.ARDUPILOT:
+    if state.autopilot.manners.pauses_in_mission:
         result, _ = yield from command(Command.DO_PAUSE_CONTINUE, 0.0)
         if result == CommandResult.ACCEPTED:
             yield from until(lambda: state.custom_mode is not None, SHOWN_S)
             return
-    yield from _enter(state, HOLD_MODE[state.autopilot])
+    yield from _enter(state, state.autopilot.modes.hold)
 
 
 def resume(state: VehicleState) -> Dialogue[None]:
@@ -39,8 +37,8 @@ def resume(state: VehicleState) -> Dialogue[None]:
         NotReady: it does not fly, or has no mission to fly.
     """
     yield from _expect_flying(state)
-    yield from _enter(state, MISSION_MODE[state.autopilot])
-    if state.autopilot is Autopilot.ARDUPILOT:
+    yield from _enter(state, state.autopilot.modes.mission)
+    if state.autopilot.manners.pauses_in_mission:
         yield from command(
             Command.DO_PAUSE_CONTINUE, 1.0
         )  # one that is not paused has nothing to go on with, and says so
@@ -53,21 +51,20 @@ def return_to_launch(state: VehicleState) -> Dialogue[None]:
         NotReady: it does not fly, or will not come.
     """
     yield from _expect_flying(state)
-    yield from _enter(state, RETURN_MODE[state.autopilot])
+    yield from _enter(state, state.autopilot.modes.returning)
 
 
 def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
     """Ask for a mode and see it in the heartbeat; what hinders, or nothing."""
     if state.custom_mode == mode:
         return ""
-    numbers = (mode,) if state.autopilot is Autopilot.ARDUPILOT else (mode >> 16 & 0xFF, mode >> 24)
-    result, words = yield from command(Order.DO_SET_MODE, CUSTOM_MODE_FLAG, *numbers)
+    result, words = yield from command(Order.DO_SET_MODE, CUSTOM_MODE_FLAG, *state.autopilot.modes.numbers(mode))
     texts = VehicleTexts(words=[words] if words else [])
     if result == CommandResult.ACCEPTED:
         result = yield from _taken_back(state, mode, texts)
     if state.custom_mode == mode:
         return ""
-    name = mode_name(state.autopilot, mode)
+    name = state.autopilot.modes.name(mode)
     if result == CommandResult.ACCEPTED:
         return f"it accepted {name} but does not show it"
     return str(texts) or str(CommandRefused(f"change to {name}", result))

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import MissionRefused, list_name, open_list
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, until
@@ -47,7 +46,7 @@ class Holding:
         if self.list_id and current.mission_id not in (0, self.list_id):
             return f"it has the id {current.mission_id}, and ours has {self.list_id}"
         total = current.total
-        sent = len(self.job.items) - int(FIRMWARE[self.job.autopilot].home_is_item_0)
+        sent = len(self.job.items) - self.job.autopilot.counts_home
         if total in (0, NO_TOTAL) and current.mission_state == NO_MISSION:
             return "there is none any more"
         return f"it has {total} items, and ours has {sent}" if total not in (0, NO_TOTAL, sent) else ""

@@ -4,15 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
-from ipoa_mission.autopilots.modes import MISSION_MODE, RETURN_MODES
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.progress import Progress, count, silent
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, apart
 
 #: A vehicle that says nothing for so long is lost.
@@ -89,7 +87,7 @@ class Logbook:
     def __init__(self, items: Sequence[Item], autopilot: Autopilot) -> None:
         self._items = tuple(items)
         self._autopilot = autopilot
-        self._first = int(FIRMWARE[autopilot].home_is_item_0)
+        self._first = autopilot.counts_home
         flown = [index for index, item in enumerate(items) if item.command < LAST_NAV]
         self._final = flown[-1] if flown else len(items) - 1
         self._texts: list[str] = []
@@ -212,9 +210,9 @@ class Logbook:
         last = self._items[self._final]
         if not (self.is_flown or flight.current >= self._final + self._first):
             return f"it was disarmed at item {flight.current + 1 - self._first} of {len(self._items)}"
-        allowed = {MISSION_MODE[self._autopilot]}
+        allowed = {self._autopilot.modes.mission}
         if last.command == Command.NAV_RETURN_TO_LAUNCH:
-            allowed |= RETURN_MODES[self._autopilot]
+            allowed |= self._autopilot.modes.returns
         if flight.mode not in allowed:
             return "it left its mission before the landing"
         if last.command == Command.NAV_LAND and last.has_position and flight.path:

@@ -1,19 +1,22 @@
 """What a log tells, whoever wrote it: where the vehicle was, what happened when, what it held and how it was set."""
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
-from ipoa_mission.autopilots.kinds import QUADROTOR
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.link.measured import Measured
-from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Firmware, Heartbeat, Message
+from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message
 from ipoa_mission.link.telemetry import Position, SystemTime
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.version import Version
 
 #: What ArduPilot says when an item begins: "Mission: 4 WP".
 ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
@@ -99,9 +102,8 @@ def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
 
 def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
     """The heartbeat of a vehicle in this state."""
-    firmware = Firmware.ARDUPILOT if autopilot is Autopilot.ARDUPILOT else Firmware.PX4
     flags = CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0)
-    return Heartbeat(QUADROTOR, firmware, flags, custom_mode)
+    return Heartbeat(QUADROTOR, autopilot.mav_autopilot, flags, custom_mode)
 
 
 def item_begun(text: str) -> Current | None:
@@ -113,3 +115,26 @@ def item_begun(text: str) -> Current | None:
 def version_name(flight_sw_version: int) -> str:
     """The version in AUTOPILOT_VERSION in words, like 4.7.0-dev; nothing where the autopilot does not tell."""
     return str(Version.said(flight_sw_version) or "")
+
+
+class LogFormat(ABC):
+    """What an autopilot writes on board."""
+
+    suffix: ClassVar[str]
+    no_mission: ClassVar[str]
+    """Why such a log may not tell which mission was flown."""
+
+    @abstractmethod
+    def read(self, path: Path) -> Log:
+        """What of a log is of use here.
+
+        Raises:
+            BadInput: the file cannot be read, or is no log of this kind.
+            MissionError: a package to read it is missing.
+        """
+
+
+def log_format(suffix: str) -> LogFormat | None:
+    """The format of files that end so; None where no autopilot writes such logs."""
+    formats = (one.part(LogFormat) for one in registered() if one.has(LogFormat))
+    return next((one for one in formats if one.suffix == suffix.lower()), None)

@@ -14,8 +14,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from ipoa_mission.autopilots.kinds import QUADROTOR, Kind
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.items import Item
 from ipoa_mission.link import wire
@@ -31,7 +29,6 @@ from ipoa_mission.link.messages import (
     NO_MISSION,
     STATION_COMPONENT,
     STATION_SYSTEM,
-    Firmware,
     Heartbeat,
     Message,
     MissionType,
@@ -44,6 +41,9 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.progress import Progress, count, silent
+from ipoa_mission.vehicles.autopilot import default_autopilot, registered
+from ipoa_mission.vehicles.kind import Kind
+from ipoa_mission.vehicles.kinds import QUADROTOR
 
 PRESENCE_S = 10.0
 POLL_S = 0.05
@@ -195,9 +195,9 @@ class MavsdkVehicle(Vehicle):
         self._item = mission_raw.MissionItem
         self._refused = import_module("mavsdk").MavsdkError
         line = MavsdkLine(instance, system)
-        is_ardupilot = system.autopilot_type().name == "ARDUPILOT"
-        firmware = Firmware.ARDUPILOT if is_ardupilot else Firmware.PX4
-        kind = Kind(firmware, QUADROTOR)  # until its heartbeat is heard
+        said = system.autopilot_type().name
+        likely = next((one for one in registered() if one.firmware_name.upper() == said), default_autopilot())
+        kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its heartbeat is heard
         super().__init__(line, Found(int(system.get_system_id()), kind, armed=False, is_ready=True))
         if not self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S)):
             raise NoAnswer(f"vehicle {self.system}: no heartbeat is heard")
@@ -225,7 +225,7 @@ class MavsdkVehicle(Vehicle):
             count(progress, len(items), len(items))
             if interrupt.take():
                 raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}")
-        if self.autopilot is Autopilot.PX4 and kind == MissionType.MISSION and items:
+        if self.autopilot.manners.judges_later and kind == MissionType.MISSION and items:
             self._expect_flyable()
             again = compare(items, self.download_items(kind), self.autopilot)
             if again is not None:
@@ -250,7 +250,7 @@ class MavsdkVehicle(Vehicle):
         begin(list(rows), lambda result, _: results.put(result))
         was_cancelled = False
         while True:
-            if interrupt.is_pending and not was_cancelled and self.autopilot is Autopilot.PX4 and kind == 0:
+            if interrupt.is_pending and not was_cancelled and self.autopilot.manners.judges_later and kind == 0:
                 was_cancelled = True
                 raw.cancel_mission_upload()
             try:

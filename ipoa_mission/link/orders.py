@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from ipoa_mission.autopilots.parameters import SURELY_THERE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
@@ -24,6 +22,7 @@ from ipoa_mission.link.messages import (
     SetCurrent,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 M = TypeVar("M", bound=Message)
@@ -166,14 +165,16 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
     for n in range(PARAMETER_ROUNDS + SLOW_ROUNDS):
         if not missing() or told == SURE or (n >= PARAMETER_ROUNDS and (values or told)):
             break
-        known = SURELY_THERE[autopilot][n % 2]  # not the same twice running: that would be heard as an echo
+        known = autopilot.book.surely_there[
+            n % len(autopilot.book.surely_there)
+        ]  # not the same twice running: that would be heard as an echo
         for name in (*(name for names in missing() for name in names), *known):
             yield Remark(ParamRequestRead(name))
         heard = yield Pause(PARAMETER_ROUND_S if n < PARAMETER_ROUNDS else SLOW_ROUND_S)
         while heard is not None:
             if isinstance(heard, ParamValue):
                 values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
-                told += (is_known := any(heard.param_id in names for names in SURELY_THERE[autopilot]))
+                told += (is_known := any(heard.param_id in names for names in autopilot.book.surely_there))
                 if is_known or not missing():
                     break
             heard = yield None
@@ -213,14 +214,14 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
 
 
 def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
-    """The value that was told: PX4 sends the bits of a whole number in the place of a float's."""
-    if heard.param_type not in INT_TYPES or autopilot is not Autopilot.PX4:
+    """The value that was told: some send the bits of a whole number in the place of a float's."""
+    if heard.param_type not in INT_TYPES or not autopilot.book.packs_integers:
         return heard.param_value
     return float(struct.unpack("<i", struct.pack("<f", heard.param_value))[0])
 
 
 def spelled_parameter(value: float, kind: int, autopilot: Autopilot) -> float:
     """The inverse of `parameter_value`, for a parameter of this type."""
-    if kind not in INT_TYPES or autopilot is not Autopilot.PX4:
+    if kind not in INT_TYPES or not autopilot.book.packs_integers:
         return value
     return float(struct.unpack("<f", struct.pack("<i", round(value)))[0])

@@ -4,8 +4,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import cycle
 
-from ipoa_mission.autopilots.kinds import Kind
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import Order
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.definitions import message_number
@@ -14,6 +12,8 @@ from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Firmware, Heartbeat, Ping
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
+from ipoa_mission.vehicles.kind import Kind
+from ipoa_mission.vehicles.version import Version
 
 #: How long autopilots are asked for their versions, and how often anew [s].
 VERSIONS_S, VERSION_ROUND_S = 3.0, 0.7

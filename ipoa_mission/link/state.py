@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass, field
 
-from ipoa_mission.autopilots.kinds import Kind, with_article
-from ipoa_mission.autopilots.modes import does_next, mode_name
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, Message, Text
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.kind import Kind
+from ipoa_mission.vehicles.kinds import with_article
 
 ON_GROUND = 1  # MAV_LANDED_STATE
 #: MAV_SYS_STATUS_PREARM_CHECK: the vehicle could be armed in its present mode.
@@ -86,7 +86,7 @@ class VehicleState:
             return "the vehicle has told nothing of its state"
         if self.custom_mode is None:
             return f"the vehicle is {'armed' if self.armed else 'disarmed'}"
-        mode = mode_name(self.autopilot, self.custom_mode)
+        mode = self.autopilot.modes.name(self.custom_mode)
         if not self.armed:
             return f"the vehicle is disarmed, in {mode}"
         if not self.in_air:
@@ -94,5 +94,5 @@ class VehicleState:
             return f"the vehicle is armed, {where}, in {mode}"
         height = "" if self.position is None else f" {self.position.height:.0f} m above home"
         item = "" if self.current is None else f", at item {self.current.seq}"
-        after = does_next(self.autopilot, self.custom_mode)
+        after = self.autopilot.modes.does_next(self.custom_mode)
         return f"the vehicle is armed and in the air{height}, in {mode}{item}: {after}"

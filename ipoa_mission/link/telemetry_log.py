@@ -9,8 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.autopilots.kinds import MULTICOPTERS, Kind, with_article
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
@@ -46,6 +44,9 @@ from ipoa_mission.link.telemetry import (
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.link.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
+from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
+from ipoa_mission.vehicles.kind import Kind
+from ipoa_mission.vehicles.kinds import with_article
 
 ARMING = ("Arming motors", "Armed by", "ARMED by")
 DISARMING = ("Disarming motors", "Disarmed by", "DISARMED by")
@@ -79,7 +80,7 @@ def read_telemetry_log(path: Path) -> Log:
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
     gathered = _Gathered()
     stamps: list[float] = []
-    system, autopilot = None, Autopilot.PX4
+    system, autopilot = None, default_autopilot()
     for record in read_tlog(path):
         heard = codec.decode(record.frame)
         if heard is None or heard.message is None:
@@ -90,7 +91,7 @@ def read_telemetry_log(path: Path) -> Log:
             system = heard.system
             kind = Kind(beat.autopilot, beat.type)
             autopilot = kind.autopilot
-            if beat.type not in MULTICOPTERS:
+            if not kind.is_flown and beat.type not in autopilot.mav_types:
                 raise BadInput(f"{path}: expected the log of a multicopter, not of {with_article(str(kind))}")
         if system is None:
             continue
@@ -132,7 +133,7 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
         case Text(_, text):
             if text.startswith((*ARMING, *DISARMING)) and not gathered.changes:  # else an echo of what was told
                 _tell_of(gathered, number, text.startswith(ARMING))
-            if autopilot is Autopilot.ARDUPILOT and (begun := item_begun(text)):
+            if autopilot.manners.tells_items and (begun := item_begun(text)):
                 gathered.said.append((number, begun))
         case AutopilotVersion(_, version):
             gathered.version = version_name(version)

@@ -6,7 +6,6 @@ If it ends otherwise, the error says what the vehicle holds.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import (
@@ -24,6 +23,7 @@ from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Messag
 from ipoa_mission.link.unbroken import READINGS, Unsettled, read_unbroken
 from ipoa_mission.mission.firmware import Difference
 from ipoa_mission.progress import Progress, count, silent
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 #: A transfer that broke off is begun anew, from COUNT, this often; one that got nowhere, only once more.
 ATTEMPTS = 12
@@ -91,16 +91,16 @@ class Upload:
     @property
     def truncates(self) -> bool:
         """Whether the vehicle forgets its old list as soon as a transfer begins (ArduPilot; its fence is atomic)."""
-        return self.autopilot is Autopilot.ARDUPILOT and self.kind != MissionType.FENCE
+        return self.autopilot.manners.forgets_at_count and self.kind != MissionType.FENCE
 
     @property
     def is_judged(self) -> bool:
         """Whether the vehicle tells after the Ack that it cannot fly this."""
-        return self.autopilot is Autopilot.PX4 and self.kind == MissionType.MISSION and len(self.items) > 0
+        return self.autopilot.manners.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
 
     def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
         """What is not as it was sent. An empty list is empty, although ArduPilot may answer with its home alone."""
-        home = 1 if self.autopilot is Autopilot.ARDUPILOT and self.kind == MissionType.MISSION else 0
+        home = self.autopilot.counts_home if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= home:
             return None
         return first_difference(self.items, self.packed, stored, self.autopilot)

@@ -11,9 +11,6 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 
-from ipoa_mission.autopilots.modes import mode_name
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -39,6 +36,7 @@ from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Uploa
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
 from ipoa_mission.progress import Progress, silent
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 log = logging.getLogger(__name__)
@@ -262,7 +260,7 @@ class Vehicle:
     @property
     def mode(self) -> str:
         """The mode that it was last heard in, by the autopilot's name."""
-        return "no mode" if self.state.custom_mode is None else mode_name(self.autopilot, self.state.custom_mode)
+        return "no mode" if self.state.custom_mode is None else self.autopilot.modes.name(self.state.custom_mode)
 
     def home(self) -> Geodetic | None:
         """Where the vehicle's home is; None while it does not know."""
@@ -319,7 +317,7 @@ class Vehicle:
     @property
     def _first(self) -> int:
         """The sequence number of the first thing done: ArduPilot counts its home."""
-        return 1 if self.autopilot is Autopilot.ARDUPILOT else 0
+        return self.autopilot.counts_home
 
     def _read_after_flight(self) -> None:
         """A mission without an id may have been replaced by one of the same length, which nothing tells of."""
@@ -372,7 +370,7 @@ class Vehicle:
 
     def _makes_checksums(self) -> bool:
         """Whether the vehicle keeps its lists as files, of which it makes a checksum."""
-        return self.autopilot is Autopilot.ARDUPILOT and bool(self._told().capabilities & orders.FILE_TRANSFER)
+        return self.autopilot.manners.takes_mission_file and bool(self._told().capabilities & orders.FILE_TRANSFER)
 
     def _told(self) -> AutopilotVersion:
         """What the autopilot says of itself; it is asked once."""
@@ -396,5 +394,5 @@ class Vehicle:
         self._logbook.armed = armed
 
     def _await_ready(self) -> None:
-        if self.autopilot is Autopilot.ARDUPILOT:
+        if self.autopilot.manners.boots_slowly:
             await_booted(self.line, self.system, self.state, min(self.line.now() + STARTUP_S, self._until))

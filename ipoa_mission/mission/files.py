@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from ipoa_mission.autopilots.parameters import firmware_of
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.items import Mission
@@ -12,6 +10,8 @@ from ipoa_mission.mission.landing_ground import over_known_ground
 from ipoa_mission.mission.parameter_file import beside, read_parameters
 from ipoa_mission.mission.plan_file import is_old_mission, parse_old_mission, parse_plan, plan_text, write_plan
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, parse_waypoints, waypoints_text, write_waypoints
+from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
+from ipoa_mission.vehicles.known_parameters import firmware_of
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
@@ -28,7 +28,7 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
     lying = beside(Path(path))
     parameters = read_parameters(lying) if lying.is_file() else {}
     text = read_text(Path(path))
-    mission = _parsed(Path(path), text, autopilot, firmware_of(parameters) or Autopilot.PX4)
+    mission = _parsed(Path(path), text, autopilot, firmware_of(parameters) or default_autopilot())
     mission = over_known_ground(mission, Path(path), text)
     try:
         return mission.with_parameters(parameters)

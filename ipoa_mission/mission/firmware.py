@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.autopilots.firmware import FIRMWARE, Firmware, firmware, series_known
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 #: Centimetres by which an altitude may come back lower: the cut is made in single precision, and so may be one off.
@@ -30,7 +30,7 @@ def to_wire(mission: Mission) -> tuple[Item, ...]:
     Commands without a position go in frame 2 (PX4 refuses them in any other), DO_JUMP counts as the autopilot does,
     and NaN ("your own") becomes 0 where ArduPilot refuses NaN.
     """
-    own = firmware(mission.autopilot, mission.firmware_version)
+    own = mission.autopilot.firmware(mission.firmware_version)
     items = tuple(_spoken(item, own) for item in mission.items)
     return (home_item(mission.home), *items) if own.home_is_item_0 else items
 
@@ -43,7 +43,7 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
     Raises:
         MissionError: a PX4 list holds no home and none is given.
     """
-    own = FIRMWARE[autopilot]
+    own = autopilot.firmware()
     if own.home_is_item_0:
         first, items = items[:1], items[1:]
         if home is None and first:
@@ -58,7 +58,7 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
 
 def settle_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
     """The items with frames as a `Mission` and its files have them: no `_INT`, and frame 2 for what has no position."""
-    return tuple(replace(item, frame=_plain_frame(item, FIRMWARE[autopilot])) for item in items)
+    return tuple(replace(item, frame=_plain_frame(item, autopilot.firmware())) for item in items)
 
 
 def home_item(home: Geodetic) -> Item:
@@ -73,7 +73,7 @@ def as_stored(items: Sequence[Item], autopilot: Autopilot, version: Version | No
     carries them, single precision; an item that the firmware does not know stays as it is.
     `version`: left out, the newest.
     """
-    own = firmware(autopilot, version)
+    own = autopilot.firmware(version)
     return tuple(_stored(item, own) for item in items)
 
 
@@ -100,8 +100,8 @@ def compare(
     `version` of the firmware: left out, an item agrees that any version would store so.
     ArduPilot's item 0 is its own home and not compared.
     """
-    versions = (version,) if version else [Version(*series) for series in reversed(series_known(autopilot))]
-    newest, *older = (firmware(autopilot, one) for one in versions)
+    versions = (version,) if version else [Version(*series) for series in reversed(autopilot.tables.series)]
+    newest, *older = (autopilot.firmware(one) for one in versions)
     if len(sent) != len(got):
         return Difference(None, "number of items", str(len(sent)), str(len(got)))
     for seq, (one, other) in enumerate(zip(sent, got, strict=True)):

@@ -11,9 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
-from ipoa_mission.autopilots.renamed import by_old_names
-from ipoa_mission.autopilots.returning import goal_of_return
 from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
@@ -85,9 +82,9 @@ def landing_place(mission: Mission) -> tuple[float, float] | None:
     if Command.NAV_RETURN_TO_LAUNCH not in commands or not mission.rally:
         return None
     here = _last_place(mission, commands.index(Command.NAV_RETURN_TO_LAUNCH)) or (0.0, 0.0)
-    parameters = {**DEFAULT_PARAMETERS[mission.autopilot], **by_old_names(mission.parameters)}
+    parameters = mission.autopilot.book.complete(mission.parameters)
     rally = [(*_local(mission, place.latitude_deg, place.longitude_deg), 0.0) for place in mission.rally]
-    chosen = goal_of_return(mission.autopilot, parameters, (*here, 0.0), rally)
+    chosen = mission.autopilot.goal_of_return(parameters, (*here, 0.0), rally)
     return None if chosen is None else rally[chosen][:2]
 
 

@@ -9,11 +9,10 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from ipoa_mission.autopilots.parameters import REAL32, TYPES
-from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.items import Mission
+from ipoa_mission.vehicles.parameters import REAL32, SINGLE_MAX, Parameters
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
 COLUMNS = "# Vehicle-Id Component-Id Name Value Type"
@@ -58,7 +57,8 @@ def parameters_beside(mission: Mission, path: Path) -> dict[Path, str]:
             hint="move it, or write the mission under another name",
         )
     lines = (  # with its type: QGroundControl does not load a parameter of another than the vehicle's
-        f"1\t1\t{name}\t{_number(value)}\t{TYPES.get(name, REAL32)}" for name, value in mission.parameters.items()
+        f"1\t1\t{name}\t{_number(value)}\t{mission.autopilot.book.types.get(name, REAL32)}"
+        for name, value in mission.parameters.items()
     )
     return {target: "\n".join([FIRST_LINE.format(path.stem), COLUMNS, *lines]) + "\n"}
 

@@ -12,8 +12,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.autopilots.kinds import QUADROTOR
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import FLOWN_TO, Command, Frame, command_name
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
@@ -25,9 +23,10 @@ from ipoa_mission.mission.landing_ground import over_told_ground, told_in_plan
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.scan_items import lay_out
 from ipoa_mission.mission.structure_scan import height_scanned
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.kinds import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
 
-FIRMWARE_TYPE = {Autopilot.ARDUPILOT: 3, Autopilot.PX4: 12}  # MAV_AUTOPILOT
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
 ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
 LANDING_GROUND = "landingGround"  # a key of ours
@@ -120,7 +119,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
         _check(number, item, len(items))
     modes = Counter(ALTITUDE_MODE[Frame(item.frame)] for item in items if _has_altitude(item))
     header: dict[str, Any] = {
-        "firmwareType": FIRMWARE_TYPE[mission.autopilot],
+        "firmwareType": mission.autopilot.mav_autopilot,
         "globalPlanAltitudeMode": next(iter(modes), RELATIVE) if len(modes) < 2 else MIXED,
         "items": [_simple_item(number, item) for number, item in enumerate(items, start=1)],
         "plannedHomePosition": _place(mission.home, "home"),
@@ -209,12 +208,14 @@ def autopilot_in(node: Node) -> Autopilot:
     """The autopilot that a MAV_AUTOPILOT number stands for.
 
     Raises:
-        BadInput: it is neither of the two.
+        BadInput: it is none that is known.
     """
-    for autopilot, number in FIRMWARE_TYPE.items():
-        if not isinstance(node.value, bool) and node.value == number:
+    for autopilot in registered():
+        if not isinstance(node.value, bool) and node.value == autopilot.mav_autopilot:
             return autopilot
-    raise node.wrong("3 (ArduPilot) or 12 (PX4)", hint="say which autopilot the plan is for")
+    numbers = sorted({(one.mav_autopilot, one.firmware_name) for one in registered()})
+    known = " or ".join(f"{number} ({name})" for number, name in numbers)
+    raise node.wrong(known, hint="say which autopilot the plan is for")
 
 
 def _home(node: Node) -> Geodetic:

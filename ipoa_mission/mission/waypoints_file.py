@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text
@@ -21,6 +20,7 @@ from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
 from ipoa_mission.mission.firmware import home_item, settle_frames
 from ipoa_mission.mission.parameter_file import write_with_parameters
+from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.world.frame import Geodetic
 
 FIRST_LINE = "QGC WPL 110"
@@ -60,7 +60,7 @@ def left_out(mission: Mission) -> tuple[str, ...]:
     return tuple(f"{name} cannot be held by a .waypoints file" for name, what in parts.items() if what)
 
 
-def read_waypoints(path: Path, autopilot: Autopilot = Autopilot.PX4) -> Mission:
+def read_waypoints(path: Path, autopilot: Autopilot | None = None) -> Mission:
     """Read home and items; CRLF, blank lines and `#` comments are let pass.
 
     Read and noted in `findings`: numbers that leave some out (items are numbered by their lines, as MAVProxy does), a
@@ -72,12 +72,13 @@ def read_waypoints(path: Path, autopilot: Autopilot = Autopilot.PX4) -> Mission:
     return parse_waypoints(path, read_text(path), autopilot)
 
 
-def parse_waypoints(path: Path, text: str, autopilot: Autopilot = Autopilot.PX4) -> Mission:
+def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> Mission:
     """The mission in the text of a `.waypoints` file; `path` is for messages.
 
     Raises:
         BadInput: as `read_waypoints`.
     """
+    autopilot = autopilot or default_autopilot()
     rows = list(_rows(path, text))
     if not rows:
         raise BadInput(f"{path}: expected a first item that is home, but there is none")
@@ -131,7 +132,7 @@ def _waypoints(mission: Mission) -> str:
     items = settle_frames(mission.items, mission.autopilot)
     for number, item in enumerate((home_item(mission.home), *items)):
         _check(number, item)
-    if mission.autopilot is Autopilot.ARDUPILOT:
+    if not mission.autopilot.firmware().nan_holds:
         items = tuple(map(_without_nan, items))
     lines = [FIRST_LINE, *(_line(seq, item) for seq, item in enumerate((home_item(mission.home), *items)))]
     return "\n".join(lines) + "\n"

@@ -16,6 +16,7 @@ from ipoa_mission.planning.problem import encode, pose
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.vehicles.autopilot import default_autopilot
 
 #: Obstacles and number of each map: the five of Table 6, the two of Table 7.
 MAPS = {
@@ -48,7 +49,7 @@ def paper_map(name: str) -> dict[str, Any]:
         "start": {"east": 5.0, "north": 5.0, "height_above_ground": 15.0},
         "goal": {"east": 95.0, "north": 95.0, "height_above_ground": 15.0},
         "bounds": {"east": [0.0, 100.0], "north": [0.0, 100.0], "up": [-5.0, 350.0]},
-        "vehicle": {"autopilot": "px4", "radius": 1.0, "cruise_speed": 5.0},
+        "vehicle": {"autopilot": str(default_autopilot()), "radius": 1.0, "cruise_speed": 5.0},
         "cost": {"form": "nodes"},
         "planning": {"planner": "paper", "control_points": INNER},
         "terrain": {"kind": "analytic", **surface, "peaks": [_peak(rng) for _ in range(6)]},

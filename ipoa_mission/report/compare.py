@@ -9,10 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.autopilots.learned import LearnedVehicle
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
-from ipoa_mission.autopilots.renamed import by_old_names
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission
 from ipoa_mission.link.flight_log import LoggedFlight
@@ -20,6 +16,9 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.prediction import Track
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
@@ -168,8 +167,8 @@ def _begun_later(record: FlightRecord) -> tuple[str, ...]:
 
 def _changed(parameters: Parameters, autopilot: Autopilot) -> dict[str, float]:
     """Those of the parameters that the models know, and that are not the defaults; by the names of before 4.7."""
-    defaults = DEFAULT_PARAMETERS[autopilot]
-    current = by_old_names(parameters)
+    defaults = autopilot.book.moving
+    current = autopilot.book.by_old_names(parameters)
     return {
         name: current[name]
         for name in defaults

@@ -13,7 +13,6 @@ from string import Template
 
 import numpy as np
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.clearance import promise_if_known
 from ipoa_mission.commands import WAYPOINTS
@@ -150,7 +149,7 @@ LEGS_NOTE = (
 
 
 def _subtitle(scenario: Scenario, mission: Mission) -> str:
-    words = f"Mission for {FIRMWARE[mission.autopilot].name}, {len(mission.items)} items"
+    words = f"Mission for {mission.autopilot.firmware().name}, {len(mission.items)} items"
     return f"{words}, cruise {scenario.vehicle.cruise_speed:g} m/s"
 
 

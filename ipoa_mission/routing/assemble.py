@@ -8,7 +8,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission
 from ipoa_mission.planning.plan import Plan
@@ -22,6 +21,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.timing.bound import least_time
 from ipoa_mission.timing.route import kinematics
 from ipoa_mission.tube.promise import promise_of
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 HALVINGS = 6  # of the step or the tolerance, before a mode gives up
 NARROW = 2  # so many times halved, the waypoints lie close along the curve
@@ -84,7 +84,7 @@ def near_routes(plan: Plan, scenario: Scenario, mode: str) -> tuple[Route, ...]:
     """A few routes of a mode, chosen quickly; nobody looked whether they keep anything."""
     choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
     wide, narrow = choose(width), choose(width / 2**NARROW)
-    if mode == "fastest" and scenario.vehicle.autopilot is Autopilot.PX4:
+    if mode == "fastest" and scenario.vehicle.autopilot.guidance.takes_radius:
         return wide, narrow, replace(narrow, radius=TURNED_LATE)
     return wide, narrow
 
@@ -131,7 +131,7 @@ def _least_time(plan: Plan, scenario: Scenario) -> float:
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
     """Complain of a mode that chooses waypoints which an autopilot does not fly."""
-    if mode == "spline" and autopilot is not Autopilot.ARDUPILOT:
+    if mode == "spline" and not autopilot.guidance.flies_splines:
         raise BadInput("route.mode: expected even, corridor or fastest: only ArduPilot flies spline waypoints")
 
 

@@ -8,7 +8,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.relax import relaxed, stations
@@ -41,8 +40,8 @@ GRID = RouteGrid()
 
 def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     """Routes beside the curve; their legs, and the chords of their curves, may still cut in on what it bends round."""
-    is_ardupilot = scenario.vehicle.autopilot is Autopilot.ARDUPILOT
-    if is_ardupilot:
+    guidance = scenario.vehicle.autopilot.guidance
+    if guidance.flies_splines:
         yield from _splines(curve, scenario)
     drawn = set[bytes]()
     for share in GRID.straight_shares:
@@ -53,7 +52,7 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
             if points.tobytes() in drawn:
                 continue
             drawn.add(points.tobytes())
-            for radius in GRID.turn_radii[:1] if is_ardupilot or len(points) < 3 else GRID.turn_radii:
+            for radius in GRID.turn_radii if guidance.takes_radius and len(points) > 2 else GRID.turn_radii[:1]:
                 yield Route(points, radius=radius)
 
 

@@ -6,7 +6,6 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.planning.proof import prove
@@ -21,6 +20,7 @@ from ipoa_mission.timing.route import kinematics
 from ipoa_mission.tube.course import course_of
 from ipoa_mission.tube.promise import tube_holds
 from ipoa_mission.tube.thin import STRAY, thinned
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 _LAST_FLIGHT: WeakKeyDictionary[Route, "tuple[Spline, Scenario, Flown]"] = WeakKeyDictionary()
 

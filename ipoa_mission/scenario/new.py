@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings
 from ipoa_mission.maps.feature import Feature
@@ -21,6 +20,7 @@ from ipoa_mission.maps.kinds import key_of_height
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.read import parse_scenario
+from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
 ROOM = 12.0  # a suggested take-off or goal has so much room around it [m]
@@ -81,13 +81,14 @@ def _one_of(*choices: str) -> Callable[[str, str], str]:
     return check
 
 
+AUTOPILOTS = tuple(map(str, registered()))
 #: In the order in which they are best asked.
 QUESTIONS = (
     Question("home", "Where does the vehicle take off?", "latitude, longitude", None, _place),
     Question("altitude", "How high is the ground there above mean sea level?", "metres", "0", _number),
     Question("goal", "Where is it to fly?", "latitude, longitude", None, _place),
     Question("height", "How high above the ground do start and goal lie?", "metres", "20", _positive),
-    Question("autopilot", "Which autopilot flies it?", "px4 or ardupilot", "px4", _one_of(*Autopilot)),
+    Question("autopilot", "Which autopilot flies it?", " or ".join(AUTOPILOTS), AUTOPILOTS[0], _one_of(*AUTOPILOTS)),
     Question("cruise_speed", "How fast?", "metres per second", "8", _positive),
     Question("safety_distance", "How near may its hull come to anything?", "metres", "2", _positive),
     Question("ending", "How does it end?", "rtl (fly home) or land (at the goal)", "rtl", _one_of("rtl", "land")),

@@ -1,23 +1,46 @@
 """What flies the mission, in the scenario: the autopilot, its speeds, and what its energy depends on."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field, PrivateAttr, StringConstraints, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    InstanceOf,
+    PlainSerializer,
+    PrivateAttr,
+    StringConstraints,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
 
-from ipoa_mission.autopilots.firmware import expect_known_version
-from ipoa_mission.autopilots.learned import LearnedVehicle
-from ipoa_mission.autopilots.parameters import expect_own
-from ipoa_mission.autopilots.renamed import overridden
-from ipoa_mission.autopilots.vehicle import SINGLE_MAX, Autopilot, Parameters
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.energy.flight import Battery
 from ipoa_mission.energy.power import KAPPA, Airframe
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, default_autopilot, registered
+from ipoa_mission.vehicles.known_parameters import expect_own
+from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.vehicles.parameters import SINGLE_MAX, Parameters
+from ipoa_mission.vehicles.version import Version
 
 ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
 Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
+
+
+def _by_name(given: Any) -> Any:
+    """The autopilot of that name."""
+    return given if isinstance(given, Autopilot) else autopilot_named(given)
+
+
+AutopilotName = Annotated[
+    InstanceOf[Autopilot],
+    BeforeValidator(_by_name),
+    PlainSerializer(str),
+    WithJsonSchema({"enum": [str(one) for one in registered()], "type": "string", "default": str(default_autopilot())}),
+]
 
 
 class AirframeSection(Section):
@@ -69,7 +92,7 @@ class BatterySection(Section):
 class VehicleSection(Section):
     """What flies the mission."""
 
-    autopilot: Autopilot = Autopilot.PX4
+    autopilot: AutopilotName = Field(default_factory=default_autopilot)
     """The firmware that the mission is written and its time predicted for."""
     firmware_version: str | None = None
     """Its version, like "1.18": by its tables a plan is checked; left out, the newest that is known."""
@@ -94,7 +117,7 @@ class VehicleSection(Section):
     @classmethod
     def _of_this_autopilot(cls, parameters: dict[str, float], info: ValidationInfo) -> dict[str, float]:
         try:
-            expect_own(parameters, info.data.get("autopilot", Autopilot.PX4))
+            expect_own(parameters, info.data.get("autopilot") or default_autopilot())
         except BadInput as error:
             raise ValueError(f"{error}; {error.hint}" if error.hint else str(error)) from error
         return parameters
@@ -104,7 +127,7 @@ class VehicleSection(Section):
     def _with_a_table(cls, text: str | None, info: ValidationInfo) -> str | None:
         try:
             if text is not None:
-                expect_known_version(info.data.get("autopilot", Autopilot.PX4), Version.parsed(text))
+                (info.data.get("autopilot") or default_autopilot()).tables.expect(Version.parsed(text))
         except BadInput as error:
             raise ValueError(str(error)) from error
         return text
@@ -133,13 +156,7 @@ class VehicleSection(Section):
 
     def autopilot_parameters(self) -> Parameters:
         """Parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""
-        names, unit = _SPEEDS[self.autopilot]
-        speeds = zip(names, (self.climb_speed, self.descent_speed), strict=True)
-        return overridden({name: speed * unit for name, speed in speeds if speed is not None}, self.parameters)
-
-
-#: Names of the climb and descent speed, and their unit in metres per second.
-_SPEEDS = {
-    Autopilot.ARDUPILOT: (("WPNAV_SPEED_UP", "WPNAV_SPEED_DN"), 100.0),
-    Autopilot.PX4: (("MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"), 1.0),
-}
+        book = self.autopilot.book
+        speeds = ((book.climb, self.climb_speed), (book.descent, self.descent_speed))
+        given = {by.name: by.spelled(speed) for by, speed in speeds if speed is not None}
+        return book.overridden(given, self.parameters)

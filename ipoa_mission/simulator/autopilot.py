@@ -3,9 +3,6 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 
-from ipoa_mission.autopilots.vehicle import Autopilot as Family
-from ipoa_mission.autopilots.vehicle import Parameters
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import Command, Frame, Order
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
@@ -23,6 +20,9 @@ from ipoa_mission.simulator.judgement import infeasibility
 from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import personality
 from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
@@ -36,12 +36,12 @@ OLD_REQUESTS: Mapping[int, int] = {
 }
 
 
-class Autopilot(Commander):
+class BuiltInAutopilot(Commander):
     """One simulated vehicle, without I/O."""
 
     def __init__(
         self,
-        family: Family,
+        family: Autopilot,
         home: Geodetic,
         parameters: Parameters | None = None,
         cold: bool = False,
@@ -88,8 +88,8 @@ class Autopilot(Commander):
             case m.SetMode(_, custom_mode):
                 self._set_mode(custom_mode)
             case m.SetCurrent(seq):
-                if not self._go_to(seq) and not self.habits.home_is_item_0:
-                    self._text(CRITICAL, "WPM: WP CURR CMD: Not in list\t")
+                if not self._go_to(seq) and self.habits.no_item_text:
+                    self._text(CRITICAL, self.habits.no_item_text)
             case m.RequestDataStream(group, rate, start) if start in (0, 1):
                 self._schedule.set_rate(self._group(group), rate if start else 0, now, source)
             case m.Ping():
@@ -192,7 +192,7 @@ class Autopilot(Commander):
         return ACCEPTED if is_told else CommandResult(self.habits.no_such_message)
 
 
-def _commands(autopilot: Autopilot) -> Mapping[int, Callable[[Sequence[float]], CommandResult]]:
+def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[float]], CommandResult]]:
     """What each MAV_CMD does; any other gets UNSUPPORTED."""
     return {
         Command.NAV_RETURN_TO_LAUNCH: lambda p: autopilot.obey(FlightMode.RETURN),
@@ -201,7 +201,7 @@ def _commands(autopilot: Autopilot) -> Mapping[int, Callable[[Sequence[float]], 
         Order.DO_SET_MODE: autopilot.set_mode,
         Command.DO_PAUSE_CONTINUE: lambda p: autopilot.pause(p[0]),
         Order.DO_REPOSITION: autopilot.reposition,
-        Command.DO_FENCE_ENABLE: lambda p: ACCEPTED if autopilot.habits.home_is_item_0 else UNSUPPORTED,
+        Command.DO_FENCE_ENABLE: lambda p: ACCEPTED if autopilot.habits.switches_fence else UNSUPPORTED,
         Order.DO_SET_MISSION_CURRENT: autopilot.jump_to,
         Order.PREFLIGHT_REBOOT_SHUTDOWN: lambda p: autopilot.reboot(p[0]),
         Order.MISSION_START: autopilot.start_mission,

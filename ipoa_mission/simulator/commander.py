@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.autopilots.modes import knows_mode, mode_name, px4_mode
 from ipoa_mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, WAYPOINTS, Frame
 from ipoa_mission.link.codec import EVERYONE
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
@@ -33,7 +32,7 @@ class Commander(Reporting):
             self._text(CRITICAL, f"Arm: {hinders}" if self.habits.tells_prearm else f"Arming denied: {hinders}\t")
             return refused
         if self.mode not in self.habits.armable_modes and not self._arms_in_auto():
-            self._text(CRITICAL, f"Arm: {mode_name(self.habits.autopilot, self.mode)} mode not armable")
+            self._text(CRITICAL, f"Arm: {self.habits.autopilot.modes.name(self.mode)} mode not armable")
             return refused
         self._arm(self.habits.arm_words[0])
         return ACCEPTED
@@ -45,7 +44,7 @@ class Commander(Reporting):
         self.flight.arm()
         self._armed_s = self._now
         self._text(INFO, words)
-        if not self.habits.home_is_item_0 and self.mode == self._mission_mode:
+        if not self.habits.runs_on_ground and self.mode == self._mission_mode:
             self._start()
         elif self.mode == self.habits.takeoff_mode:
             self._begin_rising()
@@ -64,7 +63,7 @@ class Commander(Reporting):
         if self._armed_s is None:
             return
         if not self.flight.armed:
-            if not self.habits.home_is_item_0 and self.flight.mission_state is MissionState.COMPLETE:
+            if self.habits.words_of_flight and self.flight.mission_state is MissionState.COMPLETE:
                 self._text(INFO, "Mission finished, landed\t")
             self._stop_motors(self.habits.arm_words[2])
         elif self._is_standing():
@@ -84,9 +83,9 @@ class Commander(Reporting):
         self._armed_s = None
         self._text(INFO, words)
         returned = mode in (self.habits.modes[FlightMode.RETURN], self.habits.modes[FlightMode.LAND])
-        self._idle_mode = self._mode_before if returned and not self.habits.home_is_item_0 else mode
+        self._idle_mode = self._mode_before if returned and self.habits.restores_mode else mode
         self.flight.hold()
-        if self.habits.home_is_item_0:
+        if self.habits.runs_on_ground:
             self._tell_changes()
             self.flight.rewind()
             self._has_begun = self._runs = False
@@ -103,7 +102,7 @@ class Commander(Reporting):
         """The mission is flown from where it stands."""
         takes_off = self.flight.landed
         self.flight.start()
-        if self.habits.home_is_item_0:
+        if self.habits.runs_on_ground:
             self._run()
             return
         self._text(INFO, "Executing Mission\t")
@@ -148,12 +147,12 @@ class Commander(Reporting):
     def set_mode(self, params: Sequence[float]) -> CommandResult:
         """Command 176: main and sub mode for PX4, ArduPilot's one number."""
         main, sub = whole(params[1]), whole(params[2])
-        return self._set_mode(main if self.habits.home_is_item_0 else px4_mode(main & 0xFF, sub & 0xFF))
+        return self._set_mode(self.habits.autopilot.modes.ordered(main, sub))
 
     def _set_mode(self, custom_mode: int) -> CommandResult:
-        if not knows_mode(self.habits.autopilot, custom_mode):
-            if self.habits.home_is_item_0:
-                self._text(WARNING, f"No such mode {custom_mode}")
+        if custom_mode not in self.habits.autopilot.modes.names:
+            if self.habits.no_such_mode_text:
+                self._text(WARNING, f"{self.habits.no_such_mode_text} {custom_mode}")
             return FAILED
         if custom_mode == self.mode:
             return ACCEPTED
@@ -169,7 +168,7 @@ class Commander(Reporting):
         if not self.flight.armed or self.flight.landed or mode is FlightMode.HOLD:
             self._idle_mode = custom_mode
             self.flight.hold()
-            if mode is FlightMode.MISSION and self.habits.home_is_item_0:
+            if mode is FlightMode.MISSION and self.habits.runs_on_ground:
                 self._run()  # on the ground it takes MISSION_START to leave it
             elif mode is FlightMode.MISSION and self.flight.armed:
                 self._start()
@@ -183,9 +182,9 @@ class Commander(Reporting):
 
     def _refuses_mode(self, custom_mode: int) -> CommandResult | None:
         """What an armed vehicle says to a mode that it cannot fly; None where it can."""
-        name = mode_name(self.habits.autopilot, custom_mode)
+        name = self.habits.autopilot.modes.name(custom_mode)
         is_mission = custom_mode == self._mission_mode
-        if not self.habits.home_is_item_0:
+        if not self.habits.doubts_modes:
             if not is_mission or self._flown:
                 return None
             self._text(CRITICAL, "Switching to Mission is currently not available\t")
@@ -210,12 +209,12 @@ class Commander(Reporting):
         if restart:
             self.flight.rewind()
         self.flight.set_current(index)
-        if self.habits.home_is_item_0:
+        if self.habits.runs_on_ground:
             self._has_begun = True
             self._runs = self._runs or restart
         self._say(self._current(), EVERYONE)
         self._told_current = index
-        if self.habits.home_is_item_0 and self._runs:
+        if self.habits.runs_on_ground and self._runs:
             self._say_begun()
         return True
 
@@ -231,7 +230,7 @@ class Commander(Reporting):
 
     def pause(self, goes_on: float) -> CommandResult:
         """Command 193: ArduPilot's alone, which stays in AUTO, and stops there only on its way to a waypoint."""
-        if not self.habits.home_is_item_0:
+        if not self.habits.autopilot.manners.pauses_in_mission:
             return UNSUPPORTED
         if goes_on >= 0.5:
             if self.mode != self._mission_mode or self.flight.mission_state is not MissionState.PAUSED:
@@ -277,7 +276,7 @@ class Commander(Reporting):
 
     def reposition(self, params: Sequence[float]) -> CommandResult:
         """Command 192, PX4's alone: change to hold, and in flight go there, to an altitude AMSL whatever the frame."""
-        if self.habits.home_is_item_0 or whole(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
+        if not self.habits.repositions or whole(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
             return UNSUPPORTED
         self.obey(FlightMode.HOLD)
         if self.flight.armed and not self.flight.landed:
@@ -292,7 +291,7 @@ class Commander(Reporting):
 
     def reboot(self, how: float) -> CommandResult:
         """Command 246: ArduPilot starts up anew, unless it is armed; PX4 in simulation does not."""
-        if not self.habits.home_is_item_0:
+        if not self.habits.reboots:
             return DENIED if how else ACCEPTED
         if how != 1.0:
             return UNSUPPORTED

@@ -6,21 +6,18 @@ clock: `advance(to_s)` integrates to that simulated second and no further.
 
 import math
 import random
-from collections.abc import Callable
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from typing import Protocol
 
 import numpy as np
 
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS
-from ipoa_mission.autopilots.renamed import by_old_names
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import Program
-from ipoa_mission.simulator.ardupilot_pilot import ArduPilotPilot
 from ipoa_mission.simulator.conditions import USUAL, Conditions, Vehicle
-from ipoa_mission.simulator.px4_pilot import PX4Pilot
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Reached, Situation
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["Flight", "FlightMode", "MissionState", "Reached"]
@@ -42,14 +39,19 @@ class Pilot(Protocol):
     def rising(self) -> bool:
         """Whether it still climbs to there."""
 
+    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
+        """Fly to a place and stay there; NaN: where it is bound for, as high as it is, as fast as usual."""
+
     def step(self) -> None:
         """Let `STEP_S` pass."""
 
 
-PILOTS: dict[Autopilot, Callable[[Any, Situation, Parameters, random.Random], Pilot]] = {
-    Autopilot.ARDUPILOT: ArduPilotPilot,
-    Autopilot.PX4: PX4Pilot,
-}
+class Pilots(ABC):
+    """Who makes the pilot of an autopilot's stand-in."""
+
+    @abstractmethod
+    def pilot(self, body: Vehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
+        """A pilot for this body; `chance` makes the errors of its sensors."""
 
 
 class Flight:
@@ -74,14 +76,14 @@ class Flight:
         self._now = Situation(self._program(()), mission=MissionState.NO_MISSION)
         self._chance = random.Random(seed)
         self._body = Vehicle(conditions)
-        self._pilot: Pilot = PILOTS[autopilot](self._body, self._now, self.parameters, self._chance)
+        self._pilot: Pilot = autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
 
     # --- what it is like --------------------------------------------------------------------------------------------
 
     @property
     def parameters(self) -> Parameters:
         """The autopilot's defaults, and what was given in their place; ArduCopter's by the names of before 4.7."""
-        return {**DEFAULT_PARAMETERS[self.autopilot], **by_old_names(self._given)}
+        return self.autopilot.book.complete(self._given)
 
     @property
     def time_s(self) -> float:
@@ -166,7 +168,7 @@ class Flight:
                 self.hold()
             return
         if now.current >= len(items):
-            now.current = len(items) - 1 if self.autopilot is Autopilot.PX4 else 0
+            now.current = self.autopilot.guidance.past_the_end % len(items)
         if now.mode is FlightMode.MISSION:
             self._pilot.replaced(before)
         else:
@@ -178,7 +180,7 @@ class Flight:
         self._now.rally = tuple((float(place[0]), float(place[1]), item.height(self.home)) for place, item in at)
 
     def _program(self, items: tuple[Item, ...]) -> Program:
-        return Program(items, self.frame, self.autopilot, first=0 if self.autopilot is Autopilot.PX4 else 1)
+        return Program(items, self.frame, self.autopilot, first=self.autopilot.guidance.first_item)
 
     def arm(self) -> None:
         """Let the motors run."""
@@ -186,7 +188,7 @@ class Flight:
             return
         self._now.armed, self._now.armed_s = True, self.time_s
         self._now.reached.clear()
-        self._pilot = PILOTS[self.autopilot](self._body, self._now, self.parameters, self._chance)
+        self._pilot = self.autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
         self._pilot.enter()
 
     def disarm(self) -> None:
@@ -239,9 +241,7 @@ class Flight:
         return self._pilot.rising
 
     def go_to(self, latitude_deg: float, longitude_deg: float, altitude: float, speed: float) -> None:
-        """Fly there and stay; NaN: where it is bound for, as high as it is, as fast as usual; PX4 only."""
-        if not isinstance(self._pilot, PX4Pilot):
-            return
+        """Fly there and stay; NaN: where it is bound for, as high as it is, as fast as usual."""
         self._now.mode = FlightMode.HOLD
         east = north = math.nan
         if math.isfinite(latitude_deg) and math.isfinite(longitude_deg):

@@ -2,9 +2,6 @@
 
 from pathlib import Path
 
-from ipoa_mission.autopilots.firmware import firmware
-from ipoa_mission.autopilots.parameters import expect_known
-from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Parameters
 from ipoa_mission.items import Mission
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
@@ -14,11 +11,13 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.server import PERFECT
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.known_parameters import expect_known
+from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.wind import CALM, Wind
 
 
@@ -60,8 +59,8 @@ def board(
     expect_known(parameters, mission.autopilot)
     values = mission.with_parameters(parameters).parameters
     flown_in = Conditions(wind, mission.ground, mission.vehicle)
-    version = mission.firmware_version or firmware(mission.autopilot).version
-    autopilot = Autopilot(
+    version = mission.firmware_version or mission.autopilot.firmware().version
+    autopilot = BuiltInAutopilot(
         mission.autopilot,
         mission.home,
         values,

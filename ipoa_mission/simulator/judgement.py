@@ -4,26 +4,26 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ipoa_mission.autopilots.firmware import Firmware
-from ipoa_mission.autopilots.refusal import refused, refused_in_fence, refused_in_rally
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.mission.firmware import values_of
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 
-def judge(firmware: Firmware, item: Item, kind: int, count: int) -> Result:
+def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count: int) -> Result:
     """The firmware's result for an item of a list of `count`."""
     about = firmware, item.command, item.frame, values_of(item)
     match kind:
         case MissionType.FENCE:
-            wrong = refused_in_fence(*about)
+            wrong = autopilot.refused_in_fence(*about)
         case MissionType.RALLY:
-            wrong = refused_in_rally(*about)
+            wrong = autopilot.refused_in_rally(*about)
         case _:
-            wrong = refused(*about, count)
+            wrong = autopilot.refused(*about, count)
     return Result.ACCEPTED if wrong is None else Result[wrong.result]
 
 

@@ -3,11 +3,10 @@
 import math
 from collections.abc import Mapping
 
-from ipoa_mission.autopilots.parameters import DEFAULT_PARAMETERS, OTHER_PARAMETERS, REAL32, TYPES
-from ipoa_mission.autopilots.set_up import SET_UP
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRead, ParamSet, ParamValue
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.parameters import REAL32
 
 #: PARAM_VALUE.param_index of ArduPilot where a parameter was asked for by its name.
 BY_NAME = 65535
@@ -18,10 +17,10 @@ class ParameterTable:
 
     def __init__(self, autopilot: Autopilot, given: Mapping[str, float]) -> None:
         self._autopilot = autopilot
-        set_up = SET_UP[autopilot]
-        self._types = {**TYPES, **{name: kind for name, (_, kind) in set_up.items()}}
+        set_up = autopilot.book.set_up
+        self._types = {**autopilot.book.types, **{name: kind for name, (_, kind) in set_up.items()}}
         told = {name: value for name, (value, _) in set_up.items()}
-        self.values = {**told, **DEFAULT_PARAMETERS[autopilot], **OTHER_PARAMETERS[autopilot], **given}
+        self.values = {**told, **autopilot.book.moving, **autopilot.book.others, **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
         """What to say to a message of the protocol; None: it is not one."""
@@ -41,9 +40,9 @@ class ParameterTable:
         return None
 
     def _set(self, name: str, value: float, kind: int) -> None:
-        """PX4 takes no value of another type; ArduPilot looks at the number alone."""
+        """One of another type is taken for a number, or not at all."""
         own = self._types.get(name, REAL32)
-        if name not in self.values or (self._autopilot is Autopilot.PX4 and kind != own):
+        if name not in self.values or (self._autopilot.manners.keeps_types and kind != own):
             return
         number = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
         if math.isfinite(number):
@@ -52,7 +51,7 @@ class ParameterTable:
     def _named(self, name: str, names: list[str]) -> list[ParamValue]:
         if name not in self.values:
             return []
-        index = BY_NAME if self._autopilot is Autopilot.ARDUPILOT else names.index(name)
+        index = BY_NAME if self._autopilot.manners.parameters_by_name else names.index(name)
         return [self._value(name, index, len(names))]
 
     def _value(self, name: str, index: int, count: int) -> ParamValue:

@@ -7,19 +7,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from ipoa_mission.autopilots.firmware import NO_VERSION, firmware
-from ipoa_mission.autopilots.firmware import Firmware as Tables
-from ipoa_mission.autopilots.modes import px4_mode
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import MEASURED, Version
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
-from ipoa_mission.link.messages import CommandResult, Firmware, MissionType, Result
+from ipoa_mission.link.messages import MissionType
 from ipoa_mission.simulator.flight import FlightMode
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.firmware import NO_VERSION
+from ipoa_mission.vehicles.firmware import Firmware as Tables
+from ipoa_mission.vehicles.version import Version
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
-_SPOKEN = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768
-_BYTEWISE, _FTP = 16, 32
+SPOKEN = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768
+BYTEWISE, FTP = 16, 32
 
 
 class Answer(Enum):
@@ -80,6 +79,15 @@ class Personality:
     tells_list_id: bool  # MISSION_ACK and MISSION_CURRENT name the list that is kept
     no_total: int  # MISSION_CURRENT.total where there is no mission
     missing_takeoff_text: str | None  # said when a mission without take-off is started on the ground
+    no_item_text: str | None  # said to a MISSION_SET_CURRENT of an item that is not there
+    runs_on_ground: bool  # in its mission mode the mission goes on with its current item, whether it flies or not
+    words_of_flight: bool  # texts say that a mission is begun, how high it climbs, and that it has landed
+    restores_mode: bool  # after a return or a landing it has the mode of before
+    no_such_mode_text: str | None
+    doubts_modes: bool  # an armed vehicle fails to change into a mode that it cannot fly, with its reason
+    repositions: bool  # DO_REPOSITION
+    reboots: bool
+    switches_fence: bool  # DO_FENCE_ENABLE as a command
     start_up: StartUp
     modes: Mapping[FlightMode, int]  # HEARTBEAT.custom_mode
     first_mode: int  # after power-up
@@ -108,7 +116,7 @@ class Personality:
     @property
     def firmware(self) -> Tables:
         """What it takes in a list, and what it keeps of it."""
-        return firmware(self.autopilot, self.version)
+        return self.autopilot.firmware(self.version)
 
     @property
     def limits(self) -> Mapping[int, int]:
@@ -120,165 +128,13 @@ class Personality:
             MissionType.RALLY: facts.max_rally_points,
         }
 
-    @property
-    def home_is_item_0(self) -> bool:
-        """Whether the list begins with home, as the vehicle knows it."""
-        return self.firmware.home_is_item_0
 
-
-def _asks_every(seconds: float, give_up_s: float) -> Patience:
+def asks_every(seconds: float, give_up_s: float) -> Patience:
+    """The patience of one that asks again every so often, and gives up after so long [s]."""
     retries = round(give_up_s / seconds) - 1
     return Patience(seconds, seconds, retries, retries, retries, adapt=False, echo_s=0.0)
 
 
-ARDUCOPTER = Personality(
-    autopilot=Autopilot.ARDUPILOT,
-    mav_autopilot=Firmware.ARDUPILOT,
-    manners=RequestStyle(legacy=True, rebukes=True),
-    patience=_asks_every(1.0, 8.0),
-    timeout_result=Result.OPERATION_CANCELLED,
-    timeout_text="Mission upload timeout",
-    truncating=frozenset({MissionType.MISSION, MissionType.RALLY}),
-    separate_lists=True,
-    reads_item_by_item=True,
-    count_from_stranger=Answer.DENIED,
-    count_again=Answer.OBEY,
-    read_during_upload=Answer.DENIED,
-    clear_during_upload=Answer.OBEY,
-    obeys_cancel=False,
-    stray_item=Answer.ERROR,
-    wrong_list=Answer.ERROR,
-    confirms_last_item_again=False,
-    partial_lists=True,
-    has_mission_file=True,
-    knows_command_224=True,
-    judges_after_ack=False,
-    reached_repeats=0,
-    reached_slot_s=0.02,
-    takes_orders_as_items=True,
-    clears_all=False,
-    stored_text={MissionType.MISSION: "Flight plan received"},
-    flags_kept=frozenset({MissionType.MISSION}),
-    int_frames=False,
-    tells_list_id=False,
-    no_total=0,
-    missing_takeoff_text="Auto: Missing Takeoff Cmd",
-    start_up=StartUp(
-        3.0, 20.0, 23.5, 41.4, "Gyros inconsistent", "Need Position Estimate", no_mission="Mode requires mission"
-    ),
-    modes={FlightMode.HOLD: 5, FlightMode.MISSION: 3, FlightMode.RETURN: 6, FlightMode.LAND: 9},
-    first_mode=0,
-    placed_modes=frozenset({3, 4, 5, 6, 7, 16, 17, 21, 27}),
-    armable_modes=frozenset({0, 1, 2, 4, 5, 16}),
-    takeoff_mode=None,
-    mission_arms=False,
-    tells_prearm=True,
-    refused_arming=CommandResult.FAILED,
-    arm_words=("Arming motors", "Disarming motors", "Disarming motors", "Disarming motors"),
-    disarm_delay="DISARM_DELAY",
-    mode_acks=1,
-    acks_first=True,
-    heartbeat_on_change=True,
-    streams={"HEARTBEAT": 1.0, "TIMESYNC": 10.0},
-    fixed_streams=frozenset(),
-    no_such_stream=CommandResult.DENIED,
-    no_such_message=CommandResult.FAILED,
-    no_such_interval=(0, CommandResult.FAILED),
-    base_mode=81,
-    capabilities=_SPOKEN | _FTP,
-    protocol=None,
-    stream_groups={
-        2: frozenset({"SYS_STATUS", "MISSION_CURRENT", "GPS_RAW_INT"}),
-        6: frozenset({"GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"}),
-        10: frozenset({"ATTITUDE"}),
-        11: frozenset({"VFR_HUD"}),
-        12: frozenset({"SYSTEM_TIME", "BATTERY_STATUS"}),
-    },
-)
-
-PX4 = Personality(
-    autopilot=Autopilot.PX4,
-    mav_autopilot=Firmware.PX4,
-    manners=RequestStyle(),
-    patience=_asks_every(0.25, 5.0),
-    timeout_result=None,
-    timeout_text="Operation timeout",
-    truncating=frozenset(),
-    separate_lists=False,
-    reads_item_by_item=False,
-    count_from_stranger=Answer.ERROR,
-    count_again=Answer.ERROR,
-    read_during_upload=Answer.TEXT,
-    clear_during_upload=Answer.TEXT,
-    obeys_cancel=True,
-    stray_item=Answer.SILENCE,
-    wrong_list=Answer.ERROR,
-    confirms_last_item_again=True,
-    partial_lists=False,
-    has_mission_file=False,
-    knows_command_224=False,
-    judges_after_ack=True,
-    reached_repeats=10,
-    reached_slot_s=0.1,
-    takes_orders_as_items=False,
-    clears_all=True,
-    stored_text={},
-    flags_kept=frozenset({MissionType.MISSION, MissionType.RALLY}),
-    int_frames=True,
-    tells_list_id=True,
-    no_total=65535,
-    missing_takeoff_text=None,
-    start_up=StartUp(0.5, 1.0, 1.5, 1.5, *(3 * ("Resolve system health failures first",))),
-    modes={
-        FlightMode.HOLD: px4_mode(4, 3),
-        FlightMode.MISSION: px4_mode(4, 4),
-        FlightMode.RETURN: px4_mode(4, 5),
-        FlightMode.LAND: px4_mode(4, 6),
-    },
-    first_mode=px4_mode(4, 3),
-    placed_modes=frozenset(px4_mode(4, sub) for sub in range(2, 7)),
-    armable_modes=frozenset({px4_mode(4, 2), px4_mode(4, 3), px4_mode(4, 4)}),
-    takeoff_mode=px4_mode(4, 2),
-    mission_arms=True,
-    tells_prearm=False,
-    refused_arming=CommandResult.TEMPORARILY_REJECTED,
-    arm_words=(
-        "Armed by external command\t",
-        "Disarmed by external command\t",
-        "Disarmed by landing\t",
-        "Disarmed by auto preflight disarming\t",
-    ),
-    disarm_delay="COM_DISARM_PRFLT",
-    mode_acks=2,
-    acks_first=False,
-    heartbeat_on_change=False,
-    streams={
-        "HEARTBEAT": 1.0,
-        "SYS_STATUS": 1.0,
-        "SYSTEM_TIME": 1.0,
-        "GPS_RAW_INT": 0.2,
-        "GLOBAL_POSITION_INT": 0.2,
-        "LOCAL_POSITION_NED": 1.0,
-        "ATTITUDE": 1.0 / 15,
-        "BATTERY_STATUS": 2.0,
-        "VFR_HUD": 0.25,
-        "EXTENDED_SYS_STATE": 1.0,
-        "MISSION_CURRENT": 1.0,
-        "HOME_POSITION": 2.0,
-    },
-    fixed_streams=frozenset({"HEARTBEAT", "MISSION_CURRENT"}),
-    no_such_stream=CommandResult.FAILED,
-    no_such_message=CommandResult.DENIED,
-    no_such_interval=(-1, CommandResult.ACCEPTED),
-    base_mode=29,
-    capabilities=_SPOKEN | _BYTEWISE,
-    protocol=(200, 100, 203),
-    stream_groups={},
-)
-
-PERSONALITIES: Mapping[Autopilot, Personality] = {Autopilot.ARDUPILOT: ARDUCOPTER, Autopilot.PX4: PX4}
-
-
 def personality(autopilot: Autopilot, version: Version | None = None) -> Personality:
     """The habits of a version: what it takes by its own tables, all else as measured; None: the version measured."""
-    return replace(PERSONALITIES[autopilot], version=version or MEASURED[autopilot])
+    return replace(autopilot.part(Personality), version=version or autopilot.measured)

@@ -3,8 +3,6 @@
 import math
 from collections.abc import Mapping
 
-from ipoa_mission.autopilots.kinds import QUADROTOR
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
@@ -16,6 +14,8 @@ from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
 from ipoa_mission.simulator.judgement import Infeasible
 from ipoa_mission.simulator.personality import Personality
 from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.parameters import Parameters
 
 #: What ArduCopter calls the items of a mission when it tells that it begins one.
 _NAMES: Mapping[int, str] = {
@@ -93,7 +93,7 @@ class Reporting:
 
     @property
     def _first(self) -> int:
-        return 1 if self.habits.home_is_item_0 else 0
+        return self.habits.autopilot.counts_home
 
     def _hinders(self) -> str:
         """Why it cannot be armed in its present mode; nothing where it can."""
@@ -116,7 +116,7 @@ class Reporting:
     def _delays(self) -> bool:
         """Whether an ArduCopter waits in an item that only does that."""
         at = self.flight.current
-        return self.habits.home_is_item_0 and at < len(self._flown) and self._flown[at].command == Command.NAV_DELAY
+        return self.habits.runs_on_ground and at < len(self._flown) and self._flown[at].command == Command.NAV_DELAY
 
     # --- what is said unasked ---------------------------------------------------------------------------------------
 
@@ -169,7 +169,7 @@ class Reporting:
             mode = MISSION_SUSPENDED if self._first == 0 else 0
             return m.Current(0, self.habits.no_total, int(MissionState.NO_MISSION), mode)
         number = self.transfers.list_id(MissionType.MISSION)
-        if self.habits.home_is_item_0:
+        if self.habits.runs_on_ground:
             seq, state = (self.flight.current + 1 if self._has_begun else 0), MissionState.NOT_STARTED
             if self._runs or self.flight.mode is FlightMode.MISSION:
                 state = MissionState.ACTIVE
@@ -201,11 +201,11 @@ class Reporting:
             if one.announced and not any(later.time_s < soon for later in fresh[n + 1 :]):
                 self._last_reached = m.Reached(one.index + self._first), self.habits.reached_repeats
                 self._say(self._last_reached[0], EVERYONE)
-            if self.habits.home_is_item_0:
+            if self.habits.runs_on_ground:
                 self._say_item(one.index)
-        if fresh and self.flight.mode is FlightMode.MISSION and self.habits.home_is_item_0:
+        if fresh and self.flight.mode is FlightMode.MISSION and self.habits.runs_on_ground:
             self._say_begun()
-        elif not self.habits.home_is_item_0 and self.flight.current != self._told_current and self._flown:
+        elif not self.habits.runs_on_ground and self.flight.current != self._told_current and self._flown:
             self._say(self._current(), EVERYONE)
         self._told_current = self.flight.current
         if self.mode != self._told_mode:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import Channel, Peer, open_channel
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 
@@ -21,7 +21,7 @@ MOST_PIPES = 32
 
 def serve(
     url: str,
-    autopilot: Autopilot,
+    autopilot: BuiltInAutopilot,
     speedup: float = 1.0,
     faults: Faults = PERFECT,
     system: int = 1,

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from ipoa_mission.autopilots.returning import HOME, goal_of_return
-from ipoa_mission.autopilots.vehicle import Parameters
 from ipoa_mission.commands import FLOWN_TO, Command
 from ipoa_mission.items import Item
 from ipoa_mission.itinerary.program import JUMPS_WITHOUT_END, Place, Program
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.returning import HOME
 
 STEP_S = 0.02  # in which a flight is integrated
 #: Commands at which a vehicle spends time; all others are done in passing.
@@ -61,7 +61,7 @@ class Situation:
 
     def goal_of_return(self, here: Place, parameters: Parameters) -> Place:
         """Where a return from `here` leads: home, or a rally point and its height."""
-        n = goal_of_return(self.program.autopilot, parameters, here, self.rally)
+        n = self.program.autopilot.goal_of_return(parameters, here, self.rally)
         return HOME if n is None else self.rally[n]
 
     def done(self, index: int, announced: bool = True) -> None:

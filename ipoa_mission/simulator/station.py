@@ -6,7 +6,7 @@ from ipoa_mission.link.loopback import EPOCH_S
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, TRANSFER
 from ipoa_mission.link.routes import Routes
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot
 
 
 class Station:
@@ -17,7 +17,7 @@ class Station:
     """
 
     def __init__(
-        self, autopilot: Autopilot, system: int = 1, signer: Signer | None = None, datagrams: bool = True
+        self, autopilot: BuiltInAutopilot, system: int = 1, signer: Signer | None = None, datagrams: bool = True
     ) -> None:
         self.autopilot = autopilot
         self._codec = Codec(system, AUTOPILOT_COMPONENT, signer)

@@ -1,15 +1,16 @@
 """One of the three lists that a vehicle keeps: replaced as a whole when a transfer is complete, or item by item."""
 
-from ipoa_mission.autopilots.firmware import Firmware
 from ipoa_mission.items import Item
 from ipoa_mission.mission.firmware import as_stored
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.version import Version
 
 
 class Store:
     """A list; `truncating`: the old items go when a transfer begins, and a broken one leaves a mixture."""
 
-    def __init__(self, firmware: Firmware, truncating: bool) -> None:
-        self._firmware = firmware
+    def __init__(self, autopilot: Autopilot, version: Version, truncating: bool) -> None:
+        self._autopilot, self._version = autopilot, version
         self._truncating = truncating
         self._incoming: list[Item] = []
         self.items: tuple[Item, ...] = ()
@@ -22,7 +23,7 @@ class Store:
 
     def keep(self, seq: int, item: Item) -> None:
         """Item `seq` has come; items come in order."""
-        (kept,) = as_stored((item,), self._firmware.autopilot, self._firmware.version)
+        (kept,) = as_stored((item,), self._autopilot, self._version)
         if self._truncating:
             self.items = (*self.items[:seq], kept, *self.items[seq + 1 :])
         else:

@@ -68,7 +68,10 @@ class Transfers:
         nak_at: int | None = None,
     ) -> None:
         self.booted = False
-        self.stores = {kind: Store(personality.firmware, kind in personality.truncating) for kind in KINDS}
+        self.stores = {
+            kind: Store(personality.autopilot, personality.firmware.version, kind in personality.truncating)
+            for kind in KINDS
+        }
         self._habits = personality
         self._home = home
         self._say = say
@@ -128,14 +131,14 @@ class Transfers:
     def listed(self, kind: int) -> tuple[Item, ...]:
         """A list as it is read back: ArduPilot's mission begins with its own home."""
         items = self.stores[MissionType(kind)].items
-        if kind == MissionType.MISSION and self._habits.home_is_item_0 and items:
+        if kind == MissionType.MISSION and self._habits.autopilot.counts_home and items:
             return (home_item(self._home()), *items[1:])
         return items
 
     def replace(self, items: tuple[Item, ...]) -> bool:
         """Take a whole mission at once, from a file: every item is judged before one is stored."""
         kind = MissionType.MISSION
-        results = [judge(self._habits.firmware, item, kind, len(items)) for item in items]
+        results = [judge(self._habits.autopilot, self._habits.firmware, item, kind, len(items)) for item in items]
         if not self.booted or self._slot(kind) in self._incoming or len(items) > self._habits.limits[kind]:
             return False
         if any(result != Result.ACCEPTED for result in results):
@@ -202,7 +205,11 @@ class Transfers:
         firmware = self._habits.firmware
 
         def take(seq: int, heard: ItemAt) -> int:
-            result = Result.ERROR if seq == self._nak_at else judge(firmware, heard.item, kind, count)
+            result = (
+                Result.ERROR
+                if seq == self._nak_at
+                else judge(self._habits.autopilot, firmware, heard.item, kind, count)
+            )
             if result == Result.ACCEPTED:
                 self.stores[MissionType(kind)].keep(seq, heard.item)
                 self._incoming[self._slot(kind)].received += 1

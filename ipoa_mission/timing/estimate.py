@@ -5,20 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.autopilots.parameters import expect_known
-from ipoa_mission.autopilots.vehicle import NO_PARAMETERS, Autopilot, Parameters
-from ipoa_mission.dynamics.copter.airframe import airframe_of as copter_airframe
-from ipoa_mission.dynamics.px4.airframe import KNOWS, SIH_SENSES
-from ipoa_mission.dynamics.px4.airframe import airframe_of as px4_airframe
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import CONDITIONS, Itinerary, flying_already, itinerary
-from ipoa_mission.timing.ardupilot import fly_arducopter
+from ipoa_mission.timing.flight_model import FlightModel
 from ipoa_mission.timing.prediction import NEVER_MISSED, Missed, Prediction, Track
-from ipoa_mission.timing.px4 import fly_px4
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.timing.route import RouteTime, route_time
+from ipoa_mission.vehicles.known_parameters import expect_known
+from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.wind import CALM, Wind
 
 EARTH_RADIUS = 6_371_000.0  # [m]
@@ -133,12 +129,7 @@ def predict(
     if mission.other_vehicle:
         raise MissionError(f"the mission is for {mission.other_vehicle}, and only multicopters have a time model")
     route = itinerary(mission)
-    if mission.autopilot is Autopilot.PX4:
-        senses = KNOWS if sure else SIH_SENSES
-        return route, fly_px4(route, mission.parameters, wind, fast, px4_airframe(mission.vehicle), senses)
-    airframe = copter_airframe(mission.vehicle).at_altitude(mission.home.altitude)
-    leashed = mission.vehicle is not None and mission.vehicle.leashed
-    return route, fly_arducopter(route, mission.parameters, wind, fast, airframe, leashed)
+    return route, mission.autopilot.part(FlightModel).predicted(route, mission, wind, fast, sure)
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.autopilots.ardupilot import copter_limits
-from ipoa_mission.autopilots.px4 import px4_limits
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.commands import WAYPOINTS, Command
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.itinerary.itinerary import Itinerary
 from ipoa_mission.timing.bound import Kinematics, least_time
+from ipoa_mission.timing.flight_model import FlightModel
 from ipoa_mission.timing.prediction import Track
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.parameters import Parameters
 
 FIRST = WAYPOINTS | {Command.NAV_TAKEOFF}
 PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # the flown path is taken every metre, and averaged over so many [m]
@@ -45,12 +45,7 @@ NO_ROUTE = RouteTime(math.nan, math.nan)
 
 def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
     """The limits that parameters set; `speed` is what DO_CHANGE_SPEED asks for [m/s]."""
-    if autopilot is Autopilot.ARDUPILOT:
-        copter = copter_limits(parameters)
-        speeds = (speed or copter.speed, copter.climb, copter.descent)
-        return Kinematics(*speeds, copter.accel, copter.jerk, across=max(copter.accel, copter.corner_accel))
-    px4 = px4_limits(parameters)
-    return Kinematics(min(speed or px4.cruise, px4.most_speed), px4.climb, px4.descent, px4.accel, px4.jerk)
+    return autopilot.part(FlightModel).kinematics(parameters, speed)
 
 
 def route_time(

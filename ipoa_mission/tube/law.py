@@ -10,6 +10,12 @@ from ipoa_mission.tube.spread import Spread
 A_FEW = 4  # moments that know nothing of each other, for which a flight is near to a limit that is no obstacle
 
 
+#: Where a law that was measured in simulators says nothing.
+SIMULATED = (
+    "stronger winds than these, other airframes and parameters than the simulators', what satellites are wrong by"
+)
+
+
 @dataclass(frozen=True)
 class Law:
     """How far a vehicle flies beside its predicted path.
@@ -19,7 +25,8 @@ class Law:
     `down` and `up` are the heights at a moment, new every `height_memory` seconds; and as a height that is known
     wrongly stays so, `lowest` and `highest` are the most of a whole flight, whatever it does. So is `farthest` to one
     side, of an autopilot that does not get farther the longer it flies. In wind all of them grow by `growth` [m for
-    each m/s, to the side, down, up]. `source` says on what it was measured, `not_valid` where it says nothing.
+    each m/s, to the side, down, up]. `source` says on what it was measured, `not_valid` where it says nothing;
+    `strongest` is the wind, gusts and all, up to which flights kept to it [m/s].
     """
 
     level: Spread
@@ -35,6 +42,7 @@ class Law:
     growth: tuple[float, float, float]
     source: str
     not_valid: str
+    strongest: float
 
     def stretch(self, across: Vector) -> Vector:
         """How many times as wide as straight ahead the tube is at lateral accelerations (n,) [m/s^2], (n,)."""

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS
 from ipoa_mission.items import Mission
@@ -23,6 +22,7 @@ from ipoa_mission.tube.limits import NO_TUBE, Rim, limits_kept, rim_of
 from ipoa_mission.tube.measured import law_of
 from ipoa_mission.tube.places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.tube.thin import STRAY, thinned
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 TAKE_OFF, ENDING = "the take-off", "the ending"
 

@@ -12,15 +12,15 @@ from pathlib import Path
 import pytest
 import typer
 
-from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.cli.app import app, main
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly
@@ -87,11 +87,13 @@ def autopilot() -> Serve:
     """The built-in autopilot behind a UDP port of this machine, 60 times as fast as real; `with` gives its link."""
 
     @contextmanager
-    def serve(home: Geodetic = ZURICH, family: Family = Family.PX4, passphrase: str | None = None) -> Iterator[str]:
+    def serve(
+        home: Geodetic = ZURICH, family: Autopilot = Autopilot.PX4, passphrase: str | None = None
+    ) -> Iterator[str]:
         channel = open_channel("udpin:127.0.0.1:0")
         assert isinstance(channel, UdpChannel)
         signer = Signer(key_of(passphrase)) if passphrase else None
-        server = Server(channel, Station(Autopilot(family, home), 1, signer, channel.datagrams), speedup=60.0)
+        server = Server(channel, Station(BuiltInAutopilot(family, home), 1, signer, channel.datagrams), speedup=60.0)
         enough = threading.Event()
         thread = threading.Thread(target=server.run, args=(enough.is_set,))
         thread.start()

@@ -43,7 +43,7 @@ def slowed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
         path = folder / "slow.toml"
         text = (MISSIONS / f"{name}.toml").read_text(encoding="utf-8")
         short = "[optimizer]\npopulation = 8\niterations = 8\n"
-        heading, slow = "[vehicle.parameters]\n", SLOW[usual.vehicle.autopilot]
+        heading, slow = "[vehicle.parameters]\n", SLOW[usual.vehicle.autopilot.name]
         text = re.sub(r"(?m)^RTL_ALT = .*\n", "", text)  # it is given by its newer name
         has = heading in text
         text = text.replace(heading, f"{heading}{slow}\n") if has else f"{text}\n{heading}{slow}\n"

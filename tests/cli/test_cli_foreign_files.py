@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.commands import Command
 from ipoa_mission.finding import Severity
@@ -19,6 +18,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.read import read_scenario
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.cli.conftest import Run
 
 MAVSDK = "mavlink+MAVSDK/cpp/src/mavsdk/plugins/mission_raw/test_plans/qgroundcontrol_sample"

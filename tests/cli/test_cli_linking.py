@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.files import read_mission, write_mission
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Planned, Run, Serve
 
@@ -28,14 +28,14 @@ def steps(mission: Path) -> int:
     return len(read_mission(mission).items)
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_a_mission_goes_up_comes_down_and_goes_away(
     run: Run, autopilot: Serve, mission: Path, family: Autopilot
 ) -> None:
     with autopilot(family=family) as link:
         sent = json.loads(run(f"upload {mission} --autopilot {family} --link {link} --log up.tlog --json").out)
         assert sent["items"] == len(read_mission(mission).items)
-        assert sent["autopilot"] == family
+        assert sent["autopilot"] == family.name
         assert run(f"download back.plan --link {link}").code == 0
         here, there = read_mission(mission), read_mission(Path("back.plan"))
         assert [item.command for item in there.items] == [item.command for item in here.items]

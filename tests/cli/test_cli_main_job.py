@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.vehicles.autopilot import registered
 from tests.cli.conftest import Planned, Run, Serve
 
 REPOSITORY = Path(__file__).parents[2]
@@ -47,7 +47,7 @@ def test_a_mission_file_flies_without_its_scenario(run: Run, planned: Planned) -
     assert [path.name for path in Path("flown").iterdir()] == ["sitl.tlog"]
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(
     run: Run, planned: Planned, autopilot: Serve
 ) -> None:

@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import Autopilot, BadInput, estimate, fly, read_mission, write_mission
-from ipoa_mission.autopilots.parameters import expect_known, expect_own, firmware_of
 from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.vehicles.autopilot import registered
+from ipoa_mission.vehicles.known_parameters import expect_known, expect_own, firmware_of
 from tests.cli.conftest import Run
 
 LOGS = Path(__file__).parents[1] / "logs"
@@ -90,4 +91,4 @@ def test_what_the_real_ones_log_is_their_own(log: Path) -> None:
         expect_own(flight.parameters, flown.autopilot)
         assert firmware_of(flight.parameters) is flown.autopilot
         with pytest.raises(BadInput):
-            expect_known(flight.parameters, next(one for one in Autopilot if one is not flown.autopilot))
+            expect_known(flight.parameters, next(one for one in registered() if one is not flown.autopilot))

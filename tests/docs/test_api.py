@@ -13,12 +13,12 @@ from typing import Any
 import pytest
 
 import ipoa_mission
-from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.planning.planner import plan_path
-from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 from tests.quick_search import QUICK, search_quickly
@@ -35,7 +35,7 @@ def vehicle_at() -> Iterator[str]:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     channel = open_channel(f"udpout:127.0.0.1:{port}")
-    station = Station(Autopilot(Family.PX4, Geodetic(47.397742, 8.545594, 488.0)), 1, None, channel.datagrams)
+    station = Station(BuiltInAutopilot(Autopilot.PX4, Geodetic(47.397742, 8.545594, 488.0)), 1, None, channel.datagrams)
     enough = threading.Event()
     thread = threading.Thread(target=Server(channel, station, speedup=100.0).run, args=(enough.is_set,))
     thread.start()

@@ -8,8 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
@@ -17,6 +15,8 @@ from ipoa_mission.itinerary.copter_arc import arc_center, arc_chords, arc_length
 from ipoa_mission.itinerary.legs import flown_legs
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

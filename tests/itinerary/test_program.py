@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.itinerary.itinerary import itinerary
 from ipoa_mission.itinerary.program import Program
 from ipoa_mission.simulator.situation import MissionState, Situation
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.returning import goal_of_return, return_height
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.exports.table import mission_table
 from ipoa_mission.exports.track import track
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -50,13 +49,13 @@ def test_each_autopilot_returns_by_its_own_rule(
     rally: list[tuple[float, float]],
     goal: int | None,
 ) -> None:
-    assert goal_of_return(autopilot, parameters, (*here, 15.0), [(*at, 10.0) for at in rally]) == goal
+    assert autopilot.goal_of_return(parameters, (*here, 15.0), [(*at, 10.0) for at in rally]) == goal
 
 
 def test_the_height_of_a_rally_point_counts() -> None:
-    assert return_height(ARDUPILOT, {"RTL_ALT": 1500.0}, 10.0, 100.0, 25.0) == 25.0
-    assert return_height(PX4, {}, 10.0, 100.0, 25.0) == 55.0
-    assert return_height(PX4, {}, 10.0, 100.0) == 30.0
+    assert ARDUPILOT.return_height({"RTL_ALT": 1500.0}, 10.0, 100.0, 25.0) == 25.0
+    assert PX4.return_height({}, 10.0, 100.0, 25.0) == 55.0
+    assert PX4.return_height({}, 10.0, 100.0) == 30.0
 
 
 @pytest.mark.parametrize("autopilot", [ARDUPILOT, PX4])

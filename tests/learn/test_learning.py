@@ -14,8 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.learn.evidence import Evidence, errors, evidence_between
@@ -24,6 +22,8 @@ from ipoa_mission.learn.judge import left_out, median_errors, timed
 from ipoa_mission.learn.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HERE = Path(__file__).parent
@@ -110,7 +110,7 @@ def test_arducopter_3_flies_a_leg_as_eleven_outdoor_flights_did() -> None:
     assert times[1] - times[0] > 0.9  # it disarms as soon as it has landed: its motors do not spool down first
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_the_built_in_autopilot_flies_the_learned_vehicle(autopilot: Autopilot) -> None:
     there = LocalFrame(HOME).geodetic(np.array([0.0, 250.0, 0.0]))
     fast = {"WPNAV_SPEED": 1500.0} if autopilot is ARDUPILOT else {"MPC_XY_CRUISE": 12.0}
@@ -156,7 +156,10 @@ def test_a_vehicle_file_is_read_as_it_was_written(tmp_path: Path) -> None:
         ),
         ("autopilot = 'px4'\n[drag]\nvalue = 2\nlow = 3\nhigh = 4", "drag: expected low, value and high in this order"),
         (f"autopilot = 'px4'\n[drag]\nvalue = {'9' * 6000}\nlow = 3\nhigh = 4", ""),
-        ("autopilot = 'px4'\nleashed = true", "leashed: expected with ArduCopter only"),
+        (
+            "autopilot = 'px4'\nleashed = true",
+            "leashed: expected with an autopilot that once flew on a leash",
+        ),
         ("autopilot = 'px4'\nflights = 'many'", "flights: expected int, not many"),
         ("#" * 100_001, "expected a vehicle.toml of at most"),
         ("a = " + "[" * 50_000, "expected TOML"),

@@ -13,8 +13,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import MissionError
 from ipoa_mission.learn.evidence import Evidence, flights_in
@@ -23,6 +21,8 @@ from ipoa_mission.learn.judge import energy_error, left_out, median_errors, time
 from ipoa_mission.learn.vehicle_file import read_vehicle
 from ipoa_mission.learn.witness import Witness, hover_power
 from ipoa_mission.mission.files import write_mission
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from tests.learn.test_learning import ARDUPILOT, PX4, recorded
 
 HERE = Path(__file__).parent

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
 from ipoa_mission.link.borrowed import MavutilChannel, own_line
@@ -14,6 +13,7 @@ from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.messages import Firmware, Heartbeat, Message
+from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link.test_link_strangers import Net, line_on, station
 from tests.link.test_link_verbs import met
 

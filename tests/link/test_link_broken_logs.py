@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import waypoint
-from ipoa_mission.link import ulog
-from ipoa_mission.link.copter_log import _differences
 from ipoa_mission.link.flight_log import _Known, _Stretch, read_flights
 from ipoa_mission.link.logged import Begun
 from ipoa_mission.mission.firmware import home_item
+from ipoa_mission.vehicles.arducopter.log import _differences
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.px4_multicopter import log as ulog
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

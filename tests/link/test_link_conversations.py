@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import (
     GRACE_S,
@@ -32,6 +31,7 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.unbroken import download
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 
 ITEMS = items_of(Autopilot.PX4, 3)
@@ -319,7 +319,7 @@ def test_clearing_in_silence_is_an_error() -> None:
 # --- both ends ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize("kind", [MissionType.MISSION])
 def test_what_one_end_offers_the_other_has(autopilot: Autopilot, kind: int) -> None:
     vehicle = Vehicle(autopilot)

@@ -8,9 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.kinds import Kind
-from ipoa_mission.autopilots.modes import ARMING_MODE, MISSION_MODE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, TimeUp
@@ -27,6 +24,8 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.state import ON_GROUND, PREARM_CHECK, NotFlown, NotReady, VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.kind import Kind
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, RUN_PREARM_CHECKS, STREAM = 22, 176, 224, 300, 400, 401, 511
@@ -105,7 +104,7 @@ class Scripted:
             case 400:
                 self.armed = True
             case 300:
-                self.mode = MISSION_MODE[self.autopilot]
+                self.mode = self.autopilot.modes.mission
             case 22:
                 self.height = params[6]
 
@@ -116,10 +115,10 @@ def test_each_firmware_is_prepared_and_started_in_its_own_order() -> None:
         vehicle.hold(prepare)
         assert not vehicle.armed
         assert vehicle.current == vehicle.first
-        assert vehicle.mode == ARMING_MODE[vehicle.autopilot]
+        assert vehicle.mode == vehicle.autopilot.modes.arming
         vehicle.hold(depart)
         assert vehicle.armed
-        assert vehicle.mode == MISSION_MODE[vehicle.autopilot]
+        assert vehicle.mode == vehicle.autopilot.modes.mission
     assert [told[0] for told in copter.told] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM, START]
     assert [told[0] for told in px4.told] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM]
     assert copter.told[0] == (SET_CURRENT, 1, 1, 0)  # jumps are counted anew
@@ -161,7 +160,7 @@ def test_one_that_does_not_become_ready_is_an_error_with_its_own_reason() -> Non
     assert late.value.hint == "the vehicle is disarmed, in STABILIZE"
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_an_armed_vehicle_is_left_alone(autopilot: Autopilot) -> None:
     vehicle = Scripted(autopilot)
     vehicle.armed = True
@@ -240,7 +239,7 @@ STATES: list[int | None] = [None, 0, ON_GROUND, 2, 3, 4]
 
 @settings(deadline=None, max_examples=300)
 @given(
-    st.sampled_from(Autopilot),
+    st.sampled_from(registered()),
     st.lists(st.sampled_from(STATES), min_size=1, max_size=30),
     st.lists(st.sampled_from([0, 1, 2, 4]), max_size=8),
     st.floats(0.5, 30.0),
@@ -286,7 +285,7 @@ def test_what_was_refused_late_and_is_armed_all_the_same_is_begun() -> None:
 
     vehicle.answer = late  # type: ignore[method-assign]
     vehicle.hold(depart)
-    assert vehicle.mode == MISSION_MODE[ARDUPILOT]
+    assert vehicle.mode == ARDUPILOT.modes.mission
 
 
 @pytest.mark.parametrize("mav_type", [1, 10, 12, 20])

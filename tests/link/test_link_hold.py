@@ -6,8 +6,6 @@ put into BRAKE; on its way to a waypoint it stops within two seconds and stays i
 
 import pytest
 
-from ipoa_mission.autopilots.modes import MISSION_MODE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Order
 from ipoa_mission.items import Mission
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
@@ -18,6 +16,7 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.simulator.fly import board
+from ipoa_mission.vehicles.autopilot import Autopilot
 from tools import REPOSITORY
 
 MISSIONS = REPOSITORY / "missions"
@@ -125,7 +124,7 @@ def test_px4_says_why_it_takes_back_its_yes() -> None:
 
 def answered(*answers: Message) -> Exchange[None]:
     """A vehicle in AUTO.MISSION, told to come home, that answers so and shows nothing."""
-    state = VehicleState(Autopilot.PX4, armed=True, custom_mode=MISSION_MODE[Autopilot.PX4])
+    state = VehicleState(Autopilot.PX4, armed=True, custom_mode=Autopilot.PX4.modes.mission)
     exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
     for n, answer in enumerate(answers, start=1):
         exchange.receive(answer, 0.2 * n)
@@ -141,7 +140,7 @@ def test_a_later_refusal_without_words_is_named_by_its_result() -> None:
 
 
 def test_a_mode_that_is_accepted_and_not_shown_is_no_return() -> None:
-    state = VehicleState(Autopilot.PX4, armed=True, custom_mode=MISSION_MODE[Autopilot.PX4])
+    state = VehicleState(Autopilot.PX4, armed=True, custom_mode=Autopilot.PX4.modes.mission)
     exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
     exchange.receive(CommandAck(Order.DO_SET_MODE, CommandResult.ACCEPTED), 0.1)
     exchange.tick(SHOWN_S)

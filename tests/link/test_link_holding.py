@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -20,8 +19,9 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import to_wire
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import far_end, items_of, line_of
 
@@ -61,7 +61,7 @@ OTHERS: dict[str, Callable[[Mission], Mission]] = {
 
 
 @pytest.mark.parametrize("other", OTHERS)
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilot, other: str) -> None:
     vehicle = vehicle_of(family)
     vehicle.upload(MISSION)
@@ -97,7 +97,7 @@ def test_a_list_that_another_station_is_just_sending_is_not_flown(has_checksum: 
     assert not mock.flight.armed
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_a_fence_is_proved_too_and_what_was_downloaded_is_ours(family: Autopilot) -> None:
     vehicle = vehicle_of(family)
     vehicle.upload(replace(MISSION, rally=(THERE,)))
@@ -111,7 +111,7 @@ def test_a_fence_is_proved_too_and_what_was_downloaded_is_ours(family: Autopilot
     assert vehicle.watch().completed
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_what_nobody_touches_is_flown_to_the_end(family: Autopilot) -> None:
     vehicle = vehicle_of(family)
     vehicle.upload(MISSION)
@@ -122,7 +122,7 @@ def test_what_nobody_touches_is_flown_to_the_end(family: Autopilot) -> None:
 
 
 @pytest.mark.parametrize("other", OTHERS)
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_complete(
     family: Autopilot, other: str, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -172,7 +172,7 @@ def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:
     assert not mock.flight.armed
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_a_vehicle_that_does_not_tell_what_it_holds_after_a_flight_is_taken_at_its_word(family: Autopilot) -> None:
     vehicle = vehicle_of(family)
     vehicle.upload(MISSION)

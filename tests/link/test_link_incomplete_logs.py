@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Item
-from ipoa_mission.link import ulog
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.flight_log import read_flights
 from ipoa_mission.link.logged import Fixes, Log, told
@@ -34,6 +32,8 @@ from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.link.telemetry_log import read_telemetry_log
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.vehicle_clock import unwrapped, vehicle_times
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.px4_multicopter import log as ulog
 
 LOG = Path(__file__).parents[1] / "logs" / "sitl-px4.ulg"
 Break = Callable[[dict[str, Any]], None]

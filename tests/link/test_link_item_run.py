@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import plain_frame
 from ipoa_mission.items import Item
 from ipoa_mission.link.channel import Peer
@@ -21,8 +20,9 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import HOME, items_of
 
 US, VEHICLE = Target(245, 190), Target(1, 1)
@@ -113,7 +113,7 @@ class Counting(Loopback):
         return got
 
 
-@pytest.mark.parametrize("autopilot", list(Autopilot))
+@pytest.mark.parametrize("autopilot", list(registered()))
 @pytest.mark.parametrize("key", [None, KEY])
 def test_a_whole_list_takes_one_frame_each_way_an_item_and_few_of_them_reach_the_dialogue(
     autopilot: Autopilot, key: bytes | None, monkeypatch: pytest.MonkeyPatch
@@ -147,7 +147,7 @@ items = st.builds(
 )
 
 
-@given(st.lists(st.tuples(items, items | st.none()), max_size=6), st.sampled_from(list(Autopilot)))
+@given(st.lists(st.tuples(items, items | st.none()), max_size=6), st.sampled_from(list(registered())))
 def test_a_list_is_compared_in_bulk_as_it_is_item_by_item(
     pairs: list[tuple[Item, Item | None]], autopilot: Autopilot
 ) -> None:

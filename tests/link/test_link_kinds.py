@@ -7,8 +7,6 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.autopilots.kinds import MULTICOPTERS, Kind
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.codec import Codec, frames
@@ -20,8 +18,11 @@ from ipoa_mission.link.messages import Heartbeat, Message
 from ipoa_mission.link.presence import scan
 from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.kind import Kind
+from ipoa_mission.vehicles.kinds import MULTICOPTERS
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import MEASURED
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.address import Address, Transport, parse_address
@@ -23,9 +21,10 @@ from ipoa_mission.link.presence import VERSIONS_S, scan, versions_of
 from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import far_end, line_of
 
@@ -128,7 +127,7 @@ def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch
         connect("udpin:127.0.0.1:0")
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None:
     slow = Faults(delay_s=0.2)
     line = Line(Loopback(Station(Mock(family, HOME)), BadPipe(slow, 0), BadPipe(slow, 1)), Codec(245, 190))
@@ -168,7 +167,7 @@ class Flock:
 
 
 def flock(*systems: int) -> Line:
-    families = list(Autopilot)
+    families = list(registered())
     stations = [Station(Mock(families[n % 2], HOME), system) for n, system in enumerate(systems)]
     return Line(Loopback(Flock(*stations)), Codec(245, 190))
 
@@ -191,10 +190,10 @@ def test_a_scan_asks_for_versions_and_does_not_wait_for_the_silent() -> None:
     begun = line.now()
     told = versions_of(line, found)
     assert found == [1, 2, 3]
-    assert told == {1: MEASURED[Autopilot.PX4], 2: MEASURED[Autopilot.ARDUPILOT]}
+    assert told == {1: Autopilot.PX4.measured, 2: Autopilot.ARDUPILOT.measured}
     assert line.now() - begun == pytest.approx(VERSIONS_S, abs=0.01)
     one._asked_for = lambda number: AutopilotVersion(0)  # a build without a version
-    assert versions_of(line, [1, 2]) == {2: MEASURED[Autopilot.ARDUPILOT]}
+    assert versions_of(line, [1, 2]) == {2: Autopilot.ARDUPILOT.measured}
     assert line.now() - begun < VERSIONS_S + 1.0
 
 

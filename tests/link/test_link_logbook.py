@@ -2,13 +2,12 @@
 
 import pytest
 
-from ipoa_mission.autopilots.modes import MISSION_MODE, RETURN_MODES
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange, NoAnswer
 from ipoa_mission.link.logbook import LOST_S, Logbook, brings_down, watch
 from ipoa_mission.link.messages import ARMED_FLAG, CommandAck, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Position
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -23,11 +22,11 @@ def at(seconds: float, place: Geodetic = THERE) -> Position:
     return Position(seconds, place.latitude_deg, place.longitude_deg, 430.0, 30.0, (3.0, 4.0, 0.0))
 
 
-def armed(mode: int = MISSION_MODE[PX4]) -> Heartbeat:
+def armed(mode: int = PX4.modes.mission) -> Heartbeat:
     return Heartbeat(2, 12, ARMED_FLAG, mode)
 
 
-DISARMED = Heartbeat(2, 12, 0, MISSION_MODE[PX4])
+DISARMED = Heartbeat(2, 12, 0, PX4.modes.mission)
 
 
 def noted(items: tuple[Item, ...], *messages: Message, autopilot: Autopilot = PX4) -> Logbook:
@@ -67,7 +66,7 @@ def test_words_name_the_moment_of_disarming_more_closely_than_the_heartbeat() ->
 
 
 def test_a_return_is_done_on_the_ground_although_px4_reports_it_as_it_begins() -> None:
-    home = next(iter(RETURN_MODES[PX4]))
+    home = next(iter(PX4.modes.returns))
     for last in (Reached(1), Current(1, 2, 5)):
         flight = (ARMING, armed(), at(60.0, HOME), Reached(0), last, armed(home))
         logbook = noted(RETURNS, *flight)

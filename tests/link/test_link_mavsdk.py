@@ -10,7 +10,6 @@ import pytest
 
 pytest.importorskip("mavsdk")
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link import upload
 from ipoa_mission.link.address import parse_address
@@ -21,6 +20,7 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 
@@ -29,7 +29,7 @@ REPOSITORY = HERE.parents[1]
 HOME = Geodetic(47.4, 8.5, 400.0)
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, run_mock: Callable[..., object]) -> None:
     with run_mock(family, speedup=60.0) as running:  # type: ignore[attr-defined]
         done = subprocess.run(

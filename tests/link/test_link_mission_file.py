@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Codec, Target
@@ -34,10 +33,11 @@ from ipoa_mission.link.unbroken import Unsettled
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import compare
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link_pair import HOME, items_of, line_of
 
 ARDUPILOT = Autopilot.ARDUPILOT
@@ -185,7 +185,7 @@ def test_cancelled_while_closing_a_vehicle_that_refuses_or_is_silent(mute: bool,
         drive(exchange, line_of(vehicle), line_of(vehicle).channel.now() + 1.3, Cancelled("cancelled"))
 
 
-def drive(exchange: Exchange[None], line: Line, moment: float, error: MissionError) -> None:
+def drive(exchange: Exchange[int], line: Line, moment: float, error: MissionError) -> None:
     """Converse, and break off at this moment."""
     now = line.channel.now
     while not exchange.finished:

@@ -6,7 +6,6 @@ from typing import TypeVar
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import orders
 from ipoa_mission.link.codec import Codec
@@ -27,9 +26,10 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -145,7 +145,7 @@ def test_a_parameter_that_does_not_exist_is_left_out() -> None:
 
 
 @pytest.mark.parametrize(("delay_s", "within_s"), [(0.0, 0.5), (0.3, 4.0), (0.9, 8.0)])
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_names_that_the_vehicle_lacks_do_not_hold_one_up_and_late_answers_count(
     family: Autopilot, delay_s: float, within_s: float
 ) -> None:

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Mission
 from ipoa_mission.link.flight_log import LoggedFlight, read_flight, read_flights
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 LOGS = Path(__file__).parents[1] / "logs"
 CLOSE = 0.3  # [s]

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import offer
 from ipoa_mission.link.dialogue import Cancelled
@@ -14,6 +13,7 @@ from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, home_item
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import HOME, Air, Fate, Vehicle, items_of
 from tools.fuzz import strangers
 from tools.fuzz.strangers import Ending
@@ -28,7 +28,7 @@ UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow]
 
 
 @settings(UNHURRIED, max_examples=2000)
-@given(SCHEDULES, st.sampled_from(Autopilot), st.integers(0, 6), st.integers(0, 6))
+@given(SCHEDULES, st.sampled_from(registered()), st.integers(0, 6), st.integers(0, 6))
 def test_an_upload_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot, old: int, new: int) -> None:
     vehicle = Vehicle(autopilot)
     before = items_of(autopilot, old, shift=0.01)
@@ -81,7 +81,7 @@ def test_a_mission_that_another_station_replaces_is_an_error_or_was_replaced_unh
 
 
 @settings(UNHURRIED, max_examples=300)
-@given(SCHEDULES, st.sampled_from(Autopilot), st.integers(0, 6), st.integers(1, 6), st.floats(0.0, 3.0))
+@given(SCHEDULES, st.sampled_from(registered()), st.integers(0, 6), st.integers(1, 6), st.floats(0.0, 3.0))
 def test_what_a_cancelled_upload_leaves_is_what_it_says(
     fates: list[Fate], autopilot: Autopilot, old: int, new: int, moment: float
 ) -> None:
@@ -104,7 +104,7 @@ def test_what_a_cancelled_upload_leaves_is_what_it_says(
 
 
 @settings(UNHURRIED, max_examples=500)
-@given(SCHEDULES, st.sampled_from(Autopilot), st.integers(0, 8))
+@given(SCHEDULES, st.sampled_from(registered()), st.integers(0, 8))
 def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot, count: int) -> None:
     vehicle = Vehicle(autopilot)
     vehicle.store(items_of(autopilot, count))

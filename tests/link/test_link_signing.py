@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import EVERYONE, Codec
@@ -30,8 +29,9 @@ from ipoa_mission.link.signing import (
     read_key,
 )
 from ipoa_mission.link.timestamps import Timestamps
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import far_end
 
@@ -79,7 +79,7 @@ def test_a_replay_of_what_a_vehicle_said_before_is_named() -> None:
     assert ours.signer.doubts == {(1, 1): Doubt.STALE}
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize("is_parameter", [False, True])
 def test_a_vehicle_with_a_key_does_nothing_for_a_stranger_who_is_told_why(
     autopilot: Autopilot, is_parameter: bool

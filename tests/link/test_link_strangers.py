@@ -7,8 +7,6 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from ipoa_mission.autopilots.modes import ARMING_MODE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
@@ -19,8 +17,9 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Request, Result
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import line_of
 
@@ -109,7 +108,7 @@ def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: p
     assert held(net, "other") == 0
     before = net.ends["other"].autopilot.mode
     vehicle.prepare()
-    assert net.ends["one"].autopilot.mode == ARMING_MODE[PX4]
+    assert net.ends["one"].autopilot.mode == PX4.modes.arming
     assert net.ends["other"].autopilot.mode == before
     assert [record.message for record in caplog.records] == [
         "another vehicle with system id 1 is on the link; it is not listened to"
@@ -146,7 +145,7 @@ def saying(message: Message, names: list[Target], peer: str = "mallory") -> Call
     return lambda now: [(voice.encode(message, EVERYONE, now), peer) for voice in voices]
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
     net = Net(one=station(family))
     line = line_on(net)
@@ -157,7 +156,7 @@ def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
     assert len(vehicle.download().items) == len(MISSION.items)
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_forty_made_up_stations_do_not_come_between(family: Autopilot) -> None:
     net = Net(one=station(family))
     beats = [Codec(system, 190).encode(Heartbeat(6, Firmware.INVALID), EVERYONE, 0.0) for system in range(100, 140)]
@@ -187,7 +186,7 @@ def test_what_a_stranger_says_in_the_vehicle_s_name_is_not_heard(forged: Message
 # --- stations with our ids ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_beside_another_station_with_our_ids_we_hear_the_built_in_autopilot(family: Autopilot) -> None:
     net = Net(one=station(family))
     beat, twin = Codec(*US).encode(Heartbeat(6, Firmware.INVALID), EVERYONE, 0.0), 0.0
@@ -205,7 +204,7 @@ def test_beside_another_station_with_our_ids_we_hear_the_built_in_autopilot(fami
     assert net.ends["one"]._routes.to(US) == {"us", "twin"}
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_way(family: Autopilot) -> None:
     net = Net(one=station(family))
     said = [Codec(*US).encode(message, VEHICLE, 0.0) for message in (Count(2), Ack(Result.OPERATION_CANCELLED))]
@@ -223,7 +222,7 @@ def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_
     assert is_exact(net, "one", family)
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopilot) -> None:
     one = station(family)
 
@@ -252,7 +251,7 @@ def test_an_answer_to_one_of_two_stations_reaches_both_and_a_transfer_s_only_its
 # --- torn frames and an old protocol --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_frames_that_are_cut_at_sixteen_bytes_are_heard(family: Autopilot) -> None:
     net = Net(one=station(family))
     net.cut = 16
@@ -273,7 +272,7 @@ class Drip(Net):
         return [(piece, "one")] if piece else []
 
 
-@pytest.mark.parametrize("family", Autopilot)
+@pytest.mark.parametrize("family", registered())
 def test_a_stream_that_comes_in_pieces_is_heard(family: Autopilot) -> None:
     net = Drip(one=station(family))
     vehicle = meet(line_on(net), fast=False)

@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link import connect as connecting
@@ -27,9 +26,10 @@ from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import line_of
 
@@ -43,7 +43,7 @@ def met(autopilot: Autopilot, **habits: Any) -> Vehicle:
     return meet(Line(Loopback(Station(Mock(autopilot, HOME, **habits))), Codec(245, 190)))
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_counts_them(autopilot: Autopilot) -> None:
     vehicle = met(autopilot)
     vehicle.expect_on_ground()
@@ -59,7 +59,7 @@ def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_cou
     assert vehicle.record().path == ()
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_parameter_that_is_set_is_kept_and_one_that_there_is_not_is_an_error(autopilot: Autopilot) -> None:
     vehicle = met(autopilot)
     name = "WPNAV_SPEED" if autopilot is Autopilot.ARDUPILOT else "MPC_XY_CRUISE"
@@ -249,7 +249,7 @@ def test_an_arducopter_is_asked_once_whether_it_takes_a_file() -> None:
     assert not any(isinstance(message, Request) and message.kind == MissionType.MISSION for message in heard)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_vehicle_with_the_mission_of_another_session_is_prepared_where_it_may_begin(autopilot: Autopilot) -> None:
     before = met(autopilot)
     before.upload(MISSION)

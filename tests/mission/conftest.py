@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 
 class MavsdkImport:

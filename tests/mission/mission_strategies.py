@@ -4,11 +4,10 @@ import math
 
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.waypoints_file import OTHER_LISTS
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 LATITUDE = st.floats(-90, 90)
@@ -24,7 +23,7 @@ PLACES = st.builds(Geodetic, LATITUDE, LONGITUDE, METRES)
 
 def items(autopilot: Autopilot, frames: tuple[int, ...], nan: bool) -> st.SearchStrategy[Item]:
     """Items that the firmware knows, with a position in one of `frames` or without one; `nan` in params or none."""
-    firmware = FIRMWARE[autopilot]
+    firmware = autopilot.firmware()
     param = PARAM_OR_NAN if nan else PARAM
     params = st.tuples(param, param, param, param)
     placed = st.sampled_from(sorted(set(firmware.placed) - set(firmware.plain) - OTHER_LISTS))
@@ -37,7 +36,7 @@ def items(autopilot: Autopilot, frames: tuple[int, ...], nan: bool) -> st.Search
 @st.composite
 def missions(draw: st.DrawFn, frames: tuple[int, ...] = (0, 3, 10), nan: bool = True, fences: bool = True) -> Mission:
     """Missions with jumps that lead somewhere; the polygons of a fence stand before its circles, as in files."""
-    autopilot = draw(st.sampled_from(list(Autopilot)))
+    autopilot = draw(st.sampled_from(list(registered())))
     flown = draw(st.lists(items(autopilot, frames, nan), max_size=6))
     jumps = draw(st.lists(st.integers(1, len(flown)), max_size=2)) if flown else []
     return Mission(

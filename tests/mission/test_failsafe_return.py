@@ -6,10 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.braking import REACTION, braking_distance
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.failsafe_return import RETURNS, Stops, broken_returns, check_failsafe_return, stops_of
-from ipoa_mission.checks.way_home import PARAMETERS
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import return_ways
 from ipoa_mission.planning.proof import prove
@@ -18,6 +15,7 @@ from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.tube.flown_in import flown_in
 from ipoa_mission.tube.promise import PredictedFlight, promise_of
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 
 FLOWN = list(csv.DictReader(Path("docs/returns.csv").read_text().splitlines()))
 ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])
@@ -26,10 +24,10 @@ BESIDE = {"ardupilot": 0.3, "px4": 3.2}  # [m]
 
 @pytest.mark.parametrize("row", FLOWN, ids=lambda row: f"{row['autopilot']}-{row['scenario']}-{row['speed']}")
 def test_real_vehicles_fly_on_no_farther_than_is_counted(row: dict[str, str]) -> None:
-    autopilot, speed = Autopilot(row["autopilot"]), float(row["speed"])
-    gains, waits = max(float(row["gaining"]), 0.0), REACTION[autopilot]
+    autopilot, speed = autopilot_named(row["autopilot"]), float(row["speed"])
+    gains, waits = max(float(row["gaining"]), 0.0), autopilot.guidance.brakes_after
     then = np.array([speed + gains * waits])
-    counted = waits * (speed + gains * waits / 2) + braking_distance(autopilot, {}, then, np.array([gains]))[0]
+    counted = waits * (speed + gains * waits / 2) + autopilot.braking_distance({}, then, np.array([gains]))[0]
     assert -1.1 <= counted - float(row["flown_on"]) <= 4.1
     assert float(row["beside"]) <= BESIDE[row["autopilot"]]
 
@@ -58,7 +56,7 @@ def flight_in(scenario: Scenario) -> tuple[Mission, PredictedFlight]:
     return mission, promise_of(mission, scenario).flight
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize(("body", "clears"), [(HALL, 50.0), (BALL, 40.0)], ids=["hall", "balloon"])
 def test_what_stands_in_the_way_home_is_named_with_a_height_that_clears_it(
     autopilot: Autopilot, body: str, clears: float
@@ -66,7 +64,8 @@ def test_what_stands_in_the_way_home_is_named_with_a_height_that_clears_it(
     scenario = scene(autopilot, body)
     mission, flight = flight_in(scenario)
     (finding,) = check_failsafe_return(mission, flight)
-    name, unit = PARAMETERS[autopilot]
+    by = autopilot.book.return_height
+    name, unit = by.name, by.unit
     assert "flies home" in finding.message
     assert finding.hint is not None
     words = finding.hint.split()
@@ -75,12 +74,12 @@ def test_what_stands_in_the_way_home_is_named_with_a_height_that_clears_it(
     assert not list(check_failsafe_return(mission.with_parameters({name: float(words[2])}), flight))
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_clear_way_home_is_nothing_to_speak_of(autopilot: Autopilot) -> None:
     assert not list(check_failsafe_return(*flight_in(scene(autopilot, LOW_HALL))))
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_no_height_helps_where_it_brakes_into_a_wall(autopilot: Autopilot) -> None:
     (braking,) = check_failsafe_return(*flight_in(scene(autopilot, WALL)))
     assert "RTL or pause on the way there brakes and climbs" in braking.message
@@ -88,7 +87,7 @@ def test_no_height_helps_where_it_brakes_into_a_wall(autopilot: Autopilot) -> No
     assert braking.hint is None
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize("height", [22.0, 33.0, 41.0])
 def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_not(
     autopilot: Autopilot, height: float
@@ -107,7 +106,7 @@ def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_n
     assert {one.seq for one in broken_returns(mission, scenario, stops) if one.part == RETURNS} == single
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
     text = (Path("missions/mountains.toml").read_text()).replace('"px4"', f'"{autopilot}"')
     scenario = parse_scenario(text, Path("missions/mountains.toml"))
@@ -130,7 +129,7 @@ def test_a_place_that_is_not_left_is_no_way() -> None:
     assert (broken.seq, broken.part, broken.check.nearest.what) == (4, RETURNS, "hall")
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_ordered(autopilot: Autopilot) -> None:
     """The hall is beside the way home from where the vehicle stands, and in that from halfway back."""
     scenario = scene(autopilot, HALL)

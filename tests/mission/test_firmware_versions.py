@@ -4,15 +4,13 @@ import math
 
 import pytest
 
-from ipoa_mission.autopilots.firmware import FIRMWARE, expect_known_version, firmware, series_known
-from ipoa_mission.autopilots.said import checked_for, vehicle_says
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import MEASURED, Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.firmware import compare
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -28,10 +26,10 @@ def mission(*items: Item, autopilot: Autopilot = PX4, version: str | None = None
 
 
 def test_tables_reach_from_the_oldest_to_the_newest() -> None:
-    assert series_known(PX4) == ((1, 15), (1, 16), (1, 17), (1, 18))
-    assert series_known(ARDUPILOT) == ((4, 5), (4, 6), (4, 7))
-    assert all(len(firmware(a, Version(*s)).commit) == 40 for a in Autopilot for s in series_known(a))
-    assert all(MEASURED[a].series in series_known(a) for a in Autopilot)
+    assert PX4.tables.series == ((1, 15), (1, 16), (1, 17), (1, 18))
+    assert ARDUPILOT.tables.series == ((4, 5), (4, 6), (4, 7))
+    assert all(len(a.firmware(Version(*s)).commit) == 40 for a in registered() for s in a.tables.series)
+    assert all(a.measured.series in a.tables.series for a in registered())
 
 
 @pytest.mark.parametrize(
@@ -47,7 +45,7 @@ def test_tables_reach_from_the_oldest_to_the_newest() -> None:
 def test_a_version_has_the_table_of_its_series_or_the_nearest(
     autopilot: Autopilot, version: str, table: tuple[int, int]
 ) -> None:
-    assert firmware(autopilot, Version.parsed(version)).version.series == table
+    assert autopilot.firmware(Version.parsed(version)).version.series == table
 
 
 def test_1_18_refuses_params_that_it_does_not_use() -> None:
@@ -99,13 +97,13 @@ def test_versions_are_read_as_they_are_written_and_as_vehicles_say_them() -> Non
         with pytest.raises(BadInput, match=r"expected one like 4\.6 or 1\.18\.0-beta1"):
             Version.parsed(words)
     with pytest.raises(BadInput, match=r"expected one of px4's 1.15, 1.16, 1.17, 1.18, not 4.6.0"):
-        expect_known_version(PX4, Version(4, 6))
+        PX4.tables.expect(Version(4, 6))
 
 
 def test_it_is_said_what_was_measured_and_what_the_vehicle_is() -> None:
-    assert vehicle_says(ARDUPILOT, Version(4, 6, 2)) == "measured on 4.7.0-dev; the vehicle says 4.6.2"
-    assert vehicle_says(PX4, Version(1, 17)) is None
-    assert str(vehicle_says(PX4, Version(1, 19))).endswith("judged as PX4 1.18 does")
-    assert "does not say its version: it is taken for ArduPilot 4.7" in str(vehicle_says(ARDUPILOT, None))
-    assert checked_for(PX4, None) == f"px4 1.18 (measured on {MEASURED[PX4]})"
-    assert FIRMWARE[PX4] is firmware(PX4, Version(1, 18))
+    assert ARDUPILOT.vehicle_says(Version(4, 6, 2)) == "measured on 4.7.0-dev; the vehicle says 4.6.2"
+    assert PX4.vehicle_says(Version(1, 17)) is None
+    assert str(PX4.vehicle_says(Version(1, 19))).endswith("judged as PX4 1.18 does")
+    assert "does not say its version: it is taken for ArduPilot 4.7" in str(ARDUPILOT.vehicle_says(None))
+    assert PX4.checked_for(None) == f"px4 1.18 (measured on {PX4.measured})"
+    assert PX4.firmware() is PX4.firmware(Version(1, 18))

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import Severity, check_mission
 from ipoa_mission.items import (
     FenceCircle,
@@ -24,6 +23,7 @@ from ipoa_mission.items import (
 )
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import read_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.mission.mission_strategies import missions
 
@@ -345,7 +345,7 @@ FLIGHTS = Path(__file__).parents[1] / "flights"
 
 def test_every_recorded_mission_is_found_without_fault() -> None:
     found = {
-        path.parent.name: check_mission(read_mission(path, Autopilot(path.parent.name.rsplit("-", 1)[1])))
+        path.parent.name: check_mission(read_mission(path, autopilot_named(path.parent.name.rsplit("-", 1)[1])))
         for path in FLIGHTS.glob("*/mission.waypoints")
     }
     assert len(found) > 40
@@ -361,7 +361,7 @@ def test_whatever_a_file_can_hold_is_checked_without_falling_over(mission: Missi
 
 
 def test_both_autopilots_take_the_missions_that_the_package_makes() -> None:
-    for autopilot in Autopilot:
+    for autopilot in registered():
         for ending in (return_to_launch(), land(NORTH)):
             assert (
                 check_mission(flight(UP, change_speed(8.0), AWAY, waypoint(EAST, 30.0), ending, autopilot=autopilot))

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.commands import Command
 from ipoa_mission.geometry import Points, Vector
@@ -18,6 +17,7 @@ from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
@@ -133,7 +133,7 @@ def test_ardupilot_climbs_where_it_stands_and_px4_goes_to_the_take_offs_position
         autopilot: [
             corners(leg)[0] for leg in flown_legs(Mission(scenario.frame.home, items, autopilot), scenario.frame)
         ]
-        for autopilot in Autopilot
+        for autopilot in registered()
     }
     assert starts[ARDUPILOT] == [[0, 0, 0], [0, 0, 20]]
     assert starts[PX4] == [[0, 0, 0], [0, 0, 20], [10, 0, 20]]

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.positions import home_elsewhere, refusals
 from ipoa_mission.checks.unsafe import Unsafe
@@ -14,6 +13,7 @@ from ipoa_mission.exports import write_export
 from ipoa_mission.flight.boarding import expect_fit
 from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import board
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 AUSTRALIA, JAPAN = Geodetic(-35.363, 149.165, 584.0), Geodetic(36.319, 138.650, 900.0)

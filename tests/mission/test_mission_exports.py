@@ -10,7 +10,6 @@ import pytest
 import shapely
 from pyproj import Geod
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.exports import EXPORTS, write_export
 from ipoa_mission.exports.table import mission_table
@@ -27,6 +26,7 @@ from ipoa_mission.items import (
     waypoint,
 )
 from ipoa_mission.scenario import parse_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 fastkml = pytest.importorskip("fastkml")

@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import FenceCircle, FencePolygon, Item
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import as_stored, compare
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 DEGREES = st.integers(-899_999_999, 899_999_999).map(lambda n: n / 1e7)
@@ -23,7 +23,7 @@ FENCE = st.lists(
 @given(FENCE)
 def test_a_fence_survives_the_wire_and_both_stores(fence: tuple[FencePolygon | FenceCircle, ...]) -> None:
     items = fence_to_wire(fence)
-    for autopilot in Autopilot:
+    for autopilot in registered():
         stored = as_stored(items, autopilot)
         assert compare(items, stored, autopilot) is None
         assert fence_from_wire(stored) == fence

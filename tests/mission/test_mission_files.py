@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item, Mission, takeoff
 from ipoa_mission.mission.files import read_mission, write_mission
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.mission.mission_strategies import same
 
@@ -26,7 +26,7 @@ def test_what_is_written_is_read_whatever_it_is_called(suffix: str, tmp_path: Pa
 
 
 @pytest.mark.parametrize("suffix", [".plan", ".waypoints"])
-@pytest.mark.parametrize("autopilot", list(Autopilot))
+@pytest.mark.parametrize("autopilot", list(registered()))
 def test_the_autopilot_can_be_said(suffix: str, autopilot: Autopilot, tmp_path: Path) -> None:
     path = tmp_path / f"a{suffix}"
     write_mission(MISSION, path)

@@ -7,12 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.firmware import FIRMWARE
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(39.101, 121.82, 20.0)
@@ -30,7 +29,7 @@ FLIGHT = Mission(
     ),
 )
 
-BOTH = pytest.mark.parametrize("autopilot", list(Autopilot))
+BOTH = pytest.mark.parametrize("autopilot", list(registered()))
 
 
 def test_ardupilot_is_sent_home_as_item_0_and_px4_is_not() -> None:
@@ -172,7 +171,7 @@ def test_the_first_spoiled_field_is_named(autopilot: Autopilot, field: str) -> N
 
 
 def test_a_changed_speed_is_a_difference_on_px4_and_on_ardupilot() -> None:
-    for autopilot in Autopilot:
+    for autopilot in registered():
         sent = to_wire(Mission(HOME, (change_speed(15.0),), autopilot))
         got = (*sent[:-1], replace(sent[-1], params=(1.0, 14.0, -1.0, 0.0)))
         found = compare(sent, got, autopilot)
@@ -185,7 +184,7 @@ FINITE = st.floats(-1e4, 1e4, width=32)
 
 @st.composite
 def known_items(draw: st.DrawFn, autopilot: Autopilot) -> Item:
-    firmware = FIRMWARE[autopilot]
+    firmware = autopilot.firmware()
     placed = draw(st.booleans())
     return Item(
         draw(st.sampled_from(sorted(firmware.placed if placed else firmware.plain))),
@@ -211,11 +210,11 @@ def test_what_is_stored_never_differs_from_what_was_sent(autopilot: Autopilot, d
 
 def test_the_splines_that_ardupilot_flies_are_unknown_to_px4() -> None:
     item = spline_waypoint(AWAY, 30.0)
-    assert FIRMWARE[Autopilot.ARDUPILOT].kept(item.command, item.frame) is not None
-    assert FIRMWARE[Autopilot.PX4].kept(item.command, item.frame) is None
+    assert Autopilot.ARDUPILOT.firmware().kept(item.command, item.frame) is not None
+    assert Autopilot.PX4.firmware().kept(item.command, item.frame) is None
 
 
 @pytest.mark.parametrize("item", [land(HOME), takeoff(HOME, 10.0), waypoint(AWAY, 10.0), change_speed(5.0)])
 @BOTH
 def test_both_know_what_the_package_itself_writes(item: Item, autopilot: Autopilot) -> None:
-    assert FIRMWARE[autopilot].kept(item.command, item.frame) is not None
+    assert autopilot.firmware().kept(item.command, item.frame) is not None

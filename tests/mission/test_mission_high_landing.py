@@ -7,8 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.slow_landing import slow_stretch
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.checks.ground import slow_landings
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.flight.flight import Flight, plan_flight
@@ -18,6 +16,8 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.tube.flown_in import ground_of
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
@@ -155,6 +155,6 @@ def test_the_lower_of_home_and_the_landings_altitude_is_what_the_check_counts_fr
 
 
 def test_a_descent_that_is_slower_than_landing_is_no_fast_touchdown() -> None:
-    stretch = slow_stretch(ARDUPILOT, {"LAND_SPEED_HIGH": 30.0})
+    stretch = ARDUPILOT.slow_stretch({"LAND_SPEED_HIGH": 30.0})
     assert stretch is not None
     assert stretch.touchdown(12.0) == 0.5

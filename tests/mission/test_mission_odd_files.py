@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import flown_legs
 from ipoa_mission.itinerary.program import as_flown
 from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
 ODD = Path(__file__).parent.parent / "odd"

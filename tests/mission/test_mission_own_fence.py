@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.own_fence import OwnFence, own_fence
-from ipoa_mission.autopilots.vehicle import Autopilot, Parameters
 from ipoa_mission.checks.own_fence import breaches
 from ipoa_mission.flight.boarding import OutsideOwnFence, expect_fit
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import board
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.own_fence import OwnFence
+from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -50,7 +51,7 @@ SET = {"FENCE_ENABLE": 1.0, "FENCE_ACTION": 1.0, "FENCE_RADIUS": 150.0, "FENCE_A
 def test_which_limits_are_in_force(
     autopilot: Autopilot, values: Parameters, expected: tuple[float, ...] | None
 ) -> None:
-    assert limits(own_fence(autopilot, values)) == expected
+    assert limits(autopilot.own_fence(values)) == expected
 
 
 @pytest.mark.parametrize(
@@ -76,7 +77,7 @@ def test_which_limits_are_in_force(
     ],
 )
 def test_each_limit_that_is_passed_is_named(away: float, height: float, types: float, said: tuple[str, ...]) -> None:
-    fence = own_fence(AP, SET | {"FENCE_TYPE": types})
+    fence = AP.own_fence(SET | {"FENCE_TYPE": types})
     assert fence is not None
     words = breaches(mission(AP, away, height), fence, HOME)
     assert len(words) == (1 if said else 0)
@@ -84,7 +85,7 @@ def test_each_limit_that_is_passed_is_named(away: float, height: float, types: f
 
 
 def test_the_circle_is_around_where_the_vehicle_stands() -> None:
-    fence = own_fence(AP, SET | {"FENCE_TYPE": 2.0})
+    fence = AP.own_fence(SET | {"FENCE_TYPE": 2.0})
     assert fence is not None
     flight = mission(AP, 140.0, 30.0)
     assert breaches(flight, fence, HOME) == ()
@@ -93,7 +94,7 @@ def test_the_circle_is_around_where_the_vehicle_stands() -> None:
 
 
 def test_the_way_home_counts_with_its_height() -> None:
-    fence = own_fence(AP, SET | {"FENCE_TYPE": 1.0, "FENCE_ALT_MAX": 40.0})
+    fence = AP.own_fence(SET | {"FENCE_TYPE": 1.0, "FENCE_ALT_MAX": 40.0})
     assert fence is not None
     high = replace(mission(AP, 100.0, 30.0), parameters={"RTL_ALT": 5000.0})
     (words,) = breaches(high, fence, HOME)

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import SINGLE_MAX
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import Item, Mission, takeoff
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.parameter_file import read_parameters
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints
+from ipoa_mission.vehicles.parameters import SINGLE_MAX
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(39.101, 121.82, 20.0)

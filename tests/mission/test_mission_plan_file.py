@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.plan_file import read_plan, write_plan
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.mission.mission_strategies import missions, same
 
@@ -44,7 +44,7 @@ def test_what_is_written_keeps_the_rules_of_qgroundcontrols_loader(mission: Miss
     assert type(plan["version"]) is int
     header, fence, rally = plan["mission"], plan["geoFence"], plan["rallyPoints"]
     assert (header["version"], fence["version"], rally["version"]) == (2, 2, 2)
-    assert header["firmwareType"] == {"ardupilot": 3, "px4": 12}[mission.autopilot]
+    assert header["firmwareType"] == {"ardupilot": 3, "px4": 12}[mission.autopilot.name]
     assert header["vehicleType"] == 2
     assert [type(v) in (int, float) for v in header["plannedHomePosition"]] == [True] * 3
     assert {type(circle["inclusion"]) for circle in fence["circles"]} <= {bool}

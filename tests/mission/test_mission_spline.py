@@ -8,7 +8,6 @@ import pytest
 import shapely
 from scipy.interpolate import CubicSpline
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission, return_to_launch, spline_waypoint, takeoff, waypoint
@@ -19,6 +18,7 @@ from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
 FLIGHTS = Path(__file__).parents[1] / "flights"

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from shapely import LineString, box
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.way_home import climb_for_way_home
 from ipoa_mission.commands import Command
@@ -16,6 +15,7 @@ from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
+from ipoa_mission.vehicles.autopilot import Autopilot
 
 ROUND_THE_HALL = ((0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0))
 HALL = box(40, -10, 60, 10)

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from hypothesis import assume, given
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import TAKEOFFS
 from ipoa_mission.errors import BadInput
 from ipoa_mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST, read_waypoints, write_waypoints
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.mission.mission_strategies import missions, same
 

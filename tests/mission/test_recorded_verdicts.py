@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.firmware import firmware
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Severity
 from ipoa_mission.commands import Command
@@ -12,6 +11,7 @@ from ipoa_mission.items import Item, Mission, return_to_launch, takeoff
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.mission.firmware import to_wire
 from ipoa_mission.simulator.judgement import judge
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.verdicts import RECORDS, Record, read_record
 
@@ -28,11 +28,11 @@ def asked(record: Record) -> list[tuple[Item, Result]]:
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_the_stand_in_judges_as_the_real_one(file: Path) -> None:
     record = read_record(file)
-    tables, count = firmware(record.autopilot, record.table), 2 if record.autopilot == "ardupilot" else 1
+    tables, count = record.autopilot.firmware(record.table), 2 if record.autopilot is Autopilot.ARDUPILOT else 1
     wrong = [
         (item, result)
         for item, result in asked(record)
-        if judge(tables, item, MissionType.MISSION, count) is not result
+        if judge(record.autopilot, tables, item, MissionType.MISSION, count) is not result
     ]
     assert len(asked(record)) > 2_000
     assert not wrong, (len(wrong), wrong[:20])
@@ -42,7 +42,7 @@ def test_the_stand_in_judges_as_the_real_one(file: Path) -> None:
 def test_check_passes_what_the_real_one_takes_and_nothing_else(file: Path) -> None:
     """0 false refusals, 0 false passes: of what is sent, which is not always what stands in a file."""
     record = read_record(file)
-    tables, verdicts = firmware(record.autopilot, record.table), asked(record)
+    tables, verdicts = record.autopilot.firmware(record.table), asked(record)
     known = {repr(item): result for item, result in verdicts}
     items = (takeoff(HOME, 15.0), *(item for item, _ in verdicts), return_to_launch())
     mission = Mission(HOME, items, record.autopilot, firmware_version=record.table)

@@ -10,7 +10,6 @@ import pytest
 import shapely
 from matplotlib.patches import Rectangle
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.mission.files import read_mission
@@ -19,6 +18,7 @@ from ipoa_mission.report.comparison_plot import draw_comparison
 from ipoa_mission.report.page import report_html
 from ipoa_mission.report.plots import write_picture
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.world.frame import LocalFrame
 from tests.report.conftest import Bowed
 
@@ -109,7 +109,7 @@ def test_the_picture_shows_both_times_of_each_leg(bowed: Bowed, tmp_path: Path) 
 @pytest.mark.parametrize("name", ["campus-ardupilot", "campus-px4", "hold-ardupilot", "long-px4"])
 def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
     facts = json.loads((RECORDED / name / "flight.json").read_text())
-    mission = read_mission(RECORDED / name / "mission.waypoints", Autopilot(facts["autopilot"]))
+    mission = read_mission(RECORDED / name / "mission.waypoints", autopilot_named(facts["autopilot"]))
     timed = estimate(mission, {key: float(value) for key, value in facts["params"].items()})
     with (RECORDED / name / "trace.csv").open() as file:
         rows = [[float(v) for v in row] for row in list(csv.reader(file))[1:]]

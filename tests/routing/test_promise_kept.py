@@ -9,7 +9,6 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Severity
@@ -20,10 +19,11 @@ from ipoa_mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.routing.seek import seek
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.promise import promise_of
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.quick_search import search_quickly
 
 STEP = 0.05  # at which a path is measured [m]
-WAYS = [(pilot, mode) for pilot in Autopilot for mode in ("even", "corridor", "fastest")] + [
+WAYS = [(pilot, mode) for pilot in registered() for mode in ("even", "corridor", "fastest")] + [
     (Autopilot.ARDUPILOT, "spline")
 ]
 

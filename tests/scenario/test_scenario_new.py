@@ -52,7 +52,7 @@ def test_every_answer_is_heeded(
     assert scenario.home.latitude_deg == pytest.approx(latitude, abs=1e-7)
     assert scenario.home.longitude_deg == pytest.approx(longitude, abs=1e-7)
     assert scenario.home.altitude_amsl == -3.5
-    assert scenario.vehicle.autopilot == autopilot
+    assert scenario.vehicle.autopilot.name == autopilot
     assert scenario.vehicle.cruise_speed == speed
     assert scenario.profile == (None if profile == "none" else profile)
     assert scenario.route.ending == ending

@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.flight import Flight, MissionState
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(39.101, 121.82, 20.0)
-both = pytest.mark.parametrize("autopilot", list(Autopilot))
+both = pytest.mark.parametrize("autopilot", list(registered()))
 
 
 def place(east: float, north: float) -> Geodetic:

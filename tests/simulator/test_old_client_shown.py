@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.link.messages import (
     Ack,
@@ -31,7 +30,8 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.firmware import home_item
-from ipoa_mission.simulator.autopilot import Autopilot as BuiltIn
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as BuiltIn
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, STRANGER
 
@@ -113,7 +113,7 @@ def test_a_successful_flight_on_ardupilot_tells_nothing_unasked_of_its_items_but
 
 def test_fence_items_come_back_with_another_flag() -> None:
     circle = Item(5003, 3, (100.0, 0.0, 0.0, 0.0), 47.4, 8.5, 0.0)
-    for autopilot in Autopilot:
+    for autopilot in registered():
         session = Session(autopilot)
         session.upload([circle], MissionType.FENCE)
         said = session.say(RequestList(MissionType.FENCE), Request(0, MissionType.FENCE))
@@ -166,7 +166,7 @@ def test_ardupilot_climbs_by_command_in_guided_alone() -> None:
     assert session.order(400, 0.0) == [4]
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_nobody_ends_the_heartbeat_for_another(autopilot: Autopilot) -> None:
     session = Session(autopilot)
     session.vehicle.receive(Heartbeat(6, 8), STRANGER, session.now)

@@ -8,13 +8,12 @@ import math
 
 import pytest
 
-from ipoa_mission.autopilots.firmware import firmware
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Item
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.simulator.judgement import judge
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.version import Version
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 PLACE = (37.6234, -122.0811, 20.0)
@@ -29,10 +28,10 @@ LATER = Version(4, 8, 0, "dev")
 
 
 def verdict(autopilot: Autopilot, version: Version | None, item: Item, kind: int = MissionType.MISSION) -> Result:
-    return judge(firmware(autopilot, version), item, kind, 2)
+    return judge(autopilot, autopilot.firmware(version), item, kind, 2)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize("kind", ONE)
 def test_frames_are_taken_as_they_took_them(autopilot: Autopilot, kind: MissionType) -> None:
     command, first = ONE[kind]

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.px4 import Px4Return
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.itinerary.legs import Phase, flown_legs
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.recorded_flights import Recorded, read_flights
 

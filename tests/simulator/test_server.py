@@ -5,11 +5,11 @@ import time
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot as Family
 from ipoa_mission.link.channel import open_channel
-from ipoa_mission.simulator.autopilot import Autopilot
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -29,7 +29,7 @@ class Slow(Station):
 def test_the_clock_of_a_busy_machine_is_slowed_and_said(caplog: pytest.LogCaptureFixture) -> None:
     channel = open_channel("udpin:127.0.0.1:0")
     try:
-        station = Slow(Autopilot(Family.PX4, HOME), 1, None, channel.datagrams)
+        station = Slow(BuiltInAutopilot(Autopilot.PX4, HOME), 1, None, channel.datagrams)
         station.times = []
         server = Server(channel, station, speedup=1000.0)
         with caplog.at_level(logging.WARNING, "ipoa_mission"):

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
@@ -26,9 +25,10 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.flight import FlightMode
 from ipoa_mission.simulator.fly import fly
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, plain
 from tests.simulator.flown import Flown
@@ -73,7 +73,7 @@ def test_ardupilot_waits_armed_before_its_take_off_as_long_as_it_may(disarm_dela
     assert len(warned) == (disarm_delay > 0.0)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_the_first_item_of_a_list_without_home_vanishes_on_ardupilot(autopilot: Autopilot) -> None:
     mock = Mock(autopilot, HOME)
     for message in (Count(2), ItemAt(0, takeoff(HOME, 10.0)), ItemAt(1, waypoint(HOME, 10.0))):
@@ -112,7 +112,7 @@ def test_what_is_current_before_a_flight_and_after_other_orders() -> None:
         assert flown.current.seq == seq  # kept over an upload
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_setting_the_current_item_out_of_range(autopilot: Autopilot) -> None:
     flown = Flown(autopilot, short())
     assert flown.command(224, 77.0) == (CommandResult.DENIED if autopilot is ARDUPILOT else CommandResult.UNSUPPORTED)
@@ -121,7 +121,7 @@ def test_setting_the_current_item_out_of_range(autopilot: Autopilot) -> None:
     assert any(isinstance(said, Current) and said.seq == first + 1 for said in flown.hear(SetCurrent(first + 1)))
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_an_item_is_told_as_reached_with_the_words_of_the_firmware(autopilot: Autopilot) -> None:
     flown = Flown(autopilot, short(return_to_launch()))
     assert flown.command(400, 1.0) == OK
@@ -156,7 +156,7 @@ def under_way(autopilot: Autopilot, items: Sequence[Item] = LEGS) -> Flown:
     return flown
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize(
     "items", [LEGS, [takeoff(HOME, 10.0), north(60.0), north(90.0), north(150.0), north(200.0)]], ids=["same", "new"]
 )
@@ -169,14 +169,14 @@ def test_a_mission_uploaded_in_flight_goes_on_at_the_current_item(autopilot: Aut
     assert flown.mock.flight.local[1] > before
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_shorter_mission_uploaded_in_flight_begins_anew(autopilot: Autopilot) -> None:
     flown = under_way(autopilot)
     assert Ack(OK) in flown.upload(LEGS[:2])
     assert flown.current.seq <= flown.first + 1
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_the_current_item_is_set_in_flight_as_each_firmware_knows_it(autopilot: Autopilot) -> None:
     flown = under_way(autopilot)
     flown.hear(SetCurrent(flown.first + 3))
@@ -185,7 +185,7 @@ def test_the_current_item_is_set_in_flight_as_each_firmware_knows_it(autopilot: 
     assert flown.current.seq == flown.first + (1 if autopilot is ARDUPILOT else 3)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize("order", [Count(0), ClearAll()], ids=["count 0", "clear"])
 def test_clearing_in_flight_stops_the_vehicle(autopilot: Autopilot, order: Message) -> None:
     flown = under_way(autopilot)

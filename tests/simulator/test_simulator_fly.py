@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
@@ -13,6 +12,7 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, fly
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import far_end, line_of
 
@@ -29,7 +29,7 @@ def mission(autopilot: Autopilot, waypoints: int = 4) -> Mission:
     return Mission(HOME, (takeoff(HOME, 20.0), change_speed(8.0), *legs, return_to_launch()), autopilot)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_mission_is_flown_and_every_item_is_done_in_order(autopilot: Autopilot, tmp_path: Path) -> None:
     log = tmp_path / "flight.tlog"
     record = fly(mission(autopilot), log=log)
@@ -43,7 +43,7 @@ def test_a_mission_is_flown_and_every_item_is_done_in_order(autopilot: Autopilot
     assert len(list(read_tlog(log))) > 100
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_the_same_seed_gives_the_same_bytes(autopilot: Autopilot, tmp_path: Path) -> None:
     logs = [tmp_path / "one.tlog", tmp_path / "two.tlog"]
     for log in logs:
@@ -51,7 +51,7 @@ def test_the_same_seed_gives_the_same_bytes(autopilot: Autopilot, tmp_path: Path
     assert logs[0].read_bytes() == logs[1].read_bytes()
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_two_hundred_items_arrive_exactly_over_a_bad_radio(autopilot: Autopilot) -> None:
     sent = mission(autopilot, 200)
     with board(sent, seed=5, faults=BAD_RADIO) as vehicle:
@@ -60,7 +60,7 @@ def test_two_hundred_items_arrive_exactly_over_a_bad_radio(autopilot: Autopilot)
     assert compare(to_wire(sent), stored, autopilot) is None
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_fence_and_rally_points_come_back_as_they_were_sent(autopilot: Autopilot) -> None:
     fence = (FenceCircle((47.4, 8.5), 500.0),)
     rally = (Geodetic(47.4005, 8.5, 25.0),)
@@ -73,7 +73,7 @@ def test_fence_and_rally_points_come_back_as_they_were_sent(autopilot: Autopilot
         assert (read.items, read.fence, read.rally) == ((), (), ())
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_flight_begins_at_the_first_item_whatever_the_vehicle_was_told(autopilot: Autopilot) -> None:
     with board(mission(autopilot)) as vehicle:
         vehicle.upload(mission(autopilot))

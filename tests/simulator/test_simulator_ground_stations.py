@@ -4,8 +4,6 @@ import math
 
 import pytest
 
-from ipoa_mission.autopilots.modes import px4_mode
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Order
 from ipoa_mission.items import waypoint
 from ipoa_mission.link.definitions import message_number
@@ -34,6 +32,8 @@ from ipoa_mission.link.telemetry import (
     SystemStatus,
 )
 from ipoa_mission.link.wire import INT32_MAX
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import HOME
 from tests.simulator.flown import Flown
@@ -101,7 +101,7 @@ WANTED = {
 }
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_the_parameters_that_a_ground_station_looks_for_are_there(autopilot: Autopilot) -> None:
     values = [said for said in Flown(autopilot, []).hear(ParamRequestList()) if isinstance(said, ParamValue)]
     told = {value.param_id: value for value in values}
@@ -120,7 +120,7 @@ def test_a_battery_is_told() -> None:
 
 # --- orders in flight: as measured on PX4 1.17 ----------------------------------------------------------------------
 
-HOLD, TAKEOFF, MISSION = (px4_mode(4, sub) for sub in (3, 2, 4))
+HOLD, TAKEOFF, MISSION = (mode_number(4, sub) for sub in (3, 2, 4))
 NAN = math.nan
 
 

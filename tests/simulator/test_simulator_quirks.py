@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item, land
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.messages import (
@@ -22,6 +21,7 @@ from ipoa_mission.link.messages import (
     Text,
     WritePartialList,
 )
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of, plain
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
@@ -215,7 +215,7 @@ def conversation_rows() -> list[Row]:
         # both
         *[Row(f"{one}: a list of no known kind", vehicle(one),
               [Count(1, 7), RequestList(7), Request(0, 7)], [Ack(Result.UNSUPPORTED, 7)] * 2)
-          for one in Autopilot],
+          for one in registered()],
         *[Row(f"ardupilot: clearing list {kind}", vehicle(ARDUPILOT, 4), [ClearAll(kind)],
               [Ack(Result.UNSUPPORTED, kind)], after=4) for kind in (7, 255)],
         Row("px4: clearing list 7", vehicle(PX4, 4), [ClearAll(7)], [Ack(OK, 7)], after=4),

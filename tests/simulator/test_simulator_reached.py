@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Reached
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.firmware import to_wire
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.link_pair import CLIENT
 
@@ -23,7 +23,7 @@ FLIGHTS = Path(__file__).parent.parent / "flights"
 def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dict[str, object]]:
     """A recorded mission, where the mock was when it told of each item (numbered as in the file), and the record."""
     told = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
-    mission = read_mission(folder / "mission.waypoints", Autopilot(folder.name.rsplit("-", 1)[1]))
+    mission = read_mission(folder / "mission.waypoints", autopilot_named(folder.name.rsplit("-", 1)[1]))
     mock = Mock(mission.autopilot, mission.home, {name: float(value) for name, value in told["params"].items()})
     first = int(mission.autopilot is Autopilot.ARDUPILOT)
     start = CommandLong(300) if first else CommandLong(176, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0))

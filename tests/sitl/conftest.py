@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.messages import MissionType
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.sitl.simulated import Sitl
 
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 
-@pytest.fixture(scope="module", params=list(Autopilot), ids=str)
+@pytest.fixture(scope="module", params=list(registered()), ids=str)
 def simulation(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sitl]:
     """One simulation for all tests of a module; afterwards it holds the lists that it held before."""
     family: Autopilot = request.param

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
 from ipoa_mission.items import FenceCircle, FencePolygon
 from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import until
 from ipoa_mission.link.messages import CommandResult
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import LocalFrame, apart
 from tests.sitl.bad_radio import bad_radio
 from tests.sitl.simulated import Sitl, interrupt
@@ -96,7 +96,7 @@ def test_a_flight_begins_with_another_item_where_that_is_asked_for(sitl: Sitl) -
 
 
 def test_a_mission_made_for_the_other_firmware_is_refused(sitl: Sitl) -> None:
-    other = next(family for family in Autopilot if family is not sitl.autopilot)
+    other = next(family for family in registered() if family is not sitl.autopilot)
     ended = sitl.run(f"upload {sitl.write(replace(sitl.mission(), autopilot=other))} --json")
     assert ended.code == 1
     assert "was made for" in ended.found["error"]

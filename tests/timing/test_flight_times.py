@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import Recorded, read_flights
 

@@ -1,7 +1,7 @@
 """LAND on ground that is not as high as home, as real autopilots flew it.
 
 Home was set 40 m over, at, and 12 m under the ground (DO_SET_HOME); LAND from 25 m over home, 60 m from the take-off.
-ArduCopter 4.7.0-dev has no range finder; PX4 1.17.0-beta1 flew with SIH's own and without one (SIH_DISTSNSR_OVR 20000).
+ArduCopter 4.7.0-dev has no range finder; PX4 1.17 flew with SIH's own and without one (SIH_DISTSNSR_OVR 20000).
 """
 
 from dataclasses import replace
@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground, HighPlace
 from ipoa_mission.world.terrain import Flat
@@ -27,7 +27,7 @@ FLOWN = [
     (Autopilot.PX4, {}, -40.0, (57.7, 53.8), 5.0),
     (Autopilot.PX4, {}, 0.0, (26.8, 28.4), 3.0),
     (Autopilot.PX4, {}, 12.0, (18.7, 19.6), 3.0),
-    (Autopilot.PX4, BLIND, -40.0, (88.4,), 5.0),
+    (Autopilot.PX4, BLIND, -40.0, (88.4, 89.3, 85.4), 4.0),
     (Autopilot.PX4, BLIND, 0.0, (29.6,), 7.0),
     (Autopilot.PX4, BLIND, 12.0, (13.2,), 6.0),
 ]
@@ -44,12 +44,13 @@ def test_a_landing_takes_as_long_as_the_ground_asks_for(
     autopilot: Autopilot, parameters: dict[str, float], ground: float, flown: tuple[float, ...], near: float
 ) -> None:
     asked = mission(autopilot, ground, parameters)
-    told, here = estimate(asked), fly(asked)
-    assert here.completed
+    told = estimate(asked)
+    here = [fly(asked, seed=seed) for seed in range(len(flown))]  # as many of ours as of theirs: each differs by 2 s
+    landings = [one.item_reached_s[2] - one.item_reached_s[1] for one in here]
     assert told.items[2].duration_s == pytest.approx(np.mean(flown), abs=near)
-    assert here.item_reached_s[2] - here.item_reached_s[1] == pytest.approx(np.mean(flown), abs=near)
+    assert np.mean(landings) == pytest.approx(np.mean(flown), abs=near)
     assert told.track.points[-1, 2] == pytest.approx(ground, abs=1.0)
-    assert here.path[-1].height == pytest.approx(ground, abs=1.0)
+    assert [one.path[-1].height for one in here] == pytest.approx([ground] * len(here), abs=1.0)
 
 
 def test_a_range_finder_lets_arducopter_slow_down_over_the_ground() -> None:
@@ -59,7 +60,7 @@ def test_a_range_finder_lets_arducopter_slow_down_over_the_ground() -> None:
     assert estimate(high).items[2].duration_s == pytest.approx(level - 12.0 / 1.5, abs=0.5)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_it_returns_to_the_ground_at_home_and_takes_off_from_where_it_stands(autopilot: Autopilot) -> None:
     ending = mission(autopilot, -40.0, {})
     home = replace(ending, items=(*ending.items[:2], return_to_launch()))

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.recorded_flights import LANDINGS, Recorded, read_flights
 
 COPTER = read_flights(Autopilot.ARDUPILOT, LANDINGS)

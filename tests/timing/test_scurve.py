@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilots.ardupilot import copter_limits
-from ipoa_mission.dynamics.copter.legs import limits_along, straight_leg
-from ipoa_mission.dynamics.copter.motion import NO_LEG, Bounds
-from ipoa_mission.dynamics.copter.scurve import Limits, Profile, change, profile, ramp_for
-from ipoa_mission.dynamics.copter.steps import along
+from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along, straight_leg
+from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, Bounds
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import Limits, Profile, change, profile, ramp_for
+from ipoa_mission.vehicles.arducopter.dynamics.steps import along
+from ipoa_mission.vehicles.arducopter.limits import copter_limits
 
 lengths = st.floats(0.01, 500.0)
 limits = st.builds(Limits, st.floats(0.5, 20.0), st.floats(0.5, 6.0), st.floats(0.5, 10.0), st.floats(2.0, 60.0))

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from ipoa_mission.autopilots.ardupilot import copter_limits
-from ipoa_mission.dynamics.copter.legs import joined, speed_left, spline_leg
-from ipoa_mission.dynamics.copter.motion import Bounds
+from ipoa_mission.vehicles.arducopter.dynamics.legs import joined, speed_left, spline_leg
+from ipoa_mission.vehicles.arducopter.dynamics.motion import Bounds
+from ipoa_mission.vehicles.arducopter.limits import copter_limits
 
 LIMITS = copter_limits({})
 SPEEDS = Bounds(10.0, 2.5, 1.5)

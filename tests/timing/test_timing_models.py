@@ -6,13 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.ardupilot import ARDUCOPTER_DEFAULTS, copter_limits
-from ipoa_mission.autopilots.renamed import RENAMED
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.vehicles.arducopter.book import BOOK as ARDUCOPTER_BOOK
+from ipoa_mission.vehicles.arducopter.limits import copter_limits
+from ipoa_mission.vehicles.arducopter.renamed import RENAMED
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -34,7 +35,7 @@ def lasted(found: Estimate, seq: int) -> float:
     return next(item.duration_s for item in found.items if item.seq == seq)
 
 
-BOTH = pytest.mark.parametrize("autopilot", Autopilot)
+BOTH = pytest.mark.parametrize("autopilot", registered())
 
 
 @BOTH
@@ -93,7 +94,7 @@ def test_wind_is_named_for_where_it_comes_from() -> None:
 
 @pytest.mark.parametrize(("new", "old"), [(new, old) for new, (old, _) in RENAMED.items()])
 def test_arducopters_new_names_mean_the_same_as_the_old(new: str, old: str) -> None:
-    value = 1.7 * ARDUCOPTER_DEFAULTS.get(old, 100.0) or 40.0
+    value = 1.7 * ARDUCOPTER_BOOK.moving.get(old, 100.0) or 40.0
     assert copter_limits({new: value / RENAMED[new][1]}) == copter_limits({old: value})
 
 
@@ -183,7 +184,7 @@ def test_what_a_model_does_not_know_is_said(autopilot: Autopilot) -> None:
     )
     found = fly(autopilot, odd, terrain)
     assert "item 2: command 83 is not modeled and counts as no time" in found.remarks
-    assert "items 3: height over terrain taken as height over home" in found.remarks
+    assert "item 3: height over terrain taken as height over home" in found.remarks
 
 
 @BOTH

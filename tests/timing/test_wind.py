@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.flight import Flight
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
@@ -92,7 +92,7 @@ def test_the_built_in_autopilot_flies_in_the_same_wind() -> None:
     assert done[flight.last] - done[flight.first] == pytest.approx(float(flight.spans.mean()), rel=0.02)
 
 
-@pytest.mark.parametrize("autopilot", Autopilot)
+@pytest.mark.parametrize("autopilot", registered())
 def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> None:
     """At 10 m, a sixteenth of the gradient height, an exponent of a half leaves a quarter of the speed."""
     home, there = Geodetic(47.4, 8.5, 400.0), Geodetic(47.403, 8.5, 400.0)

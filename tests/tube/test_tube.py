@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.planning.plan import Plan
@@ -18,8 +17,10 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.approach import approaches
 from ipoa_mission.tube.course import Course
 from ipoa_mission.tube.limits import NO_TUBE, limits_kept, rim_of
-from ipoa_mission.tube.measured import PX4, law_of, not_measured
+from ipoa_mission.tube.measured import law_of, not_measured
 from ipoa_mission.tube.room import with_room
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.px4_multicopter.tube import LAW as PX4
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
@@ -33,7 +34,7 @@ AIR = Bounds((-500.0, -500.0, -10.0), (500.0, 500.0, 200.0))
 
 def beside(autopilot: Autopilot, later: str) -> np.ndarray:
     """How far each recorded pass on the way led to each side, as if it had been straight [m]."""
-    rows = [r for r in PASSES if r["autopilot"] == autopilot and r["on_the_way"] == "1" and r["later"] in later]
+    rows = [r for r in PASSES if r["autopilot"] == autopilot.name and r["on_the_way"] == "1" and r["later"] in later]
     across = np.array([float(row["across"]) for row in rows])
     sides = np.array([[float(row[side]) for side in SIDES] for row in rows])
     return np.asarray((sides / law_of(autopilot).stretch(across)[:, None]).ravel())
@@ -50,7 +51,7 @@ def wall(distance: float, length: float = 100.0) -> Obstacle:
     return box("wall", (-length, distance, 0.0), (length, distance + 5.0, 60.0))
 
 
-@pytest.mark.parametrize("autopilot", list(Autopilot))
+@pytest.mark.parametrize("autopilot", list(registered()))
 @pytest.mark.parametrize("chance", [0.1, 0.05, 0.01, 0.002])
 def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot: Autopilot, chance: float) -> None:
     """In the four seconds of a pass there are a moment's chance and one more for each memory."""

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import kstest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools.benchmarks.flight_ranks import rank
 from tools.benchmarks.promise import flown
 from tools.fly.flown import read_flown
@@ -26,7 +26,7 @@ def main() -> None:
     parser.add_argument("--rows", type=Path, required=True)
     parser.add_argument("--flights", type=Path, required=True)
     parser.add_argument("--scenarios", type=Path, nargs="+", default=[Path("missions")])
-    parser.add_argument("--autopilot", type=Autopilot, default=Autopilot.PX4)
+    parser.add_argument("--autopilot", type=autopilot_named, default=Autopilot.PX4)
     parser.add_argument("--runs", type=int, default=20)
     given = parser.parse_args()
     recorded = defaultdict(list)

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 HOME = {"latitude_deg": 46.9232, "longitude_deg": 10.5127, "altitude_amsl": 1050.0}
 EARTH_RADIUS = 6.371e6  # far away the ground lies lower than a plane at home [m]
@@ -280,11 +280,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--numbers", default="0-3")
-    parser.add_argument("--autopilot", choices=[str(autopilot) for autopilot in Autopilot])
+    parser.add_argument("--autopilot", choices=[str(autopilot) for autopilot in registered()])
     parser.add_argument("--out", type=Path)
     asked = parser.parse_args()
     first, last = map(int, asked.numbers.split("-"))
-    pilots = [autopilot for autopilot in Autopilot if asked.autopilot in (None, str(autopilot))]
+    pilots = [autopilot for autopilot in registered() if asked.autopilot in (None, str(autopilot))]
     rows = []
     for kind, number, autopilot in product(asked.kinds.split(","), range(first, last + 1), pilots):
         rows.append(row_of(kind, number, autopilot))

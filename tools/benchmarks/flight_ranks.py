@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import kstest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.itinerary.itinerary import itinerary
 from ipoa_mission.timing.estimate import estimate
-from ipoa_mission.timing.px4 import Flights
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.px4_multicopter.timing import Flights
 from tests.recorded_flights import FLIGHTS, LANDINGS, Recorded, read_flights
 
 
@@ -79,7 +79,7 @@ def main() -> None:
         )
     print(f"off by {np.mean(off):+.2f} standard deviations of the model's runs on average, spread {np.std(off):.2f}")
     print(f"{100 * np.mean(within):.0f} % of the flights lie between the 5 and the 95 in 100 of the runs")
-    for autopilot in Autopilot:
+    for autopilot in registered():
         for folder in (FLIGHTS, LANDINGS):
             print(kept(autopilot, folder))
 

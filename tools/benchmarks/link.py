@@ -21,7 +21,7 @@ import importlib.util
 import itertools
 from pathlib import Path
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from tools import REPOSITORY
 from tools.benchmarks.link_benchmark.measure import complete, fast_path
 from tools.benchmarks.link_benchmark.rows import CLIENTS, Cell, read_rows
@@ -40,7 +40,7 @@ def main() -> None:
     parser.add_argument("--delay", type=float, nargs="+", default=[0, 50, 200], help="one way, ms")
     parser.add_argument("--loss", type=float, nargs="+", default=[0, 5, 20, 30], help="each way, per cent")
     parser.add_argument("--clients", nargs="+", choices=CLIENTS, default=list(CLIENTS))
-    parser.add_argument("--autopilots", nargs="+", type=Autopilot, default=list(Autopilot))
+    parser.add_argument("--autopilots", nargs="+", type=autopilot_named, default=list(registered()))
     parser.add_argument("--rows", type=Path, default=ROWS)
     parser.add_argument("--table", action="store_true")
     parser.add_argument("--fast-path", action="store_true")

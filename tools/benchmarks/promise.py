@@ -13,7 +13,6 @@ import numpy as np
 from rich.progress import track
 from scipy.stats import binomtest
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.geometry import Points
@@ -22,6 +21,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.flight import Flight as Simulated
 from ipoa_mission.simulator.flight import MissionState
 from ipoa_mission.tube.promise import promise_of
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 
 LEVELS = (0.5, 0.9, 0.99)
 LONGEST_S = 600.0
@@ -80,7 +80,7 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--scenes", type=int, default=50)
     options.add_argument("--flights", type=int, default=20)
-    options.add_argument("--autopilot", type=Autopilot, default=Autopilot.PX4)
+    options.add_argument("--autopilot", type=autopilot_named, default=Autopilot.PX4)
     given = options.parse_args()
     short, below, count, refused = dict.fromkeys(LEVELS, 0), 0, 0, 0
     for number in track(range(given.scenes)):

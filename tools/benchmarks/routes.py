@@ -12,8 +12,8 @@ import statistics
 import time
 
 from ipoa_mission import MissionError, plan_flight
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tools.benchmarks.planning_benchmark.maps import PAPER_LIKE, benchmark_map
 
 SPEED = 5.0  # [m/s]
@@ -52,7 +52,7 @@ def main() -> None:
     print("| autopilot | confidence | planned | CPU, median [s] | worst [s] | refused, worst [s] | flights [s] |")
     print("|---|---|---|---:|---:|---:|---:|", flush=True)
     for confidence in CONFIDENCES:
-        for autopilot in Autopilot:
+        for autopilot in registered():
             print(measure(maps, autopilot, confidence), flush=True)
 
 

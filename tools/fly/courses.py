@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
 Place = tuple[float, float, float]
@@ -186,7 +186,7 @@ def main() -> None:
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     for name, course in (long_courses() if given.kind == "long" else short_courses()).items():
-        for autopilot in Autopilot:
+        for autopilot in registered():
             own = course | {"vehicle": course["vehicle"] | {"autopilot": str(autopilot)}}
             if autopilot is Autopilot.PX4 and course["route"].get("mode") == "spline":
                 own["route"] = course["route"] | {"mode": "corridor"}

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
-from ipoa_mission.link.dataflash import read_records
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.vehicles.arducopter.dataflash import read_records
+from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
@@ -66,7 +66,7 @@ def read_flown(folder: Path, missions: dict[str, Path]) -> Flown:
     name, autopilot = stem.rsplit("-", 1)
     own = [folder / file for file in (*MISSIONS, f"{stem}.plan") if (folder / file).exists()]
     missions.setdefault(stem, own[0] if own else folder.parent / stem / MISSIONS[-1])
-    mission = read_mission(missions[stem], Autopilot(autopilot))
+    mission = read_mission(missions[stem], autopilot_named(autopilot))
     if (folder / "fly.json").exists():
         told: dict[str, Any] = json.loads((folder / "fly.json").read_text())
         done = sorted(float(item["done_s"]) for item in told["items"])

@@ -17,9 +17,9 @@ from typing import get_type_hints
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.tube.promise import Kept, promise_of
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools.fly.flown import Flown, read_flown
 
 COLUMNS = ("scenario", "flights", "estimated s", "flown s", "mean", "required m", "nominal m")
@@ -112,7 +112,7 @@ def table(rows: list[Row]) -> Iterator[str]:
     for (autopilot, scenario), group in sorted(groups.items()):
         first, flown = group[0], [row.flown_s for row in group]
         cells = (
-            f"{scenario}, {NAMES[Autopilot(autopilot)]}",
+            f"{scenario}, {NAMES[autopilot_named(autopilot)]}",
             str(len(group)),
             f"{first.estimated_s:.1f}",
             f"{min(flown):.1f} to {max(flown):.1f}",

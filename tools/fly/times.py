@@ -14,10 +14,10 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.timing.estimate import Estimate, estimate
+from ipoa_mission.vehicles.autopilot import autopilot_named, registered
 from tools.fly.judge import plan_digits
 
 
@@ -56,7 +56,7 @@ def rows(plans: Path, flights: Path) -> Iterator[Row]:
             continue
         if name not in estimates:
             (plan,) = (plans / name).glob("*.plan")
-            estimates[name] = plan, estimate(landing_on(read_mission(plan, Autopilot(autopilot)), 0.0))
+            estimates[name] = plan, estimate(landing_on(read_mission(plan, autopilot_named(autopilot)), 0.0))
         plan, expected = estimates[name]
         done = {item["seq"]: float(item["done_s"]) for item in told["items"]}
         items = [item for item in expected.items if item.seq in done]
@@ -89,7 +89,7 @@ def main() -> None:
         written = csv.DictWriter(lines, [field.name for field in fields(Row)], lineterminator="\n")
         written.writeheader()
         written.writerows(map(asdict, judged))
-    for autopilot in Autopilot:
+    for autopilot in registered():
         own = [row for row in judged if row.autopilot == str(autopilot)]
         flights, items = sum(row.is_inside for row in own), sum(row.inside for row in own)
         print(f"{autopilot}: {flights} of {len(own)} flights, {items} of {sum(row.items for row in own)} items inside")

@@ -12,15 +12,15 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
-from ipoa_mission.autopilots.parameters import known_parameters
 from ipoa_mission.link.codec import Codec
-from ipoa_mission.link.copter_log import BATTERIES, KINDS
-from ipoa_mission.link.dataflash import FMT, HEAD
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Current, ParamValue
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.link.ulog import ATTITUDE, BATTERY, POSITIONS, TOPICS
+from ipoa_mission.vehicles.arducopter.dataflash import FMT, HEAD
+from ipoa_mission.vehicles.arducopter.log import BATTERIES, KINDS
+from ipoa_mission.vehicles.known_parameters import known_parameters
+from ipoa_mission.vehicles.px4_multicopter.log import ATTITUDE, BATTERY, POSITIONS, TOPICS
 
 PARAMETERS = known_parameters() | {"LOG_DISARMED", "SDLOG_MODE"}
 THINNED = (Position, Attitude, LocalPosition, SystemTime)

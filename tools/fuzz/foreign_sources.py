@@ -10,8 +10,6 @@ import numpy as np
 import pyogrio
 import shapely
 
-from ipoa_mission.autopilots.learned import Learned, LearnedVehicle
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.learn.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.learn.witness import witness_of
@@ -20,6 +18,8 @@ from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_buildings
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.read import READERS, read_features
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat

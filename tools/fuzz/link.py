@@ -24,7 +24,6 @@ from typing import Any
 
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
@@ -43,8 +42,9 @@ from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -100,7 +100,7 @@ def absurd_item(chance: random.Random) -> Item:
 
 def fly_something_absurd(chance: random.Random) -> None:
     """A vehicle that was given an absurd mission, armed and started, goes through with it for some minutes."""
-    family = chance.choice(list(Autopilot))
+    family = chance.choice(list(registered()))
     mock, now, client = Mock(family, HOME), 1.0, Target(245, 190)
     items = [*ITEMS[: chance.randrange(3)], *(absurd_item(chance) for _ in range(chance.randrange(1, 5)))]
     if family is Autopilot.ARDUPILOT:
@@ -128,7 +128,7 @@ def fly_something_absurd(chance: random.Random) -> None:
 def storm_an_autopilot(chance: random.Random) -> None:
     """A second or more in the life of a vehicle under fire."""
     signed = chance.random() < 0.3
-    family = chance.choice(list(Autopilot))
+    family = chance.choice(list(registered()))
     mock = Mock(family, HOME)
     station = Station(mock, signer=Signer(bytes(32)) if signed else None, datagrams=chance.random() < 0.5)
     voice, now = dialect.MAVLink(None, 245, 190), 0.0
@@ -173,7 +173,7 @@ def random_message(chance: random.Random) -> m.Message:
 
 def mislead_a_client(chance: random.Random) -> None:
     """A conversation with a vehicle that says anything at all."""
-    family = chance.choice(list(Autopilot))
+    family = chance.choice(list(registered()))
     job = Upload(ITEMS, family)
     departure = Departure(VehicleState(family), 1, 1)
     dialogues: list[Callable[[], Any]] = [

@@ -19,7 +19,6 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import EVERYONE, Target
@@ -30,7 +29,8 @@ from ipoa_mission.link.mission_file import upload_by_file
 from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -231,7 +231,7 @@ def stranger(chance: random.Random, autopilot: Autopilot, ours: int, radio: Radi
 def schedule(seed: int) -> tuple[Ending, str]:
     """How the upload of this schedule ends, and in which words."""
     chance = random.Random(seed)
-    autopilot, count = chance.choice(list(Autopilot)), chance.randrange(3, 9)
+    autopilot, count = chance.choice(list(registered())), chance.randrange(3, 9)
     radio = radio_of(chance)
     sent = wire_list(autopilot, count, 0)
     world = World(chance, Mock(autopilot, HOME, seed=seed), sent)

@@ -8,8 +8,8 @@ import sys
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.paper.markdown import filled
+from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.flown_here import fly_here
 from tests.recorded_flights import Recorded, read_flights
 from tools import REPOSITORY

@@ -12,9 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.autopilots.firmware import TABLES
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.commands import Command
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools.generate import copter_source, px4_source
 from tools.generate.sources import Source
 
@@ -41,14 +40,15 @@ def main() -> None:
     if len(given) != 4:
         raise SystemExit(__doc__)
     autopilot, version, git, ref = given
-    one = table(Autopilot(autopilot), Source(Path(git), ref))
+    one = table(autopilot_named(autopilot), Source(Path(git), ref))
     if "--write" not in sys.argv[1:]:
         print(json.dumps(one, indent=1))
         return
-    tables = json.loads(TABLES.read_text(encoding="utf-8")) if TABLES.exists() else {}
-    versions = tables.get(autopilot, {}) | {version: one}
-    tables[autopilot] = {name: versions[name] for name in sorted(versions, key=lambda v: [*map(int, v.split("."))])}
-    TABLES.write_text(json.dumps(dict(sorted(tables.items())), indent=1) + "\n", encoding="utf-8")
+    path = autopilot_named(autopilot).tables.path
+    tables = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    tables[version] = one
+    ordered = {name: tables[name] for name in sorted(tables, key=lambda v: [*map(int, v.split("."))])}
+    path.write_text(json.dumps(ordered, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

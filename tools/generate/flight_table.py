@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.geometry import Points
 from ipoa_mission.items import Mission
 from ipoa_mission.paper.markdown import filled
 from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights

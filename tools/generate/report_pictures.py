@@ -16,7 +16,6 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.planning.planner import plan_path
@@ -27,6 +26,7 @@ from ipoa_mission.report.plots import draw_views, write_picture
 from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools import REPOSITORY
 
 PICTURES = REPOSITORY / "docs" / "pictures"
@@ -86,7 +86,7 @@ def save(picture: Image.Image, name: str) -> None:
 def compare() -> None:
     """ArduCopter's flight of the corners, against the estimate."""
     facts = json.loads((FLIGHT / "flight.json").read_text())
-    mission = read_mission(FLIGHT / "mission.waypoints", Autopilot(facts["autopilot"]))
+    mission = read_mission(FLIGHT / "mission.waypoints", autopilot_named(facts["autopilot"]))
     predicted = estimate(mission, facts["params"])
     with (FLIGHT / "trace.csv").open() as file:
         rows = [[float(value) for value in row] for row in list(csv.reader(file))[1:]]

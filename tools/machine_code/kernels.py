@@ -6,15 +6,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilots.ardupilot import copter_limits
-from ipoa_mission.dynamics.compiled import compiled as compiled_module
-from ipoa_mission.dynamics.copter import steps
-from ipoa_mission.dynamics.copter.airframe import ARDUPILOT_SIMULATOR
-from ipoa_mission.dynamics.copter.motion import NO_LEG, State, flat, packed, packed_legs, room_for, tuning
-from ipoa_mission.dynamics.px4.compiled import compiled as compiled_flight
-from ipoa_mission.dynamics.px4.compiled import records
-from ipoa_mission.dynamics.px4.state import Law, Order
 from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
+from ipoa_mission.vehicles.arducopter.compiled import compiled as compiled_module
+from ipoa_mission.vehicles.arducopter.dynamics import steps
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
+from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, State, flat, packed, packed_legs, room_for, tuning
+from ipoa_mission.vehicles.arducopter.limits import copter_limits
+from ipoa_mission.vehicles.px4_multicopter.dynamics.compiled import compiled as compiled_flight
+from ipoa_mission.vehicles.px4_multicopter.dynamics.compiled import records
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Law, Order
 from ipoa_mission.wind import CALM
 
 MODULES = {
@@ -73,4 +73,4 @@ def kernels() -> Iterator[Kernel]:
     copter = (packed(State()), leg, still, room_for(1, compiled=True))
     yield Kernel(f"{steps.__name__}.fly_leg", compiled_module(steps).fly_leg, copter)
     px4 = (records([], Order), records([], Law), 0.0, (1.0, 1.0), 0)
-    yield Kernel("ipoa_mission.dynamics.px4.flight.fly", compiled_flight(), px4)
+    yield Kernel("ipoa_mission.vehicles.px4_multicopter.dynamics.flight.fly", compiled_flight(), px4)

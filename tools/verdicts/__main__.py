@@ -15,10 +15,10 @@ from typing import Any
 
 from pymavlink import mavutil
 
-from ipoa_mission.autopilots.vehicle import Autopilot
-from ipoa_mission.autopilots.version import Version
 from ipoa_mission.items import Item
 from ipoa_mission.link.wire import INT32_MAX
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from ipoa_mission.vehicles.version import Version
 from tests.verdicts import COMMANDS, FRAMES, LETTERS, UNASKED, UNKNOWN, item, row
 
 PATIENCE_S = 1.0
@@ -80,7 +80,7 @@ def main() -> None:
     if len(sys.argv) != 6:
         raise SystemExit(__doc__)
     link, firmware, table, commit, file = sys.argv[1:]
-    asked = Asked(link, Autopilot(firmware))
+    asked = Asked(link, autopilot_named(firmware))
     record = {"autopilot": firmware, "table": table, "says": asked.says(), "commit": commit}
     rows: dict[str, str] = {}
     for command in COMMANDS:

@@ -10,13 +10,13 @@ import threading
 import time
 from pathlib import Path
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Mission
 from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools.benchmarks.link_benchmark.vehicle import mission
 
 LIMIT_S = 240.0
@@ -117,6 +117,6 @@ if __name__ == "__main__":
     act = {"ours": ours, "by-file": by_file, "mavsdk": mavsdk}[sys.argv[1]]
     for asked in sys.stdin:
         port, family, count = asked.split()
-        result = act(port, mission(Autopilot(family), int(count)))
+        result = act(port, mission(autopilot_named(family), int(count)))
         sys.stderr.write("\nRESULT " + json.dumps(result) + "\n")
         sys.stderr.flush()

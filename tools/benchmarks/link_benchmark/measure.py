@@ -6,7 +6,6 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import closing
 from pathlib import Path
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item
 from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link.codec import Codec
@@ -14,9 +13,10 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.simulator.autopilot import Autopilot as Mock
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot
 from tools.benchmarks.link_benchmark.clients import NotConnected, mavproxy
 from tools.benchmarks.link_benchmark.rows import Cell, Run, add_row, read_rows
 from tools.benchmarks.link_benchmark.vehicle import HOME, mission, vehicle

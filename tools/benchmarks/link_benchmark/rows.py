@@ -4,7 +4,7 @@ import csv
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from ipoa_mission.autopilots.vehicle import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 
 CLIENTS = ("ours", "by-file", "mavsdk", "mavproxy")
 
@@ -38,7 +38,7 @@ class Run:
     @property
     def cell(self) -> Cell:
         """Which cell of the table it belongs to."""
-        return Cell(Autopilot(self.autopilot), self.delay_ms, self.loss_percent, self.client)
+        return Cell(autopilot_named(self.autopilot), self.delay_ms, self.loss_percent, self.client)
 
 
 def read_rows(path: Path) -> list[Run]:

@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 
 from fastcrc.crc16 import mcrf4xx
 
-from ipoa_mission.autopilots.vehicle import Autopilot
 from ipoa_mission.items import Item
 from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link import mavsdk_backend
@@ -18,6 +17,7 @@ from ipoa_mission.link import upload as upload_module
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools.benchmarks.link_benchmark.vehicle import mission
 
 #: Uploads a list; calls its argument when the final Ack is there, and returns when the list was read back.
@@ -138,7 +138,7 @@ CLIENTS: dict[str, Callable[[int, Sequence[Item]], Upload]] = {
 
 
 def main(client: str, port: str, family: str, count: str) -> None:
-    items = to_wire(mission(Autopilot(family), int(count)))
+    items = to_wire(mission(autopilot_named(family), int(count)))
     with contextlib.redirect_stdout(sys.stderr):
         upload = CLIENTS[client](int(port), items)
     print("ready", flush=True)

@@ -1,1 +1,0 @@
-"""Each autopilot's own facts, once: parameters and defaults, modes, storage, touchdown."""

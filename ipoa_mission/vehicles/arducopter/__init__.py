@@ -1,0 +1,1 @@
+"""ArduCopter: what it is like, how it flies, and the pilot of its stand-in."""

@@ -1,0 +1,86 @@
+"""The multirotor that ArduPilot's simulator flies: its drag, and how quickly it answers.
+
+No mission and no autopilot parameter tells these, and every airframe has its own; the values here are read from the
+recorded flights (see docs/flight-time.md). Below about 8 m/s drag hardly matters; near the speed where it meets the
+greatest lean it decides.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ipoa_mission.geometry import GRAVITY, Points
+from ipoa_mission.vehicles.learned import LearnedVehicle
+
+TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
+THINNING = 9.6e-5  # by this share the air is thinner a metre higher [1/m]
+
+
+@dataclass(frozen=True)
+class Airframe:
+    """Drag per mass, `lag` [s] of rotors and rate loop, and how much later than modeled it lifts off and disarms [s].
+
+    The rotors' is `rotor_drag` times the speed through the air at a thrust of one g, and grows with the square root of
+    the thrust [1/s]; the body's is `body_drag` times the square of it, along each of the body's axes [1/m].
+    """
+
+    rotor_drag: float
+    body_drag: float
+    lag: float
+    lift_delay: float = 0.0
+    landing_delay: float = 0.0
+
+    def at_altitude(self, altitude: float) -> "Airframe":
+        """The same over a home at this altitude [m], where the air is thinner: the standard atmosphere's density.
+
+        >>> round(Airframe(0.25, 0.036, 0.02).at_altitude(1000.0).body_drag, 4)
+        0.0327
+        """
+        low, high = TROPOSPHERE
+        density = (1 - 2.25577e-5 * min(max(altitude, low), high)) ** 4.2559 if math.isfinite(altitude) else 1.0
+        return replace(self, rotor_drag=self.rotor_drag * math.sqrt(density), body_drag=self.body_drag * density)
+
+    def top_speed(self, lean: float) -> float:
+        """The level speed [m/s] at which drag meets what a lean [rad] gives in calm air.
+
+        It solves (r + q v) v = g tan(lean). Of the level speed v the leaning body meets v cos(lean), so q is the
+        body's drag times that; r is the rotors' at the thrust that carries the leaning vehicle.
+        """
+        pull, q = GRAVITY * math.tan(lean), self.body_drag * math.cos(lean)
+        r = self.rotor_drag / math.sqrt(math.cos(lean))
+        if r <= 0 and q <= 0:
+            return math.inf
+        return 2 * pull / (r + math.sqrt(r**2 + 4 * q * pull))
+
+    def slowing(self, through_air: Points, axes: Points) -> Points:
+        """What the air takes [m/s^2] (n, 3) of a velocity through it (n, 3), down last, in level flight.
+
+        `axes` (n, 3, 3) are the body's, as columns. It is the `drag` of `steps`, for many places at once.
+        """
+        along = np.einsum("nij,ni->nj", axes, through_air)
+        body = np.einsum("nij,nj->ni", axes, along * np.abs(along))
+        return np.asarray(self.body_drag * body + self.rotor_drag / np.sqrt(axes[:, 2, 2, None]) * through_air)
+
+
+#: ArduPilot's built-in quadrotor, of 3 kg: 45 degrees of lean hold 15.08 m/s at 593 m over the sea, of which the rotors
+#: take 0.2 v sqrt(T rho A) with A = 0.385 m^2. The values are those at the sea (rho = 1.225 kg/m^3).
+ARDUPILOT_SIMULATOR = Airframe(rotor_drag=0.2484, body_drag=0.0356, lag=0.02)
+
+
+def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
+    """The airframe of a vehicle that was learned; the simulator's where nothing is known of it.
+
+    >>> airframe_of(None) is ARDUPILOT_SIMULATOR
+    True
+    """
+    if vehicle is None:
+        return ARDUPILOT_SIMULATOR
+    drag, same = vehicle.value("drag", 1.0), ARDUPILOT_SIMULATOR
+    return Airframe(
+        rotor_drag=same.rotor_drag * drag,
+        body_drag=same.body_drag * drag,
+        lag=vehicle.value("lag", same.lag),
+        lift_delay=vehicle.value("lift_delay", 0.0),
+        landing_delay=vehicle.value("landing_delay", 0.0),
+    )

@@ -1,0 +1,358 @@
+"""An ArduCopter in flight: what it is told to fly, leg by leg, and its state as time passes.
+
+The estimate lets it `run` to the end of each leg; the built-in autopilot lets it `step`. RTL and LAND are a few legs
+one after the other: their methods yield whenever one more is to be flown.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from ipoa_mission.commands import Command
+from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import Points
+from ipoa_mission.items import Item
+from ipoa_mission.itinerary.copter_arc import turn_of
+from ipoa_mission.itinerary.program import Place, Program, is_passed
+from ipoa_mission.vehicles.arducopter.compiled import stepping
+from ipoa_mission.vehicles.arducopter.dynamics import steps as plain_steps
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
+from ipoa_mission.vehicles.arducopter.dynamics.legs import (
+    at_speeds,
+    hold_leg,
+    joined,
+    speed_left,
+    spline_leg,
+    straight_leg,
+    upright_leg,
+)
+from ipoa_mission.vehicles.arducopter.dynamics.motion import (
+    CLIMB,
+    DESCENT,
+    HOLD,
+    NO_LEG,
+    SPLINE,
+    STEP,
+    STRAIGHT,
+    Bounds,
+    Leg,
+    State,
+    flat,
+    packed,
+    packed_legs,
+    room_for,
+    rows,
+    tuning,
+    unpacked,
+)
+from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS
+from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
+from ipoa_mission.vehicles.arducopter.returning import height_by_cone
+from ipoa_mission.vehicles.returning import HOME
+from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.ground import LEVEL, Ground
+
+JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
+SAME_PLACE = 1e-3  # [m]
+#: LAND flies to its place at the height where the vehicle is, cut to whole centimetres: that is the waypoint's, or one
+#: centimetre below, and a leg of one takes a second. Before a flight nothing tells which: half of it is counted.
+LAND_BELOW = 0.5
+#: RTL begins with a leg to where the vehicle would stop, its height and place cut likewise: by so much on average [m].
+RETURN_ROUNDING = 0.7 * CENTIMETRE
+#: What rounding leaves to climb when a take-off counts as done: up to half a millimetre, for which the leg over the
+#: take-off takes 0.4 s, or nothing, for which it takes no time. This much takes 0.2 s [m].
+TAKEOFF_REST = 0.00003
+STANDING = 0.1  # [m/s]
+SLOWEST = 0.5  # a copter that the wind leaves less headway does not get on [m/s]
+BLOWN_OFF = -2  # what the stepping code says of a copter that it has lost
+TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, at its risk)"
+SETTLED = 10.0  # a hold that lasts longer changes nothing more [s]
+
+
+class Stop(NamedTuple):
+    """Where to fly: straight, or on a `spline` that leaves towards the place `after` it (True: by another spline).
+
+    A `turn` [rad], clockwise positive, makes the way an arc. `stays`: the copter is to stand there, and not only to
+    have been there; before 4.0 that makes a difference.
+    """
+
+    place: Place
+    spline: bool = False
+    after: tuple[Place, bool] | None = None
+    stays: bool = True
+    turn: float = 0.0
+
+
+def stop_at(program: Program, n: int, here: Place) -> Stop:
+    """Item n of a program as a stop; what it leaves open is that of `here`."""
+    place, spline = program.place(n, here), program.items[n].command == Command.NAV_SPLINE_WAYPOINT
+    onward, stays = program.onward(n) if spline else None, not is_passed(program.items[n])
+    if onward is None:
+        return Stop(place, spline, stays=stays, turn=turn_of(program.items[n]))
+    after = program.place(onward, place), program.items[onward].command == Command.NAV_SPLINE_WAYPOINT
+    return Stop(place, spline, after, stays)
+
+
+class Copter:
+    """A copter over `here`, at rest; `this` is the leg that it flies, and `passed` whether that is over."""
+
+    def __init__(
+        self,
+        limits: CopterLimits,
+        wind: Wind = CALM,
+        airframe: Airframe = ARDUPILOT_SIMULATOR,
+        fast: bool | None = False,
+        here: Place = (0.0, 0.0, 0.0),
+        ground: Ground = LEVEL,
+    ) -> None:
+        """`fast` is as in `estimate`; it comes down to the `ground`."""
+        self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
+        self._slowest = SLOWEST if wind.speed > 0 else math.inf
+        self.speeds = Bounds(limits.speed, limits.climb, limits.descent)
+        self._steps = stepping(plain_steps, fast, 0.0)
+        self._compiled = self._steps is not plain_steps
+        self.state = _at_rest(here, 0.0)
+        self._flat: dict[int, tuple[Leg, Any]] = {}
+        self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
+        self.passed = True
+        self._left = 0.0  # how fast the last spline that was planned ahead is left [m/s]
+
+    @property
+    def place(self) -> Place:
+        """East, north, up [m]."""
+        return self.state.x, self.state.y, self.state.z
+
+    @property
+    def here(self) -> Place:
+        """Where the next leg begins: the end of the one that is over, or where the copter can come to a stop."""
+        return self.this.target if self.passed and self.following is NO_LEG else self.stopping_place()
+
+    def stopping_place(self) -> Place:
+        """Where the copter can come to a stop."""
+        state, limits = self.state, self.limits
+        speed = math.hypot(state.vx, state.vy)
+        near = limits.accel / self._tuning.p_position**2
+        way = speed if speed <= near else near / 2 + speed**2 / (2 * limits.accel)
+        share = way / speed if speed > STANDING else 0.0
+        up = state.vz * abs(state.vz) / (2 * limits.accel_z)
+        east, north = state.x + state.vx * share, state.y + state.vy * share
+        return east, north, max(state.z + up, self._ground.at(east, north))
+
+    # --- time passes ------------------------------------------------------------------------------------------------
+
+    def step(self) -> bool:
+        """Let one step pass; whether the leg is over. Beyond its end the copter stays there."""
+        over = plain_steps.step(self.state, self._before, self.this, self.following, self._tuning)
+        self.passed = self.passed or over
+        return self.passed
+
+    def run(self) -> Points:
+        """Let time pass to the end of the leg; samples of the track: time, place, velocity (n, 7).
+
+        Raises:
+            MissionError: it does not get there.
+        """
+        skipped = 0.0
+        if self.this.kind == HOLD and self.this.lasts > SETTLED:
+            skipped = self.this.lasts - SETTLED
+            self.this = self.this._replace(lasts=SETTLED)
+        room = int((60 + 4 * self._least_time() + self.this.length / self._slowest) / (STEP * SAMPLE_STEPS))
+        samples = room_for(room, self._compiled)
+        legs: Any = (self._before, self.this, self.following)
+        if self._compiled:
+            self._flat = {id(leg): self._flat.get(id(leg)) or (leg, flat(leg)) for leg in legs}
+            legs = packed_legs([self._flat[id(leg)][1] for leg in legs])
+        state = packed(self.state) if self._compiled else [self.state]
+        used = self._steps.fly_leg(state, legs, packed(self._tuning) if self._compiled else [self._tuning], samples)
+        self.state = unpacked(state) if self._compiled else self.state
+        if used < 0:
+            raise MissionError(self._lost(used), hint=TOO_WINDY)
+        self.state.time += skipped
+        self.passed = True
+        return rows(samples[:used])
+
+    def _lost(self, why: int) -> str:
+        """In words, where the copter does not get on."""
+        x, y, z = map(round, self.place)
+        east, north, up = map(round, self.this.target)
+        at, to = f"{x} m east, {y} m north, {z} m up of home", f"{east}, {north}, {up} m"
+        wind = f"the wind of {self._wind.at(z):.3g} m/s from {self._wind.from_deg:g} deg"
+        if why == BLOWN_OFF:
+            return f"{wind} blows the copter off its path to {to}, at {at}"
+        return f"the copter does not get on to {to}: after {self.state.time:.0f} s it is at {at}, in {wind}"
+
+    def _least_time(self) -> float:
+        """About as long as the leg lasts, or less [s]."""
+        leg = self.this
+        slowest = min(*leg.speeds, self.limits.land_speed) if leg.kind in (CLIMB, DESCENT) else leg.speeds.level
+        way = leg.length / slowest if leg.length > 0 else 0.0
+        return max(way, leg.profile.lasts, leg.lasts)
+
+    def stand(self, seconds: float) -> None:
+        """Let time pass on the ground, without any motion."""
+        x, y, z = self.place
+        yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, self._ground.at(x, y))), self.state.time + seconds)
+        self.face(yaw)
+
+    def face(self, yaw: float) -> None:
+        """Turn the nose, clockwise from north [rad]."""
+        self.state.yaw, self.state.nose_x, self.state.nose_y = yaw, math.sin(yaw), math.cos(yaw)
+
+    # --- what to fly ------------------------------------------------------------------------------------------------
+
+    def fly_to(self, stop: Stop, following: Stop | None = None) -> None:
+        """Begin a leg to `stop`: the one planned when that was the last one's `following`; else from `here`.
+
+        With a stop `following` the copter does not come to rest at this one.
+        """
+        self._follow_with_nose(True)
+        self._fly_to(stop, following)
+
+    def _follow_with_nose(self, follows: bool) -> None:
+        self._tuning = self._tuning._replace(slew=self.limits.yaw_rate * STEP if follows else 0.0)
+
+    def _fly_to(self, stop: Stop, following: Stop | None = None) -> None:
+        planned, state = self.following, self.state
+        if self.passed and planned is not NO_LEG and planned.target == stop.place:
+            straight = self.this.kind == STRAIGHT
+            state.clock_before, state.clock = state.clock, state.clock_next if straight else 0.0
+            self._before = self.this if straight else NO_LEG
+            this = self._as_begun(planned)
+        else:
+            this = self._leg(stop, self.here, NO_LEG)
+            state.clock = state.speed = 0.0
+            self._before = NO_LEG
+        onward = NO_LEG
+        if following is not None:
+            onward = self._leg(following, stop.place, this)
+            this = joined(this, onward, self.limits, self._left)
+            if onward.kind == SPLINE:
+                self._left = speed_left(onward)
+        self._begin(this, onward)
+
+    def _leg(self, stop: Stop, origin: Place, previous: Leg) -> Leg:
+        """The leg to `stop` from `origin`, flown into from `previous` unless that is nothing."""
+        if not stop.spline or math.dist(origin, stop.place) < SAME_PLACE:
+            return straight_leg(origin, stop.place, self.speeds, self.limits, turn=stop.turn)
+        return spline_leg(origin, stop.place, previous, stop.after, self.speeds, self.limits)
+
+    def _as_begun(self, planned: Leg) -> Leg:
+        """A leg planned before, perhaps under way, perhaps at another speed since."""
+        elapsed = self.state.clock
+        enter = self.state.speed if self._before is NO_LEG else 0.0  # out of a spline a leg starts at its speed
+        if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
+            return at_speeds(planned, self.speeds, elapsed, self.limits)
+        way, is_changed = (planned.origin, planned.target, self.speeds, self.limits), planned.speeds != self.speeds
+        return straight_leg(*way, enter=enter, turn=planned.turn, is_changed=is_changed)
+
+    def _begin(self, this: Leg, following: Leg = NO_LEG) -> None:
+        self.this, self.following, self.passed = this, following, False
+        self.state.clock_next = self.state.share = self.state.az = 0.0
+
+    def change_speed(self, kind: int, speed: float) -> None:
+        """DO_CHANGE_SPEED: the kind says which speed (0 and 1 level, 2 climb, 3 descent); 0 or less changes nothing."""
+        if speed > 0:
+            name = {2: "up", 3: "down"}.get(kind, "level")
+            self.speeds = self.speeds._replace(**{name: speed})
+
+    def wait_at(self, item: Item) -> float:
+        """How long the copter stays at an item's place [s]; turns take what the rate of turning allows.
+
+        Speed and acceleration limit that rate on a wide circle.
+        """
+        first = item.params[0] if math.isfinite(item.params[0]) else 0.0
+        match item.command:
+            case Command.NAV_LOITER_UNLIM:
+                return math.inf
+            case Command.NAV_LOITER_TO_ALT | Command.NAV_ARC_WAYPOINT:  # of the one only the way there is modeled
+                return 0.0
+            case Command.NAV_LOITER_TURNS:
+                radius = abs(item.params[2]) or self.limits.circle_radius
+                fastest = min(self.speeds.level / radius, math.sqrt(self.limits.accel / radius))
+                return 2 * math.pi * abs(first) / min(self.limits.circle_rate, fastest)
+            case Command.NAV_DELAY:
+                return max(first, 0.0)
+        return float(int(first))
+
+    def hold(self, seconds: float) -> None:
+        """Stay `here`; in motion, where that ends."""
+        self._begin_over(hold_leg(self.here, seconds))
+
+    def brake(self) -> Place:
+        """Begin guidance and control anew, the lean as it is: stay where the copter can come to a stop."""
+        state = self.state
+        state.integral_x, state.integral_y, state.error_x, state.error_y = state.asked_x, state.asked_y, 0.0, 0.0
+        self._begin_over(hold_leg(self.stopping_place(), math.inf))
+        self.passed, state.rate = True, 1.0
+        return self.this.target
+
+    def take_off(self, height: float) -> None:
+        """Climb straight up, but for a rest that is left to the next leg."""
+        self._begin_over(upright_leg(CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds))
+
+    def descend(self, counted_from: float = 0.0) -> None:
+        """Come down to the ground: fast down to LAND_ALT_LOW, then at LAND_SPEED.
+
+        LAND_ALT_LOW is over the ground where a range finder sees that, else over the height `counted_from` [m above
+        home], wherever the ground is.
+        """
+        ground = self._ground.at(*self.here[:2])
+        low = self.limits.land_low + (ground if self.limits.sees_ground else counted_from)
+        self._tuning = self._tuning._replace(land_low=low)
+        self._begin_over(upright_leg(DESCENT, self.here, ground, self.speeds))
+
+    def _begin_over(self, leg: Leg) -> None:
+        self._before, self.state.clock = NO_LEG, 0.0
+        self._begin(leg)
+
+    @property
+    def spool_down(self) -> float:
+        """For so long the motors run down once it has landed, before it disarms [s]."""
+        return self.limits.spool_up
+
+    def land(self, place: Place | None) -> Iterator[None]:
+        """LAND: fly over its place, or the centimetre that rounding leaves to it, and come down; None: come down.
+
+        Since 4.7 the altitude of the place is where LAND_ALT_LOW counts from.
+        """
+        x, y, z = here = self.here
+        if place is not None and math.hypot(place[0] - x, place[1] - y) > SAME_PLACE:
+            self.fly_to(Stop((*place[:2], z)))
+            yield
+        elif place is not None:
+            leg = straight_leg(here, (x, y, z - CENTIMETRE), self.speeds, self.limits)
+            self.hold(LAND_BELOW * leg.profile.lasts)
+            yield
+        self.descend(0.0 if place is None else place[2])
+        yield
+
+    def return_home(self, goal: Place = HOME) -> Iterator[None]:
+        """RTL: climb if below its height (no higher than a cone over home asks for), fly home, loiter, come down.
+
+        `goal`: home, or the rally point that it returns to instead, with that one's height.
+        """
+        limits, (x, y, z), (east, north, _) = self.limits, self.brake(), goal
+        least, far = z + max(limits.rtl_climb, 0.0), math.hypot(x - east, y - north)
+        height = height_by_cone(least, limits.rtl_height, limits.rtl_cone, far, goal[2])
+        self.speeds = Bounds(limits.rtl_speed, limits.climb, limits.descent)
+        self._follow_with_nose(limits.rtl_turns)
+        height = max(z + RETURN_ROUNDING, height)
+        top, home = Stop((x, y, height)), Stop((east, north, height))
+        away = far > SAME_PLACE
+        self._fly_to(top, home if away else None)
+        yield
+        if away:
+            self._fly_to(home)
+            yield
+        self.hold(limits.rtl_loiter)
+        yield
+        if limits.rtl_final > 0:
+            self._fly_to(Stop((east, north, limits.rtl_final)))
+        else:
+            self.descend()
+        yield
+
+
+def _at_rest(place: Place, time: float) -> State:
+    x, y, z = place
+    return State(time, x, y, z, target_x=x, target_y=y, target_z=z)

@@ -1,0 +1,146 @@
+"""ArduCopter's legs: straight ones with an S-curve, splines with tangents, and those over one place."""
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+
+from ipoa_mission.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
+from ipoa_mission.itinerary.copter_spline import cubic, minus, spline_tangents
+from ipoa_mission.itinerary.program import Place
+from ipoa_mission.vehicles.arducopter.dynamics.motion import HOLD, SPLINE, STRAIGHT, ZERO, Bounds, Leg, Vector
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Limits, change, profile
+from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
+from ipoa_mission.vehicles.arducopter.limits import CopterLimits
+
+SPLINE_SHARE = 0.5  # of the acceleration limits that a spline leg uses, along the curve and across it
+ZERO_LENGTH = 1e-6  # [m]
+
+
+def limits_along(origin: Place, target: Place, speeds: Bounds, copter: CopterLimits) -> Limits:
+    """The largest speed and acceleration along the way whose level and vertical parts keep their limits."""
+    length = math.dist(origin, target)
+    if length < 1e-9:
+        return Limits(speeds.level, copter.accel, copter.jerk, copter.snap)
+    x, y, z = ((b - a) / length for a, b in zip(origin, target, strict=True))
+    speed, accel = (
+        along_limit(x, y, z, speeds),
+        along_limit(x, y, z, Bounds(copter.accel, copter.accel_z, copter.accel_z)),
+    )
+    return Limits(speed, accel, copter.jerk, copter.snap)
+
+
+@lru_cache(maxsize=256)  # a route that is tried differs from the last in one waypoint
+def straight_leg(
+    origin: Place,
+    target: Place,
+    speeds: Bounds,
+    copter: CopterLimits,
+    enter: float = 0.0,
+    leave: float = 0.0,
+    turn: float = 0.0,
+    is_changed: bool = False,
+) -> Leg:
+    """A straight leg, or with a `turn` [rad] an arc; it begins and ends at rest, or next to a spline at a speed.
+
+    `is_changed`: its speed is another than when it was first planned.
+    """
+    leg = _leg(STRAIGHT, origin, target, speeds)
+    if leg.length <= ZERO_LENGTH:
+        return leg
+    if is_arc(origin, target, turn):
+        center = Vector(*arc_center(origin, target, turn), 0.0)
+        leg = leg._replace(turn=turn, center=center, length=arc_length(origin, target, turn))
+    limits = _changed_limits(leg, copter) if is_changed else _limits_of(leg, copter)
+    return leg._replace(profile=profile(leg.length, limits, enter, leave))
+
+
+def _limits_of(leg: Leg, copter: CopterLimits) -> Limits:
+    """The limits along its chord; on an arc the corner acceleration bounds the level speed."""
+    speeds = leg.speeds
+    if leg.turn != 0.0:
+        radius = arc_radius(leg.origin, leg.target, leg.turn)
+        speeds = speeds._replace(level=min(speeds.level, math.sqrt(copter.corner_accel * radius)))
+    return limits_along(leg.origin, leg.target, speeds, copter)
+
+
+def _changed_limits(leg: Leg, copter: CopterLimits) -> Limits:
+    """The limits after a change of speed: on an arc those along its way, with no bound on its corner acceleration."""
+    limits = _limits_of(leg, copter)
+    if leg.turn == 0.0:
+        return limits
+    rise = (leg.target[2] - leg.origin[2]) / leg.length
+    return replace(limits, speed=along_limit(math.sqrt(1.0 - rise * rise), 0.0, rise, leg.speeds))
+
+
+def spline_leg(
+    origin: Place,
+    target: Place,
+    previous: Leg | None,
+    after: tuple[Place, bool] | None,
+    speeds: Bounds,
+    copter: CopterLimits,
+) -> Leg:
+    """A curve that begins as the leg before ended and ends towards `after`, as `spline_tangents` has it."""
+    flown_in = None
+    if previous is not None:
+        flown_in = previous.tangents[1] if previous.kind == SPLINE else minus(previous.target, previous.origin)
+    tangents = spline_tangents(origin, target, flown_in, after)
+    level, vertical = SPLINE_SHARE * copter.accel, SPLINE_SHARE * copter.accel_z
+    return _leg(SPLINE, origin, target, speeds)._replace(
+        cubic=tuple(Vector(*one) for one in cubic(origin, target, tangents)),
+        tangents=tuple(Vector(*one) for one in tangents),
+        accel=Bounds(level, vertical, vertical),
+    )
+
+
+def upright_leg(kind: float, place: Place, height: float, speeds: Bounds, lasts: float = 0.0) -> Leg:
+    """Over one place to a `height`: a CLIMB, a DESCENT, or a HOLD that `lasts` [s]."""
+    return _leg(kind, place, (place[0], place[1], height), speeds)._replace(lasts=lasts)
+
+
+def hold_leg(place: Place, lasts: float) -> Leg:
+    """To stay at a place [s]."""
+    return upright_leg(HOLD, place, place[2], Bounds(0.0, 0.0, 0.0), lasts)
+
+
+def joined(this: Leg, following: Leg, copter: CopterLimits, left: float = math.inf) -> Leg:
+    """`this` with the speed at its end agreed with the next leg, where one of the two is a spline.
+
+    A spline that follows is entered no faster than its chord leaves way to brake to `left`: the speed at which the
+    spline that was planned to follow before it was to be left [m/s].
+    """
+    if this.kind == following.kind == STRAIGHT:
+        return this
+    speed = _speed_at(following, 0.0)
+    if following.kind == SPLINE:
+        brakes = along_limit(*bend(following, 0.0)[1], following.accel)
+        speed = min(speed, math.sqrt(2 * brakes * following.length + left**2))
+    if this.kind == SPLINE:
+        return this._replace(leave=min(speed, _speed_at(this, 1.0)))
+    return straight_leg(this.origin, this.target, this.speeds, copter, leave=speed, turn=this.turn)
+
+
+def speed_left(leg: Leg) -> float:
+    """The speed at which a spline may be left, for all that comes after it; nothing where it ends at rest."""
+    return _speed_at(leg, 1.0) if any(leg.tangents[1]) else 0.0
+
+
+def at_speeds(leg: Leg, speeds: Bounds, elapsed: float, copter: CopterLimits) -> Leg:
+    """The leg with other speeds in force, `elapsed` s after its start."""
+    if speeds == leg.speeds:
+        return leg
+    changed = leg._replace(speeds=speeds)
+    if leg.kind == SPLINE or leg.profile is AT_REST:
+        return changed
+    return changed._replace(profile=change(leg.profile, elapsed, leg.length, _changed_limits(changed, copter)))
+
+
+def _leg(kind: float, origin: Place, target: Place, speeds: Bounds) -> Leg:
+    length = math.dist(origin, target)
+    direction = Vector(*(x / length for x in minus(target, origin))) if length > 1e-9 else ZERO
+    return Leg(kind, Vector(*origin), Vector(*target), direction, length, speeds)
+
+
+def _speed_at(leg: Leg, end: float) -> float:
+    """The speed at which a leg can be entered (end 0) or left (end 1): the bend's, or a straight leg's peak."""
+    return leg.profile.peak if leg.kind == STRAIGHT else float(bend(leg, end)[3])

@@ -1,0 +1,252 @@
+"""What the stepping code works on: a leg, the tuning, the state of a flight, a sample of its track.
+
+The types are such that plain Python and numba read the same lines: what is only read is a NamedTuple, and what changes
+is an object with attributes; for numba both are records with the same names.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from itertools import chain
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ipoa_mission.geometry import GRAVITY, Points
+from ipoa_mission.geometry import Vector as Numbers
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import Airframe
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, MOST_SEGMENTS, Profile, Segment
+from ipoa_mission.vehicles.arducopter.limits import CopterLimits
+from ipoa_mission.wind import Wind
+
+STEP = 0.02  # [s]
+ASTRAY, ASTRAY_S = 30.0, 3.0  # so far from its target, and so many seconds of flight, no copter falls behind in calm
+STANDING_SHARE = 0.05  # of the speed: a target that is slower does not turn the nose
+
+#: Kinds of legs; CLIMB and DESCENT are those of take-off and landing, which no S-curve shapes.
+NOTHING, STRAIGHT, SPLINE, CLIMB, DESCENT, HOLD = -1.0, 0.0, 1.0, 2.0, 3.0, 4.0
+
+
+class Vector(NamedTuple):
+    """East, north, up."""
+
+    x: float
+    y: float
+    z: float
+
+
+ZERO = Vector(0.0, 0.0, 0.0)
+
+
+class Bounds(NamedTuple):
+    """The most level, upwards and downwards: of speed [m/s], or of acceleration [m/s^2]."""
+
+    level: float
+    up: float
+    down: float
+
+
+class Leg(NamedTuple):
+    """From `origin` to `target` at up to `speeds`: straight with a `profile`, along a `cubic`, or straight up or down.
+
+    A spline keeps `accel` and leaves at up to `leave` [m/s]; its `tangents` are those of its ends. A HOLD `lasts` [s].
+    A straight leg with a `turn` [rad] is an arc: by so much it turns around its `center`, clockwise positive.
+    """
+
+    kind: float
+    origin: Vector
+    target: Vector
+    direction: Vector
+    length: float
+    speeds: Bounds
+    profile: Profile = AT_REST
+    cubic: tuple[Vector, ...] = (ZERO,) * 4
+    tangents: tuple[Vector, ...] = (ZERO,) * 2
+    accel: Bounds = Bounds(0.0, 0.0, 0.0)
+    leave: float = 0.0
+    lasts: float = 0.0
+    turn: float = 0.0
+    center: Vector = ZERO
+
+
+NO_LEG = Leg(NOTHING, ZERO, ZERO, ZERO, 0.0, Bounds(0.0, 0.0, 0.0))
+
+
+class Tuning(NamedTuple):
+    """The constants of a flight; shares are those of a first-order lag within one step."""
+
+    radius: float
+    corner_accel: float
+    accel_z: float
+    jerk_z: float
+    land_low: float
+    land_speed: float
+    land_speed_high: float
+    p_position: float
+    p_velocity: float
+    i_velocity: float
+    d_velocity: float
+    p_height: float
+    most_lean: float
+    smoothing: float  # share: of the velocity error
+    leaning: float  # share: of the lean that is asked for
+    turning: float  # share: of the lean itself
+    slowing: float  # share: of the path's clock
+    rotor_drag: float
+    body_drag: float
+    wind_east: float
+    wind_north: float
+    wind_exponent: float
+    gradient_height: float
+    slew: float  # of the nose, in one step [rad]; 0: it keeps its heading
+    most_astray: float  # a copter that is farther from its target is blown off its path [m]
+    turning_from: float  # the nose follows a target that moves at more than this [m/s]
+
+
+def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
+    """What the parameters, the airframe and the wind come to."""
+
+    def share(lag: float) -> float:
+        return 1 - math.exp(-STEP / lag)
+
+    return Tuning(
+        limits.radius,
+        limits.corner_accel,
+        limits.accel_z,
+        limits.jerk_z,
+        limits.land_low,
+        limits.land_speed,
+        limits.land_speed_high,
+        limits.p_position,
+        limits.p_velocity,
+        limits.i_velocity,
+        limits.d_velocity,
+        limits.p_height,
+        most_lean=GRAVITY * math.tan(limits.lean),
+        smoothing=share(1 / (2 * math.pi * limits.velocity_filter)),
+        leaning=share(limits.lean_lag),
+        turning=share(airframe.lag),
+        slowing=share(max(limits.accel / limits.jerk, STEP)),
+        rotor_drag=airframe.rotor_drag,
+        body_drag=airframe.body_drag,
+        wind_east=wind.east,
+        wind_north=wind.north,
+        wind_exponent=wind.exponent,
+        gradient_height=wind.gradient_height,
+        slew=limits.yaw_rate * STEP,
+        most_astray=ASTRAY + ASTRAY_S * limits.speed if wind.speed > 0 else math.inf,
+        turning_from=STANDING_SHARE * limits.speed,
+    )
+
+
+@dataclass(slots=True)
+class State:
+    """A flight at one moment: the vehicle (east, north, up), its controllers, the path's clock and its target."""
+
+    time: float = 0.0
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    vx: float = 0.0
+    vy: float = 0.0
+    vz: float = 0.0
+    ax: float = 0.0
+    ay: float = 0.0
+    az: float = 0.0
+    asked_x: float = 0.0  # the lean asked for, as level acceleration: g tan(angle)
+    asked_y: float = 0.0
+    shaped_x: float = 0.0  # what the attitude controller makes of it
+    shaped_y: float = 0.0
+    lean_x: float = 0.0
+    lean_y: float = 0.0
+    load: float = 1.0  # what the rotors carry of the weight; the air the rest
+    yaw: float = 0.0  # clockwise from north
+    nose_x: float = 0.0  # its unit vector
+    nose_y: float = 1.0
+    error_x: float = 0.0  # filtered error of velocity, and its integral
+    error_y: float = 0.0
+    integral_x: float = 0.0
+    integral_y: float = 0.0
+    rate: float = 1.0  # of the path's clock
+    clock_before: float = 0.0  # on the leg before, on this one and on the next [s]
+    clock: float = 0.0
+    clock_next: float = 0.0
+    share: float = 0.0  # of a spline
+    speed: float = 0.0  # of the target
+    target_x: float = 0.0
+    target_y: float = 0.0
+    target_z: float = 0.0
+    aim_x: float = 0.0  # velocity of the target
+    aim_y: float = 0.0
+    aim_z: float = 0.0
+    push_x: float = 0.0  # and its acceleration
+    push_y: float = 0.0
+
+
+@dataclass(slots=True)
+class Sample:
+    """A moment of a track [s, m, m/s]."""
+
+    time: float = 0.0
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    vx: float = 0.0
+    vy: float = 0.0
+    vz: float = 0.0
+
+
+def _numbers(*names: str) -> np.dtype[Any]:
+    return np.dtype([(name, np.float64) for name in names])
+
+
+_VECTOR, _BOUNDS, _SEGMENT, _TUNING = (_numbers(*kind._fields) for kind in (Vector, Bounds, Segment, Tuning))
+_STATE, _SAMPLE = (_numbers(*(field.name for field in fields(kind))) for kind in (State, Sample))
+_PROFILE = np.dtype([("segments", _SEGMENT, (MOST_SEGMENTS,)), *_numbers(*Profile._fields[1:]).descr])
+_OF_A_LEG = {
+    **dict.fromkeys(("origin", "target", "direction", "center"), (_VECTOR,)),
+    **dict.fromkeys(("speeds", "accel"), (_BOUNDS,)),
+    "profile": (_PROFILE,),
+    "cubic": (_VECTOR, (4,)),
+    "tangents": (_VECTOR, (2,)),
+}
+_LEG = np.dtype([(name, *_OF_A_LEG.get(name, (np.float64,))) for name in Leg._fields])
+_NO_SEGMENT = Segment(math.inf, *[0.0] * 6)
+_state, _sample = attrgetter(*_STATE.names or ()), attrgetter(*_SAMPLE.names or ())
+
+
+def packed(one: State | Tuning) -> Any:
+    """An array of one record, for the compiled code."""
+    return np.array(_state(one)).view(_STATE) if isinstance(one, State) else np.array(one).view(_TUNING)
+
+
+def flat(leg: Leg) -> Numbers:
+    """All numbers of a leg, for `packed_legs`."""
+    segments, *rest = leg.profile
+    missing = MOST_SEGMENTS - len(segments)
+    numbers = [leg.kind, *leg.origin, *leg.target, *leg.direction, leg.length, *leg.speeds]
+    numbers += [*chain(*segments, _NO_SEGMENT * missing), *rest, *chain(*leg.cubic, *leg.tangents)]
+    return np.array([*numbers, *leg.accel, leg.leave, leg.lasts, leg.turn, *leg.center])
+
+
+def packed_legs(legs: Sequence[Numbers]) -> Any:
+    """An array of as many records as `flat` legs, for the compiled code."""
+    return np.concatenate(legs).view(_LEG)
+
+
+def unpacked(state: Any) -> State:
+    """The state that the compiled code has left."""
+    return State(*state[0].item())
+
+
+def room_for(count: int, compiled: bool) -> Any:
+    """Room for so many samples."""
+    return np.empty(count, dtype=_SAMPLE) if compiled else [Sample() for _ in range(count)]
+
+
+def rows(samples: Any) -> Points:
+    """Samples as numbers: time, place, velocity (n, 7)."""
+    if isinstance(samples, np.ndarray):
+        return samples.view(np.float64).reshape(-1, 7)
+    return np.array([_sample(one) for one in samples], dtype=np.float64).reshape(-1, 7)

@@ -1,0 +1,365 @@
+"""ArduCopter step by step: the path's clock, the legs that overlap, the controllers, the vehicle that follows.
+
+Plain scalar code on named state, so that the same lines run as Python and compiled: see `compiled`, and `motion` for
+what the arguments are.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.arducopter.dynamics import ways
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import THINNING
+from ipoa_mission.vehicles.arducopter.dynamics.motion import (
+    CLIMB,
+    DESCENT,
+    HOLD,
+    NOTHING,
+    SPLINE,
+    STEP,
+    STRAIGHT,
+    Bounds,
+    Leg,
+    Sample,
+    State,
+    Tuning,
+)
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Triple = tuple[float, float, float]
+jit: Callable[[Function], Function] = globals().get("jit", lambda function: function)
+
+along, on_way = jit(ways.along), jit(ways.on_way)
+SAMPLE_STEPS = 5  # a sample of the track every so many steps
+SETTLED_S, STEADY = 30.0, 1e-6  # after so long, and with no more acceleration, a cruise goes on as it is [s, m/s^2]
+
+
+# --- legs -----------------------------------------------------------------------------------------------------------
+
+
+@jit
+def along_limit(x: float, y: float, z: float, limits: Bounds) -> float:
+    """The most that a vector along the unit direction (x, y, z) may have: `limits` are those level, up and down."""
+    level, vertical = math.sqrt(x * x + y * y), limits.up if z > 0.0 else limits.down
+    if level < 1e-9:
+        return vertical
+    if abs(z) < 1e-9:
+        return limits.level / level
+    return min(limits.level / level, vertical / abs(z))
+
+
+@jit
+def bend(leg: Leg, u: float) -> tuple[Triple, Triple, float, float]:
+    """A spline leg at parameter u: place, unit direction, length of its derivative, speed that the bend allows."""
+    a, b, c, d = leg.cubic[0], leg.cubic[1], leg.cubic[2], leg.cubic[3]
+    px, vx, ax = a.x + u * (b.x + u * (c.x + u * d.x)), b.x + u * (2 * c.x + 3 * u * d.x), 2 * c.x + 6 * u * d.x
+    py, vy, ay = a.y + u * (b.y + u * (c.y + u * d.y)), b.y + u * (2 * c.y + 3 * u * d.y), 2 * c.y + 6 * u * d.y
+    pz, vz, az = a.z + u * (b.z + u * (c.z + u * d.z)), b.z + u * (2 * c.z + 3 * u * d.z), 2 * c.z + 6 * u * d.z
+    rate = math.sqrt(vx * vx + vy * vy + vz * vz)
+    if rate < 1e-6:  # at rest the curve leaves along its second derivative
+        size = math.sqrt(ax * ax + ay * ay + az * az)
+        if size < 1e-9:
+            return (px, py, pz), (0.0, 0.0, 0.0), 0.0, 0.0
+        vx, vy, vz = ax / size, ay / size, az / size
+        return (px, py, pz), (vx, vy, vz), 0.0, along_limit(vx, vy, vz, leg.speeds)
+    vx, vy, vz = vx / rate, vy / rate, vz / rate
+    top = along_limit(vx, vy, vz, leg.speeds)
+    inward = ax * vx + ay * vy + az * vz
+    ax, ay, az = ax - inward * vx, ay - inward * vy, az - inward * vz
+    across = math.sqrt(ax * ax + ay * ay + az * az)
+    if across > 1e-9:
+        most = along_limit(ax / across, ay / across, az / across, leg.accel)
+        top = min(top, rate * math.sqrt(most / across))
+    return (px, py, pz), (vx, vy, vz), rate, top
+
+
+# --- guidance: where the target is, and how it moves ---------------------------------------------------------------
+
+
+@jit
+def clock_step(state: State, tuning: Tuning) -> float:
+    """The path's clock, which slows down where the vehicle does not keep up; how far it moves in a step [s]."""
+    wanted = 1.0
+    square = state.aim_x**2 + state.aim_y**2 + state.aim_z**2
+    if square > 1e-12:
+        flown = state.vx * state.aim_x + state.vy * state.aim_y + state.rate * state.aim_z**2
+        behind = (state.target_x - state.x) * state.aim_x + (state.target_y - state.y) * state.aim_y
+        wanted = min(max(0.05 + (flown - tuning.p_position * behind) / square, 0.0), 1.0)
+    state.rate += (wanted - state.rate) * tuning.slowing
+    return state.rate * STEP
+
+
+@jit
+def add_leg(state: State, leg: Leg, t: float, way_back: float) -> None:
+    """Add the motion along a leg to the target's; `way_back` is where its way counts from [m]."""
+    a, v, s = along(leg, t)
+    (x, y, z), (vx, vy, vz), (ax, ay, _) = on_way(leg, a, v, s, way_back)
+    state.target_x, state.aim_x, state.push_x = state.target_x + x, state.aim_x + vx, state.push_x + ax
+    state.target_y, state.aim_y, state.push_y = state.target_y + y, state.aim_y + vy, state.push_y + ay
+    state.target_z, state.aim_z = state.target_z + z, state.aim_z + vz
+
+
+@jit
+def turn_is_gentle(this: Leg, following: Leg, elapsed: float, tuning: Tuning) -> bool:
+    """Whether the next leg may begin now: the middle of the overlap lies within radius and corner acceleration."""
+    half = (this.profile.lasts - elapsed) / 2
+    a, v, s = along(this, elapsed + half)
+    (x, y, z), _, (ax, ay, az) = on_way(this, a, v, s, this.length)
+    a, v, s = along(following, half)
+    (x2, y2, z2), _, (ax2, ay2, az2) = on_way(following, a, v, s, 0.0)
+    x, y, z = x + x2, y + y2, z + z2
+    if x * x + y * y + z * z >= tuning.radius**2:
+        return False
+    x, y, z = ax + ax2, ay + ay2, az + az2
+    return x * x + y * y < tuning.corner_accel**2 and abs(z) < tuning.accel_z
+
+
+@jit
+def along_legs(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning, h: float) -> bool:
+    """What is left of the leg before, this leg, and the next one where they overlap; whether this one is over."""
+    state.clock += h
+    state.target_x, state.target_y, state.target_z = this.origin.x, this.origin.y, this.origin.z
+    state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
+    add_leg(state, this, state.clock, 0.0)
+    if before.kind == STRAIGHT:
+        state.clock_before += h
+        add_leg(state, before, state.clock_before, before.length)
+    rest = this.profile.lasts - state.clock
+    finished = rest <= 0.0
+    if following.kind == STRAIGHT:
+        if state.clock_next > 0.0:
+            state.clock_next += h
+        elif (
+            state.clock >= this.profile.falls
+            and 0.0 < rest <= following.profile.risen
+            and turn_is_gentle(this, following, state.clock, tuning)
+        ):
+            state.clock_next = h / 2  # it could have begun anywhere within this step
+        if state.clock_next > 0.0:
+            add_leg(state, following, state.clock_next, 0.0)
+            finished = finished or state.clock_next >= rest
+    state.speed = math.sqrt(state.aim_x**2 + state.aim_y**2 + state.aim_z**2)
+    return finished
+
+
+@jit
+def along_spline(state: State, this: Leg, h: float) -> bool:
+    """The target on a curve, as fast as its bends and its end allow; whether it is over."""
+    state.clock += h
+    (x, y, z), (dx, dy, dz), length, top = bend(this, min(state.share, 1.0))
+    left = math.sqrt((this.target.x - x) ** 2 + (this.target.y - y) ** 2 + (this.target.z - z) ** 2)
+    most = along_limit(dx, dy, dz, this.accel)
+    top, speed = min(top, math.sqrt(2 * most * left + this.leave**2)), state.speed
+    speed = max(speed - most * h, top) if speed > top else min(speed + most * h, top)
+    if state.share >= 1.0:  # at its end, where the vehicle is not yet: wait for it there
+        speed = 0.0
+    state.target_x, state.target_y, state.target_z = x, y, z
+    state.aim_x, state.aim_y, state.aim_z = speed * dx, speed * dy, speed * dz
+    state.push_x = state.push_y = 0.0
+    state.speed = speed
+    if length > 1e-6:
+        state.share += speed * h / length
+    else:
+        c = this.cubic[2]
+        size = 2 * math.sqrt(c.x * c.x + c.y * c.y + c.z * c.z)
+        state.share += math.sqrt(2 * speed * h / size) if size > 1e-9 else 1.0
+    return state.share >= 1.0
+
+
+@jit
+def towards(error: float, accel: float, gain: float) -> float:
+    """The square-root law: linear near the goal, then the speed from which `accel` can still stop in time."""
+    linear = accel / (gain * gain)
+    if abs(error) <= linear:
+        return gain * error
+    return math.copysign(math.sqrt(2 * accel * (abs(error) - linear / 2)), error)
+
+
+@jit
+def upright(state: State, this: Leg, tuning: Tuning) -> bool:
+    """Over one place: stay, or climb or come down by velocity shaping; whether that is over."""
+    state.target_x, state.target_y, top = this.target.x, this.target.y, this.target.z
+    state.aim_x = state.aim_y = state.push_x = state.push_y = 0.0
+    state.rate = 1.0
+    if this.kind == HOLD:
+        state.clock += STEP
+        state.target_z, state.aim_z = top, 0.0
+        return state.clock >= this.lasts
+    gain = tuning.jerk_z / tuning.accel_z
+    if this.kind == CLIMB:
+        wanted = min(towards(top - state.z, tuning.accel_z / 2, gain / 2), this.speeds.up)
+    else:
+        fall = towards(tuning.land_low - state.z, tuning.accel_z, tuning.p_height)
+        wanted = min(max(fall, -max(tuning.land_speed_high, tuning.land_speed)), -tuning.land_speed)
+    jerk = tuning.jerk_z * STEP
+    accel = min(max(gain * (wanted - state.vz), -tuning.accel_z), tuning.accel_z)
+    state.az += min(max(accel - state.az, -jerk), jerk)
+    state.aim_z = state.vz + state.az * STEP
+    state.target_z = state.z + state.aim_z * STEP
+    if this.kind == DESCENT:
+        return state.target_z <= top
+    return state.target_z >= this.origin.z + 0.9 * (top - this.origin.z) and state.aim_z < 0.1 * this.speeds.up
+
+
+# --- control and body -----------------------------------------------------------------------------------------------
+
+
+@jit
+def control(state: State, tuning: Tuning) -> None:
+    """Position to velocity to lean, on the vehicle as it will be at the end of the step."""
+    x, y = state.target_x - state.x - state.vx * STEP, state.target_y - state.y - state.vy * STEP
+    x = state.aim_x + tuning.p_position * x - state.vx - state.ax * STEP
+    y = state.aim_y + tuning.p_position * y - state.vy - state.ay * STEP
+    gain_x, gain_y = tuning.smoothing * (x - state.error_x), tuning.smoothing * (y - state.error_y)
+    ex, ey = state.error_x + gain_x, state.error_y + gain_y
+    x = state.push_x + tuning.p_velocity * ex + state.integral_x + tuning.d_velocity * gain_x / STEP
+    y = state.push_y + tuning.p_velocity * ey + state.integral_y + tuning.d_velocity * gain_y / STEP
+    sum_x, sum_y = state.integral_x + tuning.i_velocity * ex * STEP, state.integral_y + tuning.i_velocity * ey * STEP
+    if x * x + y * y > tuning.most_lean**2:
+        x, y = within_lean(x, y, state.aim_x, state.aim_y, tuning.most_lean)
+        grown, was = math.sqrt(sum_x**2 + sum_y**2), math.sqrt(state.integral_x**2 + state.integral_y**2)
+        if ex * x + ey * y > 0.0 and grown > was:  # no winding up
+            sum_x, sum_y = sum_x * was / grown, sum_y * was / grown
+    state.error_x, state.error_y, state.integral_x, state.integral_y = ex, ey, sum_x, sum_y
+    state.asked_x, state.asked_y = x, y
+
+
+@jit
+def within_lean(x: float, y: float, aim_x: float, aim_y: float, most: float) -> tuple[float, float]:
+    """What is asked for cut to the greatest lean: what is across the path is served before what is along it."""
+    flat = math.sqrt(aim_x * aim_x + aim_y * aim_y)
+    if flat < 1e-9:
+        size = most / math.sqrt(x * x + y * y)
+        return x * size, y * size
+    dx, dy = aim_x / flat, aim_y / flat
+    across = min(max(dx * y - dy * x, -most), most)
+    room = math.sqrt(most * most - across * across)
+    onward = min(max(dx * x + dy * y, -room), room)
+    return onward * dx - across * dy, onward * dy + across * dx
+
+
+@jit
+def move(state: State, tuning: Tuning) -> None:
+    """The vehicle: lean follows the command, drag acts along the leaning body; its height is the target's."""
+    state.shaped_x += (state.asked_x - state.shaped_x) * tuning.leaning
+    state.shaped_y += (state.asked_y - state.shaped_y) * tuning.leaning
+    state.lean_x += (state.shaped_x - state.lean_x) * tuning.turning
+    state.lean_y += (state.shaped_y - state.lean_y) * tuning.turning
+    turn_nose(state, tuning)
+    climbed = state.aim_z * state.rate
+    state.vz = climbed + tuning.p_height * (state.target_z - state.z - climbed * STEP)
+    x, y, lift = drag(state, tuning)
+    state.load = 1.0 - lift / GRAVITY
+    state.ax, state.ay = state.lean_x * state.load + x, state.lean_y * state.load + y
+    state.vx, state.vy = state.vx + state.ax * STEP, state.vy + state.ay * STEP
+    state.x, state.y, state.z = state.x + state.vx * STEP, state.y + state.vy * STEP, state.z + state.vz * STEP
+    state.time += STEP
+
+
+@jit
+def turn_nose(state: State, tuning: Tuning) -> None:
+    """Turn the nose to where the target moves, once it moves, as quickly as the autopilot does."""
+    fast = state.aim_x**2 + state.aim_y**2
+    if tuning.slew <= 0.0 or fast <= tuning.turning_from**2:
+        return
+    onward = state.nose_x * state.aim_x + state.nose_y * state.aim_y
+    if onward > 0.0 and fast - onward * onward < 1e-12 * fast:  # it looks there
+        return
+    error = (math.atan2(state.aim_x, state.aim_y) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
+    state.yaw += min(max(error, -tuning.slew), tuning.slew)
+    state.nose_x, state.nose_y = math.sin(state.yaw), math.cos(state.yaw)
+
+
+@jit
+def drag(state: State, tuning: Tuning) -> Triple:
+    """Acceleration by the air: of the rotors against the way through it, of the body along each of its axes."""
+    gust = 1.0
+    if state.z < tuning.gradient_height and tuning.gradient_height > 0.0:
+        gust = (max(state.z, 0.0) / tuning.gradient_height) ** tuning.wind_exponent
+    x, y, z = state.vx - gust * tuning.wind_east, state.vy - gust * tuning.wind_north, state.vz
+    size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
+    nx, ny, nz = state.lean_x / size, state.lean_y / size, GRAVITY / size  # up, forward and left along the body
+    fx, fy = state.nose_x, state.nose_y
+    tilt = fx * nx + fy * ny
+    size = math.sqrt(1.0 - tilt * tilt)
+    fx, fy, fz = (fx - tilt * nx) / size, (fy - tilt * ny) / size, -tilt * nz / size
+    sx, sy, sz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
+    up, on, aside = x * nx + y * ny + z * nz, x * fx + y * fy + z * fz, x * sx + y * sy + z * sz
+    thinner = THINNING * state.z
+    k = tuning.body_drag * (1.0 - thinner)
+    up, on, aside = k * up * abs(up), k * on * abs(on), k * aside * abs(aside)
+    k = tuning.rotor_drag * (1.0 - thinner / 2.0) * math.sqrt(state.load / nz)
+    return (
+        -k * x - up * nx - on * fx - aside * sx,
+        -k * y - up * ny - on * fy - aside * sy,
+        -k * z - up * nz - on * fz - aside * sz,
+    )
+
+
+@jit
+def step(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning) -> bool:
+    """Let one step pass; whether the leg counts as passed."""
+    if this.kind == STRAIGHT:
+        finished = along_legs(state, before, this, following, tuning, clock_step(state, tuning))
+    elif this.kind == SPLINE:
+        finished = along_spline(state, this, clock_step(state, tuning))
+    else:
+        finished = upright(state, this, tuning)
+    control(state, tuning)
+    move(state, tuning)
+    if this.kind > SPLINE or following.kind > NOTHING:
+        return finished
+    ex, ey = this.target.x - state.x, this.target.y - state.y
+    return finished and ex * ex + ey * ey <= tuning.radius**2
+
+
+@jit
+def pass_over_cruise(state: State, this: Leg) -> None:
+    """Pass over the middle of a long level leg, where all has settled and nothing changes until it brakes."""
+    left = this.profile.falls - state.clock - SETTLED_S
+    if (
+        this.kind != STRAIGHT
+        or this.turn != 0.0
+        or left < SETTLED_S
+        or state.clock < this.profile.risen + SETTLED_S
+        or state.rate <= 0.0
+    ):
+        return
+    if this.direction.z != 0.0 or abs(state.ax) + abs(state.ay) > STEADY:
+        return
+    way = left * along(this, state.clock)[1]
+    state.x, state.y = state.x + way * this.direction.x, state.y + way * this.direction.y
+    state.time, state.clock = state.time + left / state.rate, state.clock + left
+
+
+@jit
+def fly_leg(states: Sequence[State], legs: Sequence[Leg], tunings: Sequence[Tuning], samples: Sequence[Sample]) -> int:
+    """Fly until the leg counts as passed; how many samples that took.
+
+    -1 if there is not room for as many, -2 if the copter is blown off its path. The legs are the one before, this and
+    the following; states and tunings are one of each.
+    """
+    state, tuning = states[0], tunings[0]
+    before, this, following = legs[0], legs[1], legs[2]
+    used, count, passed = 0, 0, False
+    while not passed:
+        passed = step(state, before, this, following, tuning)
+        pass_over_cruise(state, this)
+        count += 1
+        if count % SAMPLE_STEPS == 0:
+            if used >= len(samples):
+                return -1
+            keep(state, samples[used])
+            used += 1
+            x, y = state.target_x - state.x, state.target_y - state.y
+            if x * x + y * y > tuning.most_astray**2:
+                return -2
+    return used
+
+
+@jit
+def keep(state: State, sample: Sample) -> None:
+    """Note the vehicle as it is now."""
+    sample.time, sample.x, sample.y, sample.z = state.time, state.x, state.y, state.z
+    sample.vx, sample.vy, sample.vz = state.vx, state.vy, state.vz

@@ -1,0 +1,128 @@
+"""ArduCopter's limits by its parameters, in SI units, and how it leaves the ground and lands.
+
+Parameters are known by the names of 4.7 (metres) and of before (centimetres). The times on the ground are read from its
+land detector and measured on its simulated flights; docs/flight-time.md says which.
+"""
+
+import math
+from dataclasses import dataclass
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.arducopter.book import BOOK
+from ipoa_mission.vehicles.parameters import Parameters
+
+ARMING_DELAY_S = 2.0  # motors stand still for so long after arming, whatever the mode
+LIFT_S = 0.2  # from motors at full spin until the thrust carries the vehicle
+THROTTLE_DOWN_S = 0.58  # from touching down until the throttle is at its least
+LAND_DETECTOR_S = 1.0  # for so long it must stay there, before the motors spool down and the vehicle disarms
+CENTIMETRE = 0.01  # in which ArduCopter keeps the height of a place [m]
+
+EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the nose follows the way, but for RTL, where it keeps its heading
+
+POSITIVE = (
+    "WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL", "WPNAV_ACCEL_Z", "WPNAV_JERK", "WPNAV_RADIUS",
+    "PSC_JERK_Z", "PSC_POSXY_P", "PSC_VELXY_FLTE", "PSC_POSZ_P", "ANGLE_MAX", "LAND_SPEED",
+)  # fmt: skip
+
+
+def usable(parameters: Parameters) -> Parameters:
+    """The same without values that ArduCopter would not fly with: those that must be positive and are not."""
+    return {name: value for name, value in parameters.items() if name not in POSITIVE or value > 0}
+
+
+@dataclass(frozen=True)
+class CopterLimits:
+    """What moves an ArduCopter along a mission: m, s, m/s, m/s^2, m/s^3, m/s^4, rad; gains in 1/s; a filter in Hz."""
+
+    speed: float
+    climb: float
+    descent: float
+    accel: float
+    accel_z: float
+    corner_accel: float
+    jerk: float
+    snap: float
+    jerk_z: float
+    radius: float
+    lean: float
+    lean_lag: float
+    spool_up: float
+    land_speed: float
+    land_speed_high: float
+    land_low: float
+    rtl_height: float
+    rtl_climb: float
+    rtl_cone: float
+    rtl_speed: float
+    rtl_loiter: float
+    rtl_final: float
+    circle_radius: float
+    circle_rate: float
+    p_position: float
+    p_velocity: float
+    i_velocity: float
+    d_velocity: float
+    velocity_filter: float
+    p_height: float
+    yaw_rate: float
+    rtl_turns: bool
+    sees_ground: bool
+
+
+def copter_limits(parameters: Parameters) -> CopterLimits:
+    """The limits that these parameters set; what is not given has ArduCopter 4.7's default.
+
+    Jerk and snap are what the S-curves use: WPNAV_JERK and the attitude controller's rates limit the first, the lean's
+    time constant (as leaning is what accelerates a multirotor) and its angular acceleration, halved, the second.
+
+    Raises:
+        BadInput: a parameter that must be positive is not.
+    """
+    p = BOOK.complete(parameters)
+    for name in POSITIVE:
+        if not p[name] > 0:
+            raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")
+    turning = math.radians(min(p["ATC_RATE_R_MAX"], p["ATC_RATE_P_MAX"]))
+    jerk = min(p["WPNAV_JERK"], turning * GRAVITY) if turning > 0 else p["WPNAV_JERK"]
+    snap = jerk * math.pi / (2 * max(p["ATC_INPUT_TC"], 0.1))
+    spinning = math.radians(min(p["ATC_ACCEL_R_MAX"], p["ATC_ACCEL_P_MAX"]) / 100)
+    if spinning > 0:
+        snap = min(snap, spinning * GRAVITY)
+    lean_deg = p["PSC_ANGLE_MAX"] if p["PSC_ANGLE_MAX"] > 0 else p["ANGLE_MAX"] / 100
+    accel, descent = p["WPNAV_ACCEL"] / 100, p["WPNAV_SPEED_DN"] / 100
+    return CopterLimits(
+        speed=p["WPNAV_SPEED"] / 100,
+        climb=p["WPNAV_SPEED_UP"] / 100,
+        descent=descent,
+        accel=accel,
+        accel_z=p["WPNAV_ACCEL_Z"] / 100,
+        corner_accel=p["WPNAV_ACCEL_C"] / 100 if p["WPNAV_ACCEL_C"] > 0 else 2 * accel,
+        jerk=jerk,
+        snap=snap / 2,
+        jerk_z=p["PSC_JERK_Z"],
+        radius=p["WPNAV_RADIUS"] / 100,
+        lean=math.radians(min(lean_deg, 80.0)),
+        lean_lag=max(p["ATC_INPUT_TC"], 0.05),
+        spool_up=p["MOT_SPOOL_TIME"],
+        land_speed=p["LAND_SPEED"] / 100,
+        land_speed_high=p["LAND_SPEED_HIGH"] / 100 if p["LAND_SPEED_HIGH"] > 0 else descent,
+        land_low=max(p["LAND_ALT_LOW"] / 100, 1.0),
+        rtl_height=p["RTL_ALT"] / 100,
+        rtl_climb=p["RTL_CLIMB_MIN"] / 100,
+        rtl_cone=p["RTL_CONE_SLOPE"],
+        rtl_speed=p["RTL_SPEED"] / 100 if p["RTL_SPEED"] > 0 else p["WPNAV_SPEED"] / 100,
+        rtl_loiter=p["RTL_LOIT_TIME"] / 1000,
+        rtl_final=p["RTL_ALT_FINAL"] / 100,
+        circle_radius=p["CIRCLE_RADIUS"] / 100,
+        circle_rate=math.radians(abs(p["CIRCLE_RATE"])),
+        p_position=p["PSC_POSXY_P"],
+        p_velocity=p["PSC_VELXY_P"],
+        i_velocity=p["PSC_VELXY_I"],
+        d_velocity=p["PSC_VELXY_D"],
+        velocity_filter=p["PSC_VELXY_FLTE"],
+        p_height=p["PSC_POSZ_P"],
+        rtl_turns=p["WP_YAW_BEHAVIOR"] != EXCEPT_RTL,
+        sees_ground=p["RNGFND1_TYPE"] > 0,
+        yaw_rate=math.radians(p["ATC_SLEW_YAW"] / 100) if p["WP_YAW_BEHAVIOR"] > 0 else 0.0,
+    )

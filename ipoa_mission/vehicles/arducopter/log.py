@@ -1,0 +1,196 @@
+"""A log that ArduPilot itself wrote (`.bin`): where it was, what it did and measured, its items, how it was set."""
+
+import math
+import re
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.commands import Frame
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.items import Item
+from ipoa_mission.link.logged import Begun, Fixes, Held, Log, LogFormat, item_begun, presence
+from ipoa_mission.link.measured import Battery, Measured
+from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
+from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.vehicles.arducopter.dataflash import read_records
+from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1
+HOME = 1  # ORGN.Type
+FLOAT = 9  # MAV_PARAM_TYPE_REAL32
+#: Batteries; each a record of its own until 4.0 gave BAT an instance: CURR before 3.7.
+BATTERIES = {"BAT": 0, "CURR": 0, "BAT2": 1, "CUR2": 1, "BAT3": 2, "BAT4": 3}
+#: BATTn_MONITOR of those that count another battery once more (ESCs, sum), or fuel.
+SECONDHAND = frozenset({9, 10, 11, 12, 18, 24, 27})
+KINDS = frozenset({*BATTERIES, "POS", "XKF1", "NKF1", "ATT", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
+#: What flew, in the log's own words: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
+NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
+
+
+@dataclass
+class _Gathered:
+    """What the records have told so far; times by the autopilot's clock [s]."""
+
+    fixes: list[tuple[float, ...]] = field(default_factory=list)
+    velocities: list[tuple[float, ...]] = field(default_factory=list)
+    events: list[tuple[float, Message]] = field(default_factory=list)
+    arming: list[tuple[float, bool]] = field(default_factory=list)
+    modes: list[tuple[float, int]] = field(default_factory=list)
+    items: dict[int, Item] = field(default_factory=dict)
+    batteries: dict[int, list[Battery]] = field(default_factory=dict)
+    attitude: list[tuple[float, ...]] = field(default_factory=list)
+    begins: float | None = None
+    opened_by_arming: bool = True
+    vehicle: str = ""
+    version: str = ""
+
+
+def read_copter_log(path: Path) -> Log:
+    """Positions (POS) and events: arming, modes, items begun (MISE; before 4.5 the words in MSG), mission, parameters.
+
+    Raises:
+        BadInput: the file cannot be read, holds no positions, or is of another vehicle than a copter.
+    """
+    gathered = _Gathered()
+    for kind, values in read_records(path, KINDS):
+        with suppress(KeyError, TypeError, ValueError):  # a record whose layout is spoiled tells nothing
+            _note(gathered, kind, values)
+    if gathered.vehicle and gathered.vehicle != "Copter":
+        raise BadInput(f"{path}: expected the log of a copter, not of ArduPilot's {gathered.vehicle}")
+    if len(gathered.fixes) < 2:
+        raise BadInput(f"{path}: expected an ArduPilot log with positions (POS), but there are none")
+    fixes = _fixes(np.array(gathered.fixes), np.array(gathered.velocities))
+    measured = Measured.of(_batteries(gathered), gathered.attitude)
+    return Log(ARDUCOPTER, fixes, (*_states(gathered), *gathered.events), gathered.version, measured=measured)
+
+
+def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
+    """One record."""
+    time = values["TimeUS"] / 1e6
+    if gathered.begins is None:
+        gathered.begins = time
+    messages: list[Message] = []
+    match kind:
+        case "POS":
+            gathered.fixes.append((time, *(values[name] for name in ("Lat", "Lng", "Alt", "RelHomeAlt"))))
+        case "XKF1" | "NKF1" if values.get("C", 0) == 0:
+            gathered.velocities.append((time, values["VN"], values["VE"], values["VD"]))
+        case "ATT":
+            roll, pitch, yaw = (math.radians(values[name]) for name in ("Roll", "Pitch", "Yaw"))
+            gathered.attitude.append((time, roll, pitch, yaw))
+        case _ if kind in BATTERIES:
+            number = values.get("Inst", values.get("Instance", BATTERIES[kind]))
+            unit = 0.01 if "Throttle" in values else 1.0  # 3.3 wrote hundredths
+            gathered.batteries.setdefault(number, []).append((time, values["Volt"] * unit, values["Curr"] * unit))
+        case "MODE":
+            gathered.modes.append((time, values["ModeNum"]))
+        case "ARM":
+            gathered.arming.append((time, bool(values["ArmState"])))
+        case "EV" if values["Id"] in (ARMED_EVENT, DISARMED_EVENT):
+            gathered.arming.append((time, values["Id"] == ARMED_EVENT))
+        case "MISE":
+            begins = Begun(values["CNum"], values["CTot"], _item(values))
+            messages = [begins, Current(begins.seq, begins.total)]
+        case "CMD":
+            messages = _list(gathered.items, values)
+        case "ORGN" if values["Type"] == HOME:
+            messages = [HomePosition(values["Lat"], values["Lng"], values["Alt"])]
+        case "PARM":
+            messages = [ParamValue(values["Name"], values["Value"], FLOAT, 0, 0)]
+            if values["Name"] == "LOG_DISARMED":
+                gathered.opened_by_arming = values["Value"] == 0
+        case "MSG":
+            text = values["Message"]
+            begun, named = item_begun(text), NAMED.match(text)
+            messages = [*([begun] if begun else []), Text(INFO, text)]
+            if named:
+                gathered.vehicle, gathered.version = named.groups()
+    gathered.events += [(time, message) for message in messages]
+
+
+def _batteries(gathered: _Gathered) -> list[list[Battery]]:
+    """The batteries that were measured themselves, if any was."""
+    monitors = {message.param_id: message.param_value for _, message in gathered.events if type(message) is ParamValue}
+    names = {number: f"BATT{number + 1 if number else ''}_MONITOR" for number in gathered.batteries}
+    itself = [rows for number, rows in gathered.batteries.items() if monitors.get(names[number]) not in SECONDHAND]
+    return itself or list(gathered.batteries.values())
+
+
+def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
+    """One item of the vehicle's list: it writes them all, from home on, when it takes or opens a list."""
+    seq = values["CNum"]
+    if seq == 0:
+        items.clear()
+    items[seq] = _item(values)
+    whole = [items[n] for n in range(values["CTot"]) if n in items]
+    return [Held(tuple(whole))] if len(whole) == values["CTot"] == seq + 1 else []
+
+
+def _item(values: dict[str, Any]) -> Item:
+    """An item; before 4.1 its record had no frame, and altitudes are taken to be above home."""
+    frame = values.get("Frame", Frame.GLOBAL if values["CNum"] == 0 else Frame.GLOBAL_RELATIVE_ALT)
+    params = (values["Prm1"], values["Prm2"], values["Prm3"], values["Prm4"])
+    return Item(values["CId"], frame, params, values["Lat"], values["Lng"], values["Alt"])
+
+
+def _states(gathered: _Gathered) -> list[tuple[float, Message]]:
+    """A heartbeat at every change of arming or mode.
+
+    With LOG_DISARMED 0 a log is opened by the arming, and has no record of it.
+    """
+    begins = gathered.begins or 0.0
+    armed = not gathered.arming[0][1] if gathered.arming else gathered.opened_by_arming
+    mode = 0
+    states: list[tuple[float, Message]] = []
+    if not armed or gathered.opened_by_arming:
+        states.append((begins, presence(ARDUCOPTER, False, mode)))
+    if armed:
+        states.append((begins, presence(ARDUCOPTER, True, mode)))
+    changes: list[tuple[float, bool | None, int | None]] = [(time, to, None) for time, to in gathered.arming]
+    changes += [(time, None, to) for time, to in gathered.modes]
+    for time, arming, turned in sorted(changes, key=lambda change: change[0]):
+        armed = armed if arming is None else arming
+        mode = mode if turned is None else turned
+        states.append((time, presence(ARDUCOPTER, armed, mode)))
+    return states
+
+
+def _fixes(rows: Points, velocities: Points) -> Fixes:
+    rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
+    times, latitude, longitude, altitude, _ = rows.T
+    if len(velocities) > 1:
+        velocity = np.column_stack([np.interp(times, velocities[:, 0], axis) for axis in velocities[:, 1:].T])
+    else:
+        velocity = _differences(times, latitude, longitude, altitude)
+    return Fixes.of(np.column_stack([rows, velocity]))
+
+
+def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:
+    """Velocity north, east, down out of positions, where the log has no estimate of it; zero off the Earth."""
+    start = Geodetic(float(latitude[0]), float(longitude[0]), float(altitude[0]))
+    places, speeds = LocalFrame(start).to_local(latitude, longitude, altitude), np.zeros((len(times), 3))
+    sound = np.isfinite(places).all(axis=1)
+    if sound.sum() > 1:
+        speeds[sound] = np.gradient(places[sound], times[sound], axis=0)
+    east, north, up = speeds.T
+    return np.column_stack([north, east, -up])
+
+
+class _Format(LogFormat):
+    """ArduPilot's DataFlash logs."""
+
+    suffix = ".bin"
+    no_mission = "the log does not have the whole list of items that was flown"
+
+    def read(self, path: Path) -> Log:
+        """What of a log is of use here."""
+        return read_copter_log(path)
+
+
+FORMAT = _Format()

@@ -1,0 +1,193 @@
+"""ArduCopter in AUTO, RTL, LAND and LOITER: what it makes of each item, and of orders while it flies."""
+
+import math
+import random
+from collections.abc import Callable, Iterator
+
+from ipoa_mission.commands import Command
+from ipoa_mission.items import Item
+from ipoa_mission.itinerary.program import Place
+from ipoa_mission.simulator.conditions import Vehicle
+from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
+from ipoa_mission.vehicles.arducopter.dynamics.leash import LeashedCopter
+from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT
+from ipoa_mission.vehicles.arducopter.limits import (
+    ARMING_DELAY_S,
+    LAND_DETECTOR_S,
+    LIFT_S,
+    THROTTLE_DOWN_S,
+    copter_limits,
+    usable,
+)
+from ipoa_mission.vehicles.parameters import Parameters
+
+
+class ArduPilotPilot:
+    """Whenever a leg is over the copter is told the next: of a procedure under way, or what comes `_then`."""
+
+    def __init__(self, body: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
+        """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
+        self._body, self._now, self._parameters = body, situation, parameters
+        limits = copter_limits(usable(parameters))
+        given = body.conditions
+        airframe = airframe_of(given.vehicle).at_altitude(situation.program.frame.home.altitude)
+        made = LeashedCopter if given.vehicle is not None and given.vehicle.leashed else Copter
+        self._copter = made(limits, given.wind, airframe, here=body.place, ground=given.ground)
+        self._landing_s = THROTTLE_DOWN_S + LAND_DETECTOR_S + airframe.landing_delay
+        self._legs: Iterator[None] = iter(())
+        self._then: Callable[[], None] | None = None
+        self._flying = False
+        self._touched_s: float | None = None
+        self._floor = self._copter.state.z
+        self._copter.face(body.yaw)
+        self._lift_s = ARMING_DELAY_S + 2.0 * limits.spool_up + LIFT_S + airframe.lift_delay
+
+    # --- orders -----------------------------------------------------------------------------------------------------
+
+    def enter(self) -> None:
+        """The mode has changed."""
+        match self._now.mode:
+            case FlightMode.MISSION:
+                self._begin(self._now.current)
+            case FlightMode.RETURN:
+                self._come_down(self._copter.return_home(self._return_goal()))
+            case FlightMode.LAND:
+                self._come_down(self._copter.land(None))
+            case FlightMode.HOLD:
+                self._stay()
+
+    def replaced(self, before: tuple[Item, ...]) -> None:
+        """Another mission lies in the store while this one is flown: go on; a waypoint that differs begins anew."""
+        now, after = self._now.current, self._now.program.items
+        ahead = slice(now, now + 3)
+        if self._then == self._arrived and before[ahead] != after[ahead] and now < len(after):
+            self._begin(now)
+
+    def _return_goal(self) -> Place:
+        return self._now.goal_of_return(self._copter.place, self._parameters)
+
+    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
+        """It knows no such order by command."""
+
+    def climb(self, height: float) -> None:
+        """Take off outside a mission, in GUIDED, to a height above home."""
+        self._take_off(height, self._stay)
+
+    @property
+    def rising(self) -> bool:
+        """Whether it still climbs to where it was told to take off to."""
+        return self._flying and self._then == self._stay
+
+    def step(self) -> None:
+        """Decide, and let the copter move."""
+        lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s
+        if self._touched_s is not None:
+            self._stand(self._now.time_s - self._touched_s)
+        elif self._flying and lifting and self._copter.step():
+            self._go_on()
+        self._tell()
+
+    # --- the mission ------------------------------------------------------------------------------------------------
+
+    def _begin(self, index: int | None) -> None:
+        """Start item `index`, doing at once those at which no time is spent."""
+        item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
+        if item is None:
+            self._stay()
+        else:
+            self._start(self._now.current, item)
+
+    def _done(self) -> None:
+        self._now.done(self._now.current)
+        self._begin(self._now.program.after(self._now.current))
+
+    def _start(self, index: int, item: Item) -> None:
+        match item.command:
+            case Command.NAV_TAKEOFF:
+                self._take_off(self._place(index)[2], self._done)
+            case Command.NAV_DELAY:
+                self._copter.hold(self._copter.wait_at(item))
+                self._then, self._flying = self._done, True
+            case _ if self._now.landed:  # it stays on the ground
+                self._flying = False
+            case Command.NAV_RETURN_TO_LAUNCH:
+                self._come_down(self._copter.return_home(self._return_goal()))
+            case Command.NAV_LAND:
+                self._come_down(self._copter.land(self._place(index) if item.has_position else None))
+            case _:
+                program = self._now.program
+                onward, stop = program.onward(index), stop_at(program, index, self._copter.place)
+                self._copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
+                self._then = self._arrived
+
+    def _place(self, index: int) -> Place:
+        return self._now.program.place(index, self._copter.place)
+
+    # --- what comes when a leg is over ------------------------------------------------------------------------------
+
+    def _go_on(self) -> None:
+        """The next leg of a procedure, or what was to come after it."""
+        if next(self._legs, self) is self and self._then is not None:
+            then, self._then = self._then, None
+            then()
+
+    def _arrived(self) -> None:
+        seconds = self._copter.wait_at(self._now.program.items[self._now.current])
+        if seconds > 0:
+            self._copter.hold(seconds)
+            self._then = self._done
+        else:
+            self._done()
+
+    def _take_off(self, height: float, then: Callable[[], None]) -> None:
+        self._copter.take_off(height)
+        self._legs, self._then = iter(()), then
+        self._now.landed, self._flying = False, True
+
+    def _come_down(self, legs: Iterator[None]) -> None:
+        """Fly the legs of an ending; the last is a descent, unless RTL stays in the air."""
+        if self._now.landed:
+            return
+        self._legs, self._then = legs, self._touch
+        next(legs)
+
+    def _touch(self) -> None:
+        if self._copter.this.kind == DESCENT:
+            self._touched_s = self._now.time_s
+            self._copter.stand(0.0)
+            self._floor = self._copter.state.z
+
+    def _stand(self, seconds: float) -> None:
+        """On the ground with the throttle running down, until it is sure to have landed."""
+        self._now.landed = seconds >= self._landing_s
+        if seconds >= self._landing_s + self._copter.spool_down:  # motors spun down
+            if self._now.mode is FlightMode.MISSION:
+                last = self._now.program.items[self._now.current].command == Command.NAV_LAND
+                self._now.done(self._now.current, announced=not last)
+                self._now.mission = MissionState.COMPLETE
+            self._now.disarm()
+            self._now.mode = FlightMode.HOLD
+            self._touched_s, self._flying = None, False
+
+    def _stay(self) -> None:
+        """Brake, and stay where that ends."""
+        self._legs, self._then = iter(()), None
+        if self._now.landed:
+            self._flying = False
+        elif not self._copter.passed:
+            self._copter.brake()
+        else:
+            self._copter.hold(math.inf)
+
+    def _tell(self) -> None:
+        """Write down where the copter is."""
+        body, state = self._body, self._copter.state
+        body.yaw = state.yaw % (2.0 * math.pi)
+        body.x, body.y, body.z = state.x, state.y, state.z
+        body.vx, body.vy, body.vz = state.vx, state.vy, state.vz
+        body.lean_x, body.lean_y = state.lean_x, state.lean_y
+        if state.z > self._floor:
+            self._floor = -math.inf  # it flies
+        body.on_ground = state.z <= self._floor

@@ -1,0 +1,66 @@
+"""What ArduPilot says to one item of a list that is uploaded to it, read in its source: taken, or why not."""
+
+import math
+from collections.abc import Sequence
+
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.refusal import POLYGON, Refused
+
+DEG_E7 = 1e-7
+INT16_MIN, INT16_MAX = -(2**15), 2**15 - 1
+MOST_VERTICES = 255  # of a polygon, which are counted in eight bits
+
+
+def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:
+    """Why a mission of `count` items on the wire with this item is refused; None where it is taken."""
+    may_be_nan = (firmware.takes_nan or {}).get(command, frozenset())
+    for n, value in enumerate(values[:4], start=1):
+        if math.isinf(value) or (math.isnan(value) and n not in may_be_nan):
+            return Refused(f"INVALID_PARAM{n}", n, f"expected a number, not {value:g}")
+    if command in (0, 1):
+        return Refused("INVALID")
+    if not firmware.takes(command):
+        return Refused("UNSUPPORTED")
+    if command in firmware.placed:
+        if wrong := _no_place(values, frame):
+            return wrong
+        if not abs(values[6]) < firmware.highest_altitude:
+            return Refused("INVALID_PARAM7", 7, f"expected an altitude within {firmware.highest_altitude:g} m")
+        if frame not in firmware.frames:
+            return Refused("UNSUPPORTED_FRAME")
+    if command == Command.DO_JUMP and not 0 < int(values[0]) < count:
+        return Refused("ERROR", 1, "expected the number of an item")
+    return None
+
+
+def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+    """The same for an item of a fence."""
+    if frame not in firmware.frames - {Frame.MISSION}:
+        return Refused("UNSUPPORTED_FRAME")
+    if command not in firmware.fence:
+        return Refused("UNSUPPORTED")
+    if command in POLYGON and values[0] > MOST_VERTICES:
+        return Refused("INVALID_PARAM1", 1, f"expected {MOST_VERTICES} vertices at most")
+    return None
+
+
+def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+    """The same for a rally point."""
+    if command not in firmware.rally:
+        return Refused("UNSUPPORTED")
+    if wrong := _no_place(values, frame):
+        return wrong
+    if values[6] < INT16_MIN or values[6] > INT16_MAX:
+        return Refused("INVALID_PARAM7", 7, "expected an altitude in sixteen bits")
+    return None if frame in firmware.frames - {Frame.MISSION} else Refused("UNSUPPORTED_FRAME")
+
+
+def _no_place(values: Sequence[float], frame: int) -> Refused | None:
+    """What is no latitude or longitude; in frame 2 it goes over the wire as it is, and is read in steps of 1e-7."""
+    unit = DEG_E7 if frame == Frame.MISSION else 1.0
+    if not abs(values[4]) * unit <= 90.0:
+        return Refused("INVALID_PARAM5_X", 5, f"expected a latitude, not {values[4]:g}")
+    if not abs(values[5]) * unit <= 180.0:
+        return Refused("INVALID_PARAM6_Y", 6, f"expected a longitude, not {values[5]:g}")
+    return None

@@ -1,0 +1,201 @@
+"""ArduCopter 4.x in AUTO: the mission's items in its order, each flown to its end by the model of the copter.
+
+Sources: ArduPilot's documentation of S-curves and spline waypoints, and the recorded flights.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from ipoa_mission.commands import LAST_NAV, Command
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geometry import Points
+from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.itinerary.program import Place
+from ipoa_mission.timing.prediction import Prediction, Track
+from ipoa_mission.timing.reasons import corner_deg, slow_because
+from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, Stop, stop_at
+from ipoa_mission.vehicles.arducopter.dynamics.leash import LeashedCopter
+from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
+from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT, STRAIGHT
+from ipoa_mission.vehicles.arducopter.limits import (
+    ARMING_DELAY_S,
+    LAND_DETECTOR_S,
+    LIFT_S,
+    THROTTLE_DOWN_S,
+    copter_limits,
+)
+from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.wind import CALM, Wind
+
+NOWHERE = (math.nan,) * 3
+DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half the width of the interval: seconds, and share of the time
+
+LANDING_DOUBT = 0.6  # the centimetre before LAND takes so much more or less (`copter.LAND_BELOW`) [s]
+
+#: Of these only the flight to their place is modeled.
+ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})
+TO_A_PLACE = ARDUCOPTER.guidance.flown_on_into | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
+
+
+def fly_arducopter(
+    route: Itinerary,
+    parameters: Parameters,
+    wind: Wind = CALM,
+    fast: bool | None = None,
+    airframe: Airframe = ARDUPILOT_SIMULATOR,
+    leashed: bool = False,
+) -> Prediction:
+    """Fly the itinerary as ArduCopter does; `fast` is as in `estimate`. 3.x is `leashed`.
+
+    Raises:
+        BadInput: an item never ends, or a parameter has no sense.
+        MissionError: the copter does not get on, as against a wind stronger than it can fly.
+    """
+    limits, height = copter_limits(parameters), flying_already(route)
+    made = LeashedCopter if leashed else Copter
+    copter = made(limits, wind, airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
+    flight = _Flight(route, copter, wind, airframe, height is not None)
+    for n in range(len(route.visits)):
+        try:
+            flight.reasons.append(flight.visit(n))
+        except BadInput:
+            raise
+        except MissionError as lost:
+            raise MissionError(f"items[{route.visits[n].seq - 1}]: {lost}", lost.hint) from None
+        flight.done.append(flight.copter.state.time)
+    samples = np.concatenate(flight.samples)
+    samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
+    track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    done = np.array(flight.done, dtype=np.float64)
+    lands = np.array([visit.item.command == Command.NAV_LAND and visit.item.has_position for visit in route.visits])
+    doubt = np.hypot(DOUBT + DOUBT_SHARE * done, LANDING_DOUBT * np.maximum.accumulate(lands.astype(float)))
+    return Prediction(done, done - doubt, done + doubt, tuple(flight.reasons), track, tuple(flight.remarks))
+
+
+class _Flight:
+    """A flight under way: the copter, and what is noted of it."""
+
+    def __init__(self, route: Itinerary, copter: Copter, wind: Wind, airframe: Airframe, airborne: bool) -> None:
+        self.route, self.wind, self.copter, self.limits = route, wind, copter, copter.limits
+        self.airframe, self.top = airframe, airframe.top_speed(self.limits.lean)
+        self.airborne = airborne
+        self.done: list[float] = []
+        self.reasons: list[str] = []
+        self.remarks: list[str] = []
+        self.samples: list[Points] = []
+        self.note()
+
+    def visit(self, n: int) -> str:
+        """Do visit n; why it was slow."""
+        visit = self.route.visits[n]
+        command, params = visit.item.command, visit.item.params
+        if command == Command.NAV_TAKEOFF:
+            self.take_off(self.target(n)[2])
+        elif command == Command.NAV_LOITER_UNLIM:
+            raise BadInput(f"items[{visit.seq - 1}]: loiters without end, so the flight has no time")
+        elif command in TO_A_PLACE:
+            return self.fly_to(n)
+        elif command == Command.NAV_DELAY:
+            self.hold(self.copter.wait_at(visit.item))
+            return "hold"
+        elif command == Command.DO_CHANGE_SPEED:
+            self.copter.change_speed(int(params[0]), params[1])
+        elif command == Command.NAV_RETURN_TO_LAUNCH:
+            self.come_down(self.copter.return_home(self.route.goal_of_return(self.copter.here)))
+        elif command == Command.NAV_LAND:
+            self.come_down(self.copter.land(self.target(n) if visit.item.has_position else None))
+        elif command == Command.NAV_PAYLOAD_PLACE:
+            self.copter.fly_to(Stop(self.target(n)))
+            self.run()
+            self.remarks.append(f"item {visit.seq}: only the flight to its place is counted")
+        elif command <= LAST_NAV or command in UNTIMED:
+            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
+        return ""
+
+    def target(self, n: int) -> Place:
+        """Where visit n leads: what it leaves open is that of the place last bound for."""
+        return self.route.program.place(n, self.here(n))
+
+    def here(self, n: int) -> Place:
+        """Where the copter can stop, if visit n leaves its place open; to work it out takes longer than to look."""
+        return self.copter.here if self.route.program.leaves_open(n) else NOWHERE
+
+    def fly_to(self, n: int) -> str:
+        """Fly to visit n, and do there what it asks for."""
+        program, visit, copter = self.route.program, self.route.visits[n], self.copter
+        onward, stop = program.onward(n), stop_at(program, n, self.here(n))
+        copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
+        this, following = copter.this, copter.following
+        flown_at = self.run()
+        corner = 0.0
+        if following.kind == STRAIGHT:
+            corner = corner_deg(this.origin, this.target, following.target)
+        top = self.top + self.wind.along(this.direction[0], this.direction[1])
+        why = slow_because(
+            planned=this.profile.peak if this.kind == STRAIGHT and this.length > 1.0 else None,
+            allowed=limits_along(this.origin, this.target, copter.speeds, self.limits).speed,
+            asked=copter.speeds.level,
+            top=top,
+            flown=flown_at,
+            corner=corner,
+            stops=onward is None,
+            curved=this.kind != STRAIGHT,
+        )
+        if onward is not None:
+            return why
+        if visit.item.command in ONLY_THE_WAY:
+            over = visit.seq in self.route.over_terrain
+            skipped = "; ArduCopter passes over it where it has no terrain data" if over else ""
+            self.remarks.append(f"item {visit.seq}: only the flight to its place is counted{skipped}")
+        seconds = copter.wait_at(visit.item)
+        if seconds > 0:
+            self.hold(seconds)
+            return "hold"
+        return why
+
+    def hold(self, seconds: float) -> None:
+        """Stay here."""
+        if self.airborne:
+            self.copter.hold(seconds)
+            self.run()
+        else:
+            self.stand(seconds)
+
+    def stand(self, seconds: float) -> None:
+        """Let time pass on the ground."""
+        self.copter.stand(seconds)
+        self.note()
+
+    def take_off(self, height: float) -> None:
+        """Spool up on the ground and climb to the height."""
+        if not self.airborne:
+            self.stand(max(ARMING_DELAY_S + 2 * self.limits.spool_up + LIFT_S + self.airframe.lift_delay, 0.0))
+            self.airborne = True
+        if height > self.copter.here[2]:
+            self.copter.take_off(height)
+            self.run()
+
+    def come_down(self, legs: Iterator[None]) -> None:
+        """Fly the legs of an ending; on the ground, until the landing is noticed."""
+        for _ in legs:
+            self.run()
+        if self.copter.this.kind == DESCENT:
+            delay = self.airframe.landing_delay
+            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
+            self.airborne = False
+
+    def run(self) -> float:
+        """Fly the copter's leg to its end; the highest level speed on it [m/s]."""
+        flown = self.copter.run()
+        self.samples.append(flown)
+        self.note()
+        return float(np.hypot(flown[:, 4], flown[:, 5]).max(initial=0.0))
+
+    def note(self) -> None:
+        """Add the present moment to the track."""
+        state = self.copter.state
+        self.samples.append(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]]))

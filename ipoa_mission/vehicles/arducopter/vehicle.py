@@ -1,0 +1,199 @@
+"""ArduCopter as one object; its times, its tube and its stand-in are loaded when they are asked for."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from ipoa_mission.commands import WAYPOINTS, Command
+from ipoa_mission.geometry import Vector
+from ipoa_mission.vehicles.arducopter import refusal, returning
+from ipoa_mission.vehicles.arducopter.book import BOOK
+from ipoa_mission.vehicles.arducopter.limits import copter_limits
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
+from ipoa_mission.vehicles.guidance import Guidance
+from ipoa_mission.vehicles.kinds import MULTICOPTERS
+from ipoa_mission.vehicles.manners import Manners
+from ipoa_mission.vehicles.modes import Modes
+from ipoa_mission.vehicles.own_fence import Limit, OwnFence
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.refusal import Refused
+from ipoa_mission.vehicles.returning import Place
+from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.vehicles.version import Version
+
+CEILING_BIT, CIRCLE_BIT, FLOOR_BIT = 1, 2, 8  # of FENCE_TYPE; 4 is the polygons of a mission
+ONLY_REPORTS = 0.0  # FENCE_ACTION
+
+HABITS = Firmware(
+    autopilot="ardupilot",
+    name="ArduPilot",
+    home_is_item_0=True,
+    keeps_autocontinue=False,
+    fence=rows(
+        {
+            "w---dd-": "NAV_FENCE_POLYGON_VERTEX_INCLUSION NAV_FENCE_POLYGON_VERTEX_EXCLUSION",
+            ".---dd-": "NAV_FENCE_CIRCLE_INCLUSION NAV_FENCE_CIRCLE_EXCLUSION",
+            "----dd-": "NAV_FENCE_RETURN_POINT",
+        }
+    ),
+    rally=rows({"----ddm": "NAV_RALLY_POINT"}),
+    fence_is_union=False,  # unless bit 1 of FENCE_OPTIONS says so
+    max_items=650,
+    max_fence_items=70,
+    max_rally_points=46,
+    highest_altitude=83_000.0,
+    longest_hold=65_535.0,
+    holds_whole_seconds=True,
+    frame_2_is_amsl=True,
+)
+
+MODES = Modes(
+    mission=3,
+    arming=4,  # it refuses to be armed in AUTO (AUTO_OPTIONS 0), and takes GUIDED only with a position
+    hold=17,  # LOITER would follow the throttle stick
+    returning=6,
+    returns=frozenset({6, 21, 27}),
+    lands=frozenset({9}),
+    names={
+        0: "STABILIZE",
+        1: "ACRO",
+        2: "ALT_HOLD",
+        3: "AUTO",
+        4: "GUIDED",
+        5: "LOITER",
+        6: "RTL",
+        7: "CIRCLE",
+        9: "LAND",
+        16: "POSHOLD",
+        17: "BRAKE",
+        21: "SMART_RTL",
+        27: "AUTO_RTL",
+    },
+)
+
+
+class ArduCopter(Autopilot):
+    """ArduPilot on a multicopter."""
+
+    name = "ardupilot"
+    model = "ArduCopter"
+    mav_autopilot = 3
+    mav_types = MULTICOPTERS
+    measured = Version(4, 7, 0, "dev")
+    oldest = (4, 0)
+    modes = MODES
+    book = BOOK
+    tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
+    guidance = Guidance(
+        flown_on_into=frozenset({*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}),
+        zero_is_here=True,
+        stops_to_hold=True,
+        flies_splines=True,
+        climbs_where_it_stands=True,
+        needs_takeoff=True,
+        own_takeoff=1.0,
+        waits_armed="DISARM_DELAY",
+        terrain_by="RNGFND1_TYPE",
+        lands_below_item=True,
+        climb_ends_at_once=True,
+        home_is_where_armed=True,
+        was_leashed=True,
+        brakes_after=0.1,
+    )
+    manners = Manners(
+        forgets_at_count=True,
+        starts_by_command=True,
+        pauses_in_mission=True,
+        takes_mission_file=True,
+        boots_slowly=True,
+        tells_items=True,
+        parameters_by_name=True,
+        limits_are_bits="FENCE_TYPE",
+        widen_fence="give the vehicle a wider fence, or take that part out of its FENCE_TYPE (4: what the mission "
+        "brings alone); --anyway sends it all the same",
+    )
+    slowed_by = SlowedBy(
+        names=("LAND_ALT_LOW",),
+        unit=0.01,
+        most=100.0,
+        decided_by=("LAND_ALT_LOW", "LAND_SPEED", "LAND_SPEED_HIGH", "WPNAV_SPEED_DN", "RNGFND1_TYPE"),
+        spared_by="RNGFND1_TYPE",
+    )
+    parts: ClassVar[Mapping[str, str]] = {
+        "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
+        "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
+        "Law": "ipoa_mission.vehicles.arducopter.tube:LAW",
+        "Personality": "ipoa_mission.vehicles.arducopter.personality:PERSONALITY",
+        "Pilots": "ipoa_mission.vehicles.arducopter.pilots:PILOTS",
+    }
+    own_fence_by = ("FENCE_ENABLE", "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
+
+    def refused(
+        self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
+    ) -> Refused | None:
+        """As its source has it."""
+        return refusal.refused(firmware, command, frame, values, count)
+
+    def refused_in_fence(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+        """As its source has it."""
+        return refusal.refused_in_fence(firmware, command, frame, values)
+
+    def refused_in_rally(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+        """As its source has it."""
+        return refusal.refused_in_rally(firmware, command, frame, values)
+
+    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
+        """To where its position controller can stop it (its stopping point).
+
+        >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
+        array([21.25])
+        """
+        limits = copter_limits(parameters)
+        near = limits.accel / limits.p_position**2
+        return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
+
+    def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
+        """LAND_SPEED below LAND_ALT_LOW, as fast as it else sinks above.
+
+        >>> ArduCopter().slow_stretch({}).touchdown(12.0)
+        1.5
+        """
+        p = BOOK.complete(parameters)
+        if p["RNGFND1_TYPE"] > 0:
+            return None
+        low = max(p["LAND_ALT_LOW"] / 100, 1.0)
+        fast = (p["LAND_SPEED_HIGH"] or p["WPNAV_SPEED_DN"]) / 100
+        return SlowStretch(max(p["LAND_SPEED"] / 100, SLOWEST), fast, low, low)
+
+    def own_fence(self, parameters: Parameters) -> OwnFence | None:
+        """By the bits of FENCE_TYPE, where FENCE_ENABLE is on and FENCE_ACTION does more than report (AC_Fence)."""
+        if not parameters.get("FENCE_ENABLE", 0.0) or parameters.get("FENCE_ACTION", 1.0) <= ONLY_REPORTS:
+            return None
+        bits = int(parameters.get("FENCE_TYPE", 0.0))
+
+        def limit(name: str, bit: int, none: float) -> Limit:
+            return Limit(name, parameters.get(name, none) if bits & bit else none)
+
+        return OwnFence(
+            limit("FENCE_RADIUS", CIRCLE_BIT, math.inf),
+            limit("FENCE_ALT_MAX", CEILING_BIT, math.inf),
+            limit("FENCE_ALT_MIN", FLOOR_BIT, -math.inf),
+        )
+
+    def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
+        """As RTL chooses.
+
+        >>> ArduCopter().goal_of_return({"RALLY_LIMIT_KM": 0.3}, (0.0, 500.0, 20.0), [(0.0, 900.0, 10.0)])
+        """
+        return returning.goal_of_return(parameters, here, rally)
+
+    def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
+        """As its source has it."""
+        return returning.return_height(parameters, height, distance, goal_up)
+
+
+ARDUCOPTER = ArduCopter()

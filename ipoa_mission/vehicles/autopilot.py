@@ -1,0 +1,243 @@
+"""What flies: a firmware on one class of vehicle, as one object that every room asks and none names.
+
+What is of the lowest rooms stands here. A higher room (times, tubes, stand-ins) has an interface of its own, and asks
+for it by `part`; so a vehicle is one folder, and a new one is a class and a call of `register`.
+"""
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import import_module
+from typing import Any, ClassVar, TypeVar
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import Vector
+from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
+from ipoa_mission.vehicles.guidance import Guidance
+from ipoa_mission.vehicles.manners import Manners
+from ipoa_mission.vehicles.modes import Modes
+from ipoa_mission.vehicles.own_fence import OwnFence
+from ipoa_mission.vehicles.parameters import ParameterBook, Parameters
+from ipoa_mission.vehicles.refusal import Refused
+from ipoa_mission.vehicles.returning import Place
+from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
+from ipoa_mission.vehicles.version import Version
+
+Part = TypeVar("Part")
+
+
+class Autopilot(ABC):
+    """A firmware on one class of vehicle; there is one object of each, and it is told apart by identity.
+
+    >>> Autopilot.PX4.name, str(Autopilot.ARDUPILOT), Autopilot.ARDUPILOT.model
+    ('px4', 'ardupilot', 'ArduCopter')
+    """
+
+    PX4: ClassVar["Autopilot"]
+    ARDUPILOT: ClassVar["Autopilot"]
+
+    name: ClassVar[str]
+    """As scenarios, files and the command line have it."""
+    model: ClassVar[str]
+    """Its proper name: the firmware's for this class of vehicle."""
+    mav_autopilot: ClassVar[int]
+    """HEARTBEAT.autopilot (MAV_AUTOPILOT) of its firmware."""
+    mav_types: ClassVar[frozenset[int]]
+    """HEARTBEAT.type (MAV_TYPE) of the vehicles that it flies."""
+    measured: ClassVar[Version]
+    """What its times, its tube and its stand-in were measured on."""
+    oldest: ClassVar[tuple[int, int]]
+    """The oldest series whose habits they have."""
+    modes: ClassVar[Modes]
+    book: ClassVar[ParameterBook]
+    tables: ClassVar[FirmwareTables]
+    guidance: ClassVar[Guidance]
+    manners: ClassVar[Manners]
+    slowed_by: ClassVar[SlowedBy]
+    own_fence_by: ClassVar[tuple[str, ...]]
+    """All parameters that decide about the fence of its own."""
+    parts: ClassVar[Mapping[str, Any]] = {}
+    """What answers to an interface of a higher room, by the interface's name: the object, or its "module:name"."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __repr__(self) -> str:
+        return f"<Autopilot {self.name}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _known, (self.name,)
+
+    def part(self, asked: type[Part]) -> Part:
+        """What of this autopilot answers to the interface of a room.
+
+        Raises:
+            MissionError: it has no such part, as no model of its flight.
+        """
+        found = self.parts.get(asked.__name__)
+        if found is None:
+            raise MissionError(f"{self.model} has no {asked.__name__} here")
+        part = _loaded(found) if isinstance(found, str) else found
+        assert isinstance(part, asked), f"{found} is no {asked.__name__}"
+        return part
+
+    def has(self, asked: type[Any]) -> bool:
+        """Whether it answers to the interface of a room."""
+        return asked.__name__ in self.parts
+
+    def firmware(self, version: Version | None = None) -> Firmware:
+        """What this version takes in a mission, and what it keeps of it; None: the newest that is known."""
+        return self.tables.of(version)
+
+    @property
+    def firmware_name(self) -> str:
+        """The firmware's own name."""
+        return self.firmware().name
+
+    @property
+    def counts_home(self) -> int:
+        """The number on the wire of the first item that is flown: home stands before it, or nothing does."""
+        return int(self.firmware().home_is_item_0)
+
+    # --- what it says of a list -------------------------------------------------------------------------------------
+
+    @abstractmethod
+    def refused(
+        self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
+    ) -> Refused | None:
+        """Why a mission of `count` items on the wire with this item is refused; None where the firmware takes it."""
+
+    @abstractmethod
+    def refused_in_fence(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+        """The same for an item of a fence."""
+
+    @abstractmethod
+    def refused_in_rally(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+        """The same for a rally point."""
+
+    # --- how it flies, by its parameters ----------------------------------------------------------------------------
+
+    @abstractmethod
+    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
+        """The way straight on to a stop from `speed` (n,) [m/s], gaining `accel` (n,) [m/s^2], (n,) [m]."""
+
+    @abstractmethod
+    def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
+        """How LAND slows down by these parameters; None where a range finder sees to it."""
+
+    def slowed(self, parameters: Parameters, ground: float) -> Parameters:
+        """What lets it slow down as high above ground so high above home [m] as these parameters do above home."""
+        return self.slowed_by.raised(self.book, parameters, ground)
+
+    @abstractmethod
+    def own_fence(self, parameters: Parameters) -> OwnFence | None:
+        """The fence that these parameters of a vehicle put into force; None where it has none that does something."""
+
+    @abstractmethod
+    def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
+        """Which of the rally points a return from `here` leads to; None: home. Parameters by their older names."""
+
+    @abstractmethod
+    def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
+        """How high above home it returns from so high above it, over so far, to a goal of the height `goal_up` [m]."""
+
+    # --- its version in words ---------------------------------------------------------------------------------------
+
+    def checked_for(self, version: Version | None) -> str:
+        """The firmware whose tables hold, in a few words.
+
+        >>> Autopilot.PX4.checked_for(Version(1, 16))
+        'px4 1.16 (measured on 1.17.0)'
+        """
+        major, minor = self.firmware(version).version.series
+        return f"{self.name} {major}.{minor} (measured on {self.measured})"
+
+    def facts(self, version: Version | None) -> dict[str, str]:
+        """The same for machines, with the source that the table was read in."""
+        own = self.firmware(version)
+        return {
+            "autopilot": self.name,
+            "table": f"{own.version.major}.{own.version.minor}",
+            "source": own.commit,
+            "date": own.date,
+            "measured": str(self.measured),
+        }
+
+    def vehicle_says(self, version: Version | None) -> str | None:
+        """What the user of a vehicle should know of its version; None where it is the one measured.
+
+        >>> Autopilot.ARDUPILOT.vehicle_says(Version(4, 6, 2))
+        'measured on 4.7.0-dev; the vehicle says 4.6.2'
+        """
+        own = self.firmware(version)
+        if version is None:
+            return f"measured on {self.measured}; the vehicle does not say its version: it is taken for {own}"
+        if version == self.measured:
+            return None
+        words = f"measured on {self.measured}; the vehicle says {version}"
+        if version.series in self.tables.series:
+            return words
+        return f"{words}, of which there are no tables: what it takes is judged as {own} does"
+
+    def beyond_the_model(self, version: str) -> str | None:
+        """What to say of times that are estimated for a version; None where the model is of it.
+
+        >>> Autopilot.PX4.beyond_the_model("1.15.0-dev")
+        >>> Autopilot.ARDUPILOT.beyond_the_model("3.5.7")
+        'flown by ArduCopter 3.5.7; the model is of 4.0 and later, and its times may be off'
+        """
+        least = ".".join(map(str, self.oldest))
+        numbers = re.match(r"(\d+)\.(\d+)", version)
+        if numbers is None:
+            return f"the log does not say which {self.model} flew it; the model is of {least} and later"
+        if tuple(map(int, numbers.groups())) >= self.oldest:
+            return None
+        return f"flown by {self.model} {version}; the model is of {least} and later, and its times may be off"
+
+
+_REGISTERED: dict[str, Autopilot] = {}
+
+
+def register(autopilot: Autopilot) -> Autopilot:
+    """Make an autopilot known to every room; the first that was registered is taken where nobody names one."""
+    return _REGISTERED.setdefault(autopilot.name, autopilot)
+
+
+def registered() -> tuple[Autopilot, ...]:
+    """All that are known, in the order in which they were registered."""
+    return tuple(_REGISTERED.values())
+
+
+def default_autopilot() -> Autopilot:
+    """The one that is taken where nobody names one."""
+    return registered()[0]
+
+
+def autopilot_named(name: str) -> Autopilot:
+    """The autopilot that scenarios and files call so.
+
+    Raises:
+        ValueError: there is none, with those that there are.
+
+    >>> autopilot_named("px4") is Autopilot.PX4
+    True
+    """
+    if name in _REGISTERED:
+        return _REGISTERED[name]
+    raise ValueError(f"expected {' or '.join(repr(str(one)) for one in registered())}, not {name!r}")
+
+
+def autopilot_of(mav_autopilot: int, mav_type: int) -> Autopilot | None:
+    """The one with this firmware and class; None where none is registered."""
+    return next((one for one in registered() if one.mav_autopilot == mav_autopilot and mav_type in one.mav_types), None)
+
+
+def _known(name: str) -> Autopilot:
+    return _REGISTERED[name]
+
+
+@cache
+def _loaded(address: str) -> Any:
+    module, _, name = address.partition(":")
+    return getattr(import_module(module), name)

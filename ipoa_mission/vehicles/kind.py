@@ -1,0 +1,38 @@
+"""What a vehicle is: its firmware and its class, as its heartbeats tell them; and what of that the package flies."""
+
+from dataclasses import dataclass
+
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_of, default_autopilot, registered
+from ipoa_mission.vehicles.kinds import class_name
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Firmware (MAV_AUTOPILOT) and class (MAV_TYPE) of a vehicle.
+
+    >>> str(Kind(3, 1)), str(Kind(12, QUADROTOR)), str(Kind(0, QUADROTOR))
+    ('ArduPilot plane', 'PX4 multicopter', 'multicopter with another firmware (MAV_AUTOPILOT 0)')
+    """
+
+    firmware: int
+    mav_type: int
+
+    @property
+    def autopilot(self) -> Autopilot:
+        """Of its firmware; any other one is read as the first that is registered, which keeps to the specification."""
+        return autopilot_of(self.firmware, self.mav_type) or self._of_its_firmware or default_autopilot()
+
+    @property
+    def is_flown(self) -> bool:
+        """Whether the package knows how it flies."""
+        return autopilot_of(self.firmware, self.mav_type) is not None
+
+    @property
+    def _of_its_firmware(self) -> Autopilot | None:
+        return next((one for one in registered() if one.mav_autopilot == self.firmware), None)
+
+    def __str__(self) -> str:
+        """Both in words."""
+        if self._of_its_firmware is not None:
+            return f"{self._of_its_firmware.firmware_name} {class_name(self.mav_type)}"
+        return f"{class_name(self.mav_type)} with another firmware (MAV_AUTOPILOT {self.firmware})"

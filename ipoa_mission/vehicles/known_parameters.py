@@ -1,0 +1,65 @@
+"""Whose parameter a name is: refused where it is another autopilot's, or nobody's."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+
+
+def known_parameters() -> frozenset[str]:
+    """The names of all parameters that the models of any autopilot use, old names and new ones."""
+    return frozenset(name for one in registered() for name in (*one.book.moving, *one.book.renamed))
+
+
+def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
+    """Refuse another firmware's parameters; those that are nobody's pass, as a vehicle has a thousand more.
+
+    Raises:
+        BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`, with px4's name as the hint.
+    """
+    for name in names:
+        other = None if name in autopilot.book.names else firmware_of([name])
+        if other is not None:
+            counterpart = _counterpart(name, other, autopilot)
+            raise BadInput(
+                f"{name}: expected a parameter of {autopilot}, not of {other}",
+                hint=f"{autopilot} has {counterpart} for that" if counterpart else None,
+            )
+
+
+def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> None:
+    """Refuse what is no parameter of the autopilot that is known here, or of any where none is named.
+
+    For names that a person wrote; a vehicle has a thousand that nothing here depends on.
+
+    Raises:
+        BadInput: with the name that is nearest as the hint.
+    """
+    if autopilot is not None:
+        expect_own(names, autopilot)
+    some = registered() if autopilot is None else (autopilot,)
+    existing = frozenset(name for one in some for name in one.book.names)
+    for name in names:
+        if name not in existing:
+            near = get_close_matches(name, sorted(existing), 1)
+            raise BadInput(
+                f"{name}: expected a parameter that the models know" + (f" of {autopilot}" if autopilot else ""),
+                hint=f"did you mean {near[0]}?" if near else None,
+            )
+
+
+def firmware_of(names: Iterable[str]) -> Autopilot | None:
+    """Whose parameters these are; None where none of them is known.
+
+    >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
+    <Autopilot ardupilot>
+    """
+    return next((one for name in names for one in registered() if name in one.book.names), None)
+
+
+def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str | None:
+    """What `autopilot` calls what the other one calls `name`."""
+    old = next(iter(other.book.by_old_names({name: 0.0})))
+    meaning = next((words for words, theirs in other.book.meanings.items() if theirs == old), "")
+    return autopilot.book.meanings.get(meaning)

@@ -1,0 +1,1 @@
+"""PX4 on a multicopter: what it is like, how it flies, and the pilot of its stand-in."""

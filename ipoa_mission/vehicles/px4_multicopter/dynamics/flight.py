@@ -1,0 +1,90 @@
+"""A whole flight of a PX4 multicopter: order after order; the same lines as plain Python and compiled by numba."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import CORRECTED_FOR, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    GO,
+    ON_LINE,
+    TAKE_OFF,
+    Axis,
+    Body,
+    Enu,
+    Law,
+    Order,
+    State,
+    Trajectory,
+)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
+
+ROOM = 64  # samples for which there is room to begin with
+
+SETTLED_S = 30.0  # after so long a cruise goes on as it is [s]
+
+
+def past_cruise(state: State, order: Order, law: Law) -> State:
+    """The state past the middle of a long level leg, where all has settled and nothing changes until it brakes.
+
+    The errors of the sensors go on from where they are: what they would have added there evens out.
+    """
+    x, y, body = state.trajectory.east, state.trajectory.north, state.body
+    speed, since = math.sqrt(x.speed * x.speed + y.speed * y.speed), body.airborne_since
+    if order.kind != GO or state.guidance.side != ON_LINE or state.time - state.begun < SETTLED_S or speed < 0.1:
+        return state
+    east, north = order.goal.east - x.place, order.goal.north - y.place
+    far = math.sqrt(east * east + north * north)
+    way = far - speed * SETTLED_S - speed * speed / law.limits.accel
+    if way < speed * SETTLED_S or order.goal.up != order.start.up or state.time - since < CORRECTED_FOR + SETTLED_S:
+        return state
+    if x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
+        return state
+    east, north, up, time = east * way / far, north * way / far, state.trajectory.up, state.time + way / speed
+    led = Trajectory(
+        Axis(x.place + east, x.speed, x.acceleration),
+        Axis(y.place + north, y.speed, y.acceleration),
+        Axis(up.place, up.speed, up.acceleration),
+    )
+    place = Enu(body.place.east + east, body.place.north + north, body.place.up)
+    moved = Body(place, body.speed, body.felt, body.asked, body.thrust, body.on_ground, since)
+    return State(
+        time, moved, state.nose, led, state.guidance, state.control, state.errors, state.contact, state.begun,
+        state.reached, state.been_there,
+    )  # fmt: skip
+
+
+def fly(
+    orders: Sequence[Order], laws: Sequence[Law], height: float, seeds: tuple[float, float], every: int
+) -> tuple[Vector, Points]:
+    """When each order is done, after the time of the begin (n + 1,) [s]; and a sample every so many steps (0: none).
+
+    A sample is time, place and believed speed: (m, 7).
+
+    It begins over home, at rest, so high; from the ground it takes off after spooling up. It ends early at an order
+    that is not reached within its patience: then there are fewer times than orders.
+    """
+    law = laws[0]
+    state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(seeds[0], seeds[1]), height <= 0.0)
+    done, samples, taken = np.zeros(len(orders) + 1), np.zeros((ROOM, 7)), 1
+    samples[0, 3] = height
+    for n in range(len(orders)):
+        order = orders[n]
+        if order.kind == TAKE_OFF and (state.body.on_ground or state.contact.stands):
+            state = at_rest(state.body.place, state.time + law.limits.spool_up, state.nose.yaw, state.errors, True)
+        state, steps = begun(state, order), 0
+        while not is_over(state, order):
+            if state.reached < 0.0 and state.time - state.begun > order.patience:
+                return done[: n + 1].copy(), samples[:taken].copy()
+            state, steps = past_cruise(step(state, order, law), order, law), steps + 1
+            if every > 0 and steps % every == 0:
+                if taken == len(samples):
+                    samples = np.concatenate((samples, np.zeros((taken, 7))))
+                at, speed, row = state.body.place, state.body.speed, samples[taken]
+                row[0], row[1], row[2], row[3] = state.time, at.east, at.north, at.up
+                row[4], row[5], row[6] = speed.east, speed.north, speed.up
+                taken += 1
+        done[n + 1] = state.reached + order.holds
+    return done, samples[:taken].copy()

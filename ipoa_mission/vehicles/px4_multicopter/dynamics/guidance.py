@@ -1,0 +1,161 @@
+"""How PX4 leads along a leg: back to it where the vehicle has left it, and at the speed that the waypoints allow."""
+
+import math
+from typing import NamedTuple
+
+from ipoa_mission.vehicles.px4_multicopter.dynamics.heading import heading_error
+from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import sink_rate
+from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import corner_speed, level, vertical_speed
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    BEFORE,
+    BESIDE,
+    BEYOND,
+    LAND,
+    ON_LINE,
+    TAKE_OFF,
+    ZERO,
+    Enu,
+    Guidance,
+    Law,
+    Order,
+    State,
+    of,
+)
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
+
+AT_GOAL = 1e-5  # nearer than this PX4 steers nowhere [m]
+TURNING = 0.98  # cosine between flying and aiming below which it is turning
+LEAST_AHEAD = 5.0  # the aim in a turn lies so far ahead on the leg, or the acceptance radius [m]
+MOVING = 0.2  # slower than this nothing is a turn [m/s]
+SLOW = 0.5  # below this speed one part of the velocity is cut without the other [m/s]
+
+
+class Way(NamedTuple):
+    """What is steered for: from `start` to `goal`, and on to `beyond`."""
+
+    start: Enu
+    goal: Enu
+    beyond: Enu
+
+
+class Climb(NamedTuple):
+    """How fast it may climb or sink, and the acceleration for it."""
+
+    rate: float
+    accel: float
+
+
+def guided(state: State, order: Order) -> Guidance:
+    """On which side of its leg the vehicle is; where that has changed, it is led back from here."""
+    place, was, home = state.body.place, state.guidance, home_told(state, order)
+    leg_east, leg_north = order.goal.east - order.start.east, order.goal.north - order.start.north
+    square, near = leg_east * leg_east + leg_north * leg_north, order.radius * order.radius
+    if square <= 1e-12:
+        return Guidance(ON_LINE, of(order.start), was.held, was.rising)
+    off_east, off_north = place.east - order.start.east, place.north - order.start.north
+    along, across = off_east * leg_east + off_north * leg_north, off_east * leg_north - off_north * leg_east
+    side = ON_LINE
+    if along > square:
+        side = BEYOND
+    elif along < 0.0 and off_east * off_east + off_north * off_north > near:
+        side = BEFORE
+    elif across * across > near * square:
+        side = BESIDE
+    if side == was.side and side != BESIDE:
+        return was
+    return Guidance(side, Enu(place.east, place.north, place.up - home), was.held, was.rising)
+
+
+def way(guidance: Guidance, order: Order) -> Way:
+    """What is steered for from that side: the end of the leg, its start, or its nearest point."""
+    start, goal, beyond = of(order.start), of(order.goal), of(order.beyond)
+    if guidance.side == BEYOND:
+        return Way(guidance.anchor, goal, beyond)
+    if guidance.side == BEFORE:
+        return Way(guidance.anchor, start, goal)
+    if guidance.side == BESIDE:
+        at, leg_east, leg_north = guidance.anchor, goal.east - start.east, goal.north - start.north
+        along = (at.east - start.east) * leg_east + (at.north - start.north) * leg_north
+        along /= leg_east * leg_east + leg_north * leg_north
+        return Way(at, Enu(start.east + along * leg_east, start.north + along * leg_north, goal.up), goal)
+    return Way(start, goal, beyond)
+
+
+def home_told(state: State, order: Order) -> float:
+    """How high the guidance believes home to lie, as far as the order goes by that [m]."""
+    return state.errors.told if order.follows_home else 0.0
+
+
+def is_low_take_off(state: State, order: Order, limits: Px4Limits) -> bool:
+    """Whether it takes off below MPC_LAND_ALT1, where it climbs at MPC_TKO_SPEED."""
+    return order.kind == TAKE_OFF and state.body.place.up < limits.land_high
+
+
+def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
+    """How fast it may climb, or else sink; `low`: taking off near the ground."""
+    if not rising:
+        return Climb(limits.descent, limits.accel_down)
+    if low:
+        return Climb(limits.takeoff_speed, min(limits.accel_up, limits.takeoff_speed / limits.takeoff_ramp))
+    return Climb(limits.climb, limits.accel_up)
+
+
+def wanted_velocity(state: State, order: Order, law: Law, guidance: Guidance) -> tuple[Enu, Guidance]:
+    """The velocity to aim for, before jerk limits it, and what the guidance keeps in mind.
+
+    In a turn the speed may not rise, and the aim is a point ahead on the leg.
+    """
+    limits, x, y, z = law.limits, state.trajectory.east, state.trajectory.north, state.trajectory.up
+    to = way(guidance, order)
+    at = Enu(x.place, y.place, z.place - home_told(state, order))
+    aim = Enu(to.goal.east - at.east, to.goal.north - at.north, to.goal.up - at.up)
+    far, speed = level(aim), math.sqrt(x.speed * x.speed + y.speed * y.speed)
+    fast, held = corner_speed(state.trajectory, to.goal, to.beyond, order, limits), guidance.held
+    if speed > MOVING and far > order.radius and x.speed * aim.east + y.speed * aim.north < TURNING * speed * far:
+        fast = min(held, fast)
+        aim = ahead_on_leg(at, to, aim, order.radius)
+    else:
+        held = fast
+    if order.kind == LAND:
+        share = fast / far if far > AT_GOAL else 0.0
+        velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, law))
+    else:
+        climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
+        velocity = within(aim, fast, vertical_speed(at, to.goal, to.beyond, climb.rate, climb.accel, limits))
+    if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
+        velocity = ZERO
+    return velocity, Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
+
+
+def ahead_on_leg(at: Enu, to: Way, aim: Enu, radius: float) -> Enu:
+    """From here to a point on the leg, ahead of the nearest one; the aim itself where the leg has no length."""
+    east, north, up = to.goal.east - to.start.east, to.goal.north - to.start.north, to.goal.up - to.start.up
+    size = math.sqrt(east * east + north * north + up * up)
+    if size <= 1e-6:
+        return aim
+    east, north, up = east / size, north / size, up / size
+    onto = (at.east - to.start.east) * east + (at.north - to.start.north) * north + (at.up - to.start.up) * up
+    off_east, off_north = to.start.east + onto * east - at.east, to.start.north + onto * north - at.north
+    off_up = to.start.up + onto * up - at.up
+    reach = max(radius, LEAST_AHEAD)
+    ahead = math.sqrt(max(reach * reach - off_east * off_east - off_north * off_north - off_up * off_up, 0.0))
+    return Enu(off_east + ahead * east, off_north + ahead * north, off_up + ahead * up)
+
+
+def within(aim: Enu, fast: float, rise: float) -> Enu:
+    """A velocity towards the aim whose level and vertical parts both keep their limits."""
+    size = math.sqrt(aim.east * aim.east + aim.north * aim.north + aim.up * aim.up)
+    if size <= AT_GOAL:
+        return ZERO
+    share = math.sqrt(fast * fast + rise * rise) / size
+    east, north, up = aim.east * share, aim.north * share, aim.up * share
+    flat = math.sqrt(east * east + north * north)
+    if flat > fast:
+        east, north = east * fast / flat, north * fast / flat
+        if fast >= SLOW or flat >= SLOW:
+            up *= fast / flat
+    if abs(up) > rise:
+        if rise >= SLOW or abs(up) >= SLOW:
+            east, north = east * rise / abs(up), north * rise / abs(up)
+        up *= rise / abs(up)
+    return Enu(east, north, up)

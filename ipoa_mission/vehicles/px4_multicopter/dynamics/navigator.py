@@ -1,0 +1,178 @@
+"""What PX4's navigator makes of a mission: the orders that are flown for each item."""
+
+import math
+from typing import NamedTuple
+
+from ipoa_mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.items import Item
+from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Order
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
+from ipoa_mission.wind import Wind
+
+FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
+ANYWHERE = 1e9  # a radius that everything is within [m]
+
+
+def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: Wind, dt: float) -> Law:
+    """What holds for a noisy flight in steps of `dt` s."""
+    leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
+    senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
+    steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
+    east, north, exponent, height = map(float, (wind.east, wind.north, wind.exponent, wind.gradient_height))
+    return Law(limits, airframe, senses, east, north, exponent, height, *steps, turns=True, noisy=True)
+
+
+def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
+    """The order to fly a leg; `beyond`: the place to fly on to without a stop."""
+    most = min(cruise, limits.most_speed)
+    return Order(GO, start, goal, goal if beyond is None else beyond, limits.radius, limits.height_radius, most)
+
+
+def take_off(top: Enu, limits: Px4Limits) -> Order:
+    """The order to climb straight up, to a height over where home was."""
+    return leg(top, top, None, limits, limits.cruise)._replace(kind=TAKE_OFF, follows_home=False)
+
+
+def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
+    """The order to fly to a waypoint; `beyond` counts where it does not ask to stay."""
+    holds = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # no number: no hold
+    own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
+    return leg(start, goal, None if holds > 0 else beyond, limits, cruise)._replace(
+        radius=item.params[1] if own else limits.radius,
+        holds=holds,
+        heading=math.radians(item.params[3]),
+        may_turn_first=True,
+        follows_home=plain_frame(item.frame) != Frame.GLOBAL,
+    )
+
+
+def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
+    """The order to stay somewhere, if for any time."""
+    order = leg(here, here, None, limits, limits.cruise)
+    return [order._replace(radius=ANYWHERE, height_radius=ANYWHERE, holds=seconds)] if seconds > 0 else []
+
+
+def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
+    """The orders to land on the ground there: over it first, if it is farther than the acceptance radius, then down.
+
+    `holds`: how long it stands before it disarms [s].
+    """
+    over = ground._replace(up=here.up)
+    way = [leg(here, over, None, limits, cruise)] if math.dist(here, over) > limits.radius else []
+    ground = ground if way else here._replace(up=ground.up)
+    return [*way, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, holds=holds)]
+
+
+def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
+    """The orders of RTL: climb as `Px4Return` says, fly to the ground at home at MPC_XY_CRUISE, wait, disarm.
+
+    `home` may be a rally point's ground; the heights then count from `up`, the rally point's own.
+    """
+    far = math.hypot(here.east - home.east, here.north - home.north)
+    height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
+    top = here._replace(up=height) if height > here.up + limits.height_radius else here
+    climb = [leg(here, top, None, limits, cruise)] if top != here else []
+    *way, down = way_down(top, home, limits, cruise, limits.disarm_delay)
+    over = down.goal._replace(up=top.up)
+    low = over._replace(up=max(min(top.up, up + limits.land_delay_height), home.up))
+    waits = [leg(over, low, None, limits, cruise), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
+    return [*climb, *way, *waits, down]
+
+
+class Planned(NamedTuple):
+    """The orders for an itinerary; for each visit how many of them are done when it is, and remarks."""
+
+    orders: tuple[Order, ...]
+    done: tuple[int, ...]
+    remarks: tuple[str, ...]
+
+
+def plan(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
+    """The orders for an itinerary, from the ground, or from over home if it has no take-off.
+
+    A landed vehicle disarms `landing_delay` s later than modeled.
+
+    Raises:
+        BadInput: an item never ends.
+    """
+    navigator = _Navigator(route, limits)
+    orders: list[Order] = []
+    done: list[int] = []
+    at = navigator.here
+    for n in range(len(route.visits)):
+        for order in navigator.visit(n):
+            late = landing_delay if order.kind == LAND else 0.0
+            orders.append(_patient(order._replace(holds=order.holds + late), at, limits))
+            at = order.goal
+        done.append(len(orders))
+    return Planned(tuple(orders), tuple(done), tuple(navigator.remarks))
+
+
+def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
+    """With the time that it may take from where the order before ends; a small circle is hard to hit."""
+    slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
+    level, rise = math.dist(before[:2], order.goal[:2]), abs(order.goal.up - before.up)
+    lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
+    return order._replace(patience=lasts * max(1.0, 1 / order.radius))
+
+
+class _Navigator:
+    """The place last bound for and the cruise speed in force, visit after visit."""
+
+    def __init__(self, route: Itinerary, limits: Px4Limits) -> None:
+        self.route, self.limits, self.cruise = route, limits, limits.cruise
+        height = flying_already(route)
+        self.here, self.airborne = Enu(0.0, 0.0, height or 0.0), height is not None
+        self.remarks: list[str] = []
+
+    def visit(self, n: int) -> list[Order]:
+        """The orders for visit n."""
+        visit = self.route.visits[n]
+        command, params = visit.item.command, visit.item.params
+        if command in FLOWN_TO:
+            start, self.here = self.here, self.target(n)
+            if command == Command.NAV_SPLINE_WAYPOINT:
+                self.remarks.append(f"item {visit.seq}: PX4 knows no splines, flown straight")
+            return [waypoint(visit.item, start, self.here, self.onward(n), self.limits, self.cruise)]
+        if command == Command.NAV_TAKEOFF:
+            start, self.here = self.here._replace(up=self.target(n).up), self.target(n)
+            climb = [] if self.airborne else [take_off(start, self.limits)]
+            self.airborne = True
+            return [*climb, leg(start, self.here, self.onward(n), self.limits, self.cruise)]
+        if command == Command.NAV_LOITER_UNLIM:
+            raise BadInput(f"items[{visit.seq - 1}]: loiters without end, so the flight has no time")
+        if command == Command.NAV_DELAY:
+            return stay(self.here, self.limits, params[0])
+        if command == Command.NAV_RETURN_TO_LAUNCH:
+            self.cruise = self.limits.cruise
+            goal = Enu(*self.route.goal_of_return((self.here.east, self.here.north, self.here.up)))
+            return self.down(way_home(self.here, self.limits, self.ground(goal), goal.up))
+        if command == Command.NAV_LAND:
+            return self.down(way_down(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
+        if command == Command.DO_CHANGE_SPEED and params[0] < 2:
+            self.cruise = params[1] if params[1] > 0 else self.limits.cruise
+        elif command <= LAST_NAV or command in UNTIMED:
+            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
+        return []
+
+    def down(self, orders: list[Order]) -> list[Order]:
+        """Orders that end on the ground."""
+        self.here, self.airborne = orders[-1].goal, False
+        return orders
+
+    def ground(self, place: Enu) -> Enu:
+        """The ground below a place."""
+        return place._replace(up=self.route.ground.at(place.east, place.north))
+
+    def target(self, n: int) -> Enu:
+        """Where visit n leads: what it leaves open is that of the place last bound for."""
+        return Enu(*self.route.program.place(n, self.here))
+
+    def onward(self, n: int) -> Enu | None:
+        """Where the vehicle flies on to from n without a stop."""
+        onward = self.route.program.onward(n)
+        return None if onward is None else self.target(onward)

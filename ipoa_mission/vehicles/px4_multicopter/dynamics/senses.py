@@ -1,0 +1,55 @@
+"""What PX4's sensors get wrong: the speed that is believed drifts, and home's height is corrected by a noisy one.
+
+"Commander: adjust home position altitude after gnss altitude correction" (pull request 25003, from 1.17 on): for two
+minutes from take-off home moves whenever the measured height differs by more than a metre, and all waypoints with it:
+for the navigator at once, for the guidance a little later.
+"""
+
+import math
+
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import NOT_YET, ZERO, Enu, Errors, Law, State
+
+CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0  # [m, s]
+NOTICED_S = 0.075  # until the navigator's word has come to the guidance: half its cycle, and a setpoint's way
+#: Two multiplicative congruences (L'Ecuyer, 1988), whose products are exact in floating point.
+FACTOR, MODULUS = 40014.0, 2147483563.0
+FACTOR_2, MODULUS_2 = 40692.0, 2147483399.0
+
+
+def normal(first: float, second: float) -> tuple[float, float, float, float]:
+    """The next two seeds, and two normally distributed numbers (Box and Muller)."""
+    first, second = first * FACTOR % MODULUS, second * FACTOR_2 % MODULUS_2
+    size, angle = math.sqrt(-2.0 * math.log(first / MODULUS)), 2.0 * math.pi * second / MODULUS_2
+    return first, second, size * math.cos(angle), size * math.sin(angle)
+
+
+def no_errors(seed_1: float, seed_2: float) -> Errors:
+    """As a flight begins, with two seeds for what comes."""
+    return Errors(seed_1, seed_2, 0.0, 0.0, 0.0, NOT_YET, ZERO)
+
+
+def erring(state: State, law: Law) -> Errors:
+    """The errors a step later."""
+    was, time = state.errors, state.time + law.dt
+    if not law.noisy:
+        return was
+    told, told_at = was.told, was.told_at
+    if told_at >= 0.0 and time >= told_at:
+        told, told_at = was.home, NOT_YET
+    if was.next_in > law.dt:
+        return Errors(was.seed_1, was.seed_2, was.next_in - law.dt, was.home, told, told_at, was.drift)
+    senses = law.senses
+    seed_1, seed_2, n_east, n_north = normal(was.seed_1, was.seed_2)
+    seed_1, seed_2, n_up, n_height = normal(seed_1, seed_2)
+    kept = math.exp(-senses.every / senses.drift_lasts)
+    fresh = math.sqrt(1.0 - kept * kept)
+    drift = Enu(
+        kept * was.drift.east + fresh * senses.drift * n_east,
+        kept * was.drift.north + fresh * senses.drift * n_north,
+        kept * was.drift.up + fresh * senses.drift_up * n_up,
+    )
+    home, measured, flown = was.home, senses.height_noise * n_height, time - state.body.airborne_since
+    if flown < CORRECTED_FOR and abs(measured - home) > CORRECTED_BEYOND:
+        home = measured
+        told_at = time + NOTICED_S if told_at < 0.0 else told_at
+    return Errors(seed_1, seed_2, was.next_in - law.dt + senses.every, home, told, told_at, drift)

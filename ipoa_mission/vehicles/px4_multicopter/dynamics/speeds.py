@@ -1,0 +1,59 @@
+"""The speeds that PX4's waypoints allow: to stop at one, to fly round its corner, to pass its height."""
+
+import math
+
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order, Trajectory
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
+
+
+def speed_to(distance: float, leave: float, accel: float, jerk: float) -> float:
+    """The speed from which one comes down to `leave` within `distance`, acceleration turning round in 2 a/j first.
+
+    v^2 + (4 a^2/j) v = leave^2 + 2 a d, and never less than `leave`.
+    """
+    half = 2.0 * accel * accel / jerk
+    return max(math.sqrt(half * half + 2.0 * accel * distance + leave * leave) - half, leave)
+
+
+def half_tangent(cosine: float) -> float:
+    """The tangent of half the angle whose cosine this is; of a straight line very much."""
+    return math.sqrt(max(1.0 - cosine, 0.0) / max(1.0 + cosine, 1e-14))
+
+
+def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: Px4Limits) -> float:
+    """The level speed now, before a goal that is left towards `beyond`.
+
+    At the goal: that of the circle that touches both legs at the acceptance radius, at MPC_XY_TRAJ_P of the
+    acceleration; nothing where the next leg has no length or is shorter than the radius.
+    """
+    to_east, to_north = goal.east - at.east.place, goal.north - at.north.place
+    on_east, on_north = beyond.east - goal.east, beyond.north - goal.north
+    distance = math.sqrt(to_east * to_east + to_north * to_north)
+    onward = math.sqrt(on_east * on_east + on_north * on_north)
+    accel, jerk, leave = limits.accel, limits.jerk, 0.0
+    if onward > 0.001 and onward >= order.radius:
+        cosine = 0.0 if distance < 1e-9 else -(to_east * on_east + to_north * on_north) / (distance * onward)
+        turn = math.sqrt(limits.corner_gain * accel * order.radius * half_tangent(cosine))
+        leave = min(turn, speed_to(onward, 0.0, accel, jerk), order.cruise)
+    return min(order.cruise, speed_to(distance, leave, accel, jerk))
+
+
+def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, limits: Px4Limits) -> float:
+    """The vertical speed now, so that the goal's height can be passed on the way to the next one.
+
+    The angle at the goal is seen in the plane of height and distance from the origin, as PX4 has it. `top` and `accel`
+    are what it may climb or sink with.
+    """
+    leave = 0.0
+    if abs(beyond.up - goal.up) > 0.001:
+        now, then, next_then = level(at), level(goal), level(beyond)
+        back, down, on, up = then - now, goal.up - at.up, then - next_then, goal.up - beyond.up
+        size = math.sqrt((back * back + down * down) * (on * on + up * up))
+        cosine = (back * on + down * up) / size if size > 1e-9 else 0.0
+        leave = min(math.sqrt(accel * limits.height_radius * half_tangent(cosine)), top)
+    return min(top, speed_to(abs(goal.up - at.up), leave, accel, limits.jerk))
+
+
+def level(place: Enu) -> float:
+    """The level part of a distance or a speed."""
+    return math.sqrt(place.east * place.east + place.north * place.north)

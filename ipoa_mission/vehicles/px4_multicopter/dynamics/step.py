@@ -1,0 +1,141 @@
+"""One step of a PX4 multicopter: guidance, smoothed trajectory, controllers, body, errors of its sensors."""
+
+import math
+
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import carried
+from ipoa_mission.vehicles.px4_multicopter.dynamics.control import controlled, hover_learned
+from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
+    climb_limits,
+    guided,
+    is_low_take_off,
+    wanted_velocity,
+)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.heading import heading_error, turned
+from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import felt, stands
+from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import NOTICED_S, erring
+from ipoa_mission.vehicles.px4_multicopter.dynamics.smoothing import smoothed
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    LAND,
+    NOT_YET,
+    ON_LINE,
+    TAKE_OFF,
+    UNKNOWN,
+    ZERO,
+    Axis,
+    Body,
+    Contact,
+    Control,
+    Enu,
+    Errors,
+    Guidance,
+    Law,
+    Level,
+    Nose,
+    Order,
+    State,
+    Trajectory,
+    of,
+)
+from ipoa_mission.vehicles.px4_multicopter.limits import STAGES
+
+STANDING = 1e-6  # a trajectory slower than this stands still, and always waits for the vehicle [m/s]
+SPLIT = 2.0**29 + 1.0  # leaves the 24 bits of single precision (Veltkamp's splitting)
+GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m/s]
+
+
+def step(state: State, order: Order, law: Law) -> State:
+    """The state `law.dt` later; `reached` and `been_there` say how far the order is."""
+    limits, standing = law.limits, stands(state, order)
+    velocity, guidance = wanted_velocity(state, order, law, guided(state, order))
+    trajectory = led(state, order, law, velocity)
+    asked, control = controlled(state, trajectory, order, law)
+    if not (standing or state.body.on_ground):
+        control = hover_learned(control, state.body, law, state.time)
+    body = carried(state, asked, law, standing)
+    errors = erring(state, law)
+    if errors.told != state.errors.told:
+        guidance = Guidance(UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
+    contact = felt(state, body, asked.up, law) if order.kind == LAND else state.contact
+    time = state.time + law.dt
+    there = state.been_there or is_there(body, errors, contact, order)
+    reached = state.reached
+    if there and reached < 0.0 and (math.isnan(order.heading) or abs(heading_error(state, order)) <= limits.yaw_error):
+        reached = time
+    nose = turned(state, order, limits, law.dt) if law.turns else state.nose
+    return State(time, body, nose, trajectory, guidance, control, errors, contact, state.begun, reached, there)
+
+
+def led(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
+    """The trajectory a step later; its time is stretched where the vehicle lags."""
+    limits, at, was = law.limits, state.body.place, state.trajectory
+    low = is_low_take_off(state, order, limits)
+    climb = climb_limits(state.guidance.rising, low, limits)
+    if low:
+        was = Trajectory(was.east, was.north, Axis(at.up, was.up.speed, was.up.acceleration))
+    most = limits.most_speed
+    within = Enu(
+        min(max(velocity.east, -most), most),
+        min(max(velocity.north, -most), most),
+        min(max(velocity.up, -climb.rate), climb.rate),
+    )
+    east, north, behind = was.east.place - at.east, was.north.place - at.north, 0.0
+    standing = math.sqrt(was.east.speed * was.east.speed + was.north.speed * was.north.speed) < STANDING
+    if standing or east * was.east.speed + north * was.north.speed >= 0.0:
+        behind = math.sqrt(east * east + north * north)
+    pace = 1.0 - min(behind / limits.most_error, 1.0)
+    now = smoothed(was, within, limits, climb.accel, law.dt * pace)
+    if order.kind != LAND:
+        return now
+    return Trajectory(in_single(now.east), in_single(now.north), now.up)
+
+
+def in_single(axis: Axis) -> Axis:
+    """The axis with its place in single precision, as PX4 keeps it.
+
+    Away from home a trajectory so never quite arrives: steps that are too small are lost, and it keeps the direction
+    and the trace of speed that it came with. Whether it waits for the vehicle hangs on these for as long as it lands;
+    on the way nothing stands for so long.
+    """
+    wide = SPLIT * axis.place
+    return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
+
+
+def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool:
+    """Whether the vehicle is where the order wants it; the navigator knows at once where home is believed to lie."""
+    if order.kind == LAND:
+        return contact.stages >= STAGES
+    home = errors.home if order.follows_home else 0.0
+    if order.kind == TAKE_OFF:
+        return body.place.up > order.goal.up + home - order.height_radius
+    east, north = body.place.east - order.goal.east, body.place.north - order.goal.north
+    near = east * east + north * north <= order.radius * order.radius
+    return near and abs(body.place.up - home - order.goal.up) <= order.height_radius
+
+
+def is_over(state: State, order: Order) -> bool:
+    """Whether the order is done, and the guidance has been told."""
+    return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
+
+
+def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
+    """A vehicle without motion, all that it has learned forgotten."""
+    body = Body(place, ZERO, Level(0.0, 0.0), Level(0.0, 0.0), ZERO, on_ground, time)
+    trajectory = Trajectory(Axis(place.east, 0.0, 0.0), Axis(place.north, 0.0, 0.0), Axis(place.up, 0.0, 0.0))
+    return State(
+        time, body, Nose(yaw, 0.0), trajectory, Guidance(ON_LINE, place, 0.0, True), Control(ZERO, 1.0, 0.0), errors,
+        Contact(False, False, 0, time), time, NOT_YET, False,
+    )  # fmt: skip
+
+
+def begun(state: State, order: Order) -> State:
+    """As the order is begun; only a take-off is held by the ground."""
+    trajectory, body = state.trajectory, state.body
+    on_ground = body.on_ground and order.kind == TAKE_OFF
+    if on_ground:
+        trajectory = Trajectory(trajectory.east, trajectory.north, Axis(trajectory.up.place, -GROUND_SINK, 0.0))
+    body = Body(body.place, body.speed, body.felt, body.asked, body.thrust, on_ground, body.airborne_since)
+    guidance = Guidance(ON_LINE, of(order.start), state.guidance.held, state.guidance.rising)
+    return State(
+        state.time, body, state.nose, trajectory, guidance, state.control, state.errors,
+        Contact(False, False, 0, state.time), state.time, NOT_YET, False,
+    )  # fmt: skip

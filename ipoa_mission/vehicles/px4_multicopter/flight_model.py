@@ -1,0 +1,52 @@
+"""The model of PX4's flights."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from ipoa_mission.geometry import Vector
+from ipoa_mission.items import Mission
+from ipoa_mission.itinerary.itinerary import Itinerary, itinerary
+from ipoa_mission.timing.bound import Kinematics
+from ipoa_mission.timing.flight_model import FlightModel, SlowedByAir
+from ipoa_mission.timing.prediction import Prediction
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, airframe_of
+from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, fly_px4
+from ipoa_mission.wind import Wind
+
+RUNS = 8  # of its noise, the same in every forecast
+
+
+class Px4Model(FlightModel):
+    """PX4 as its SIH simulator flies; where it is not `sure` where it is, it is flown many times, with noise."""
+
+    scatter = (0.7, 0.02, 2.0)
+    simulated: ClassVar[Mapping[str, float]] = {"drag": 1.0, "lag": SIH.lag, "lift_delay": 0.0, "landing_delay": 0.0}
+
+    def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
+        """As `FlightModel.predicted`."""
+        senses = KNOWS if sure else SIH_SENSES
+        return fly_px4(route, mission.parameters, wind, fast, airframe_of(mission.vehicle), senses)
+
+    def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
+        """As `FlightModel.kinematics`."""
+        limits = px4_limits(parameters)
+        level = min(speed or limits.cruise, limits.most_speed)
+        return Kinematics(level, limits.climb, limits.descent, limits.accel, limits.jerk)
+
+    def airframe(self, altitude: float) -> SlowedByAir:
+        """As its simulator has it."""
+        return SIH
+
+    def usual(self, mission: Mission) -> Vector:
+        """The medians over its noise."""
+        flights = Flights(itinerary(mission), mission.parameters, airframe=airframe_of(mission.vehicle))
+        steps = RUNS * sum(order.patience for order in flights.plan.orders) / STEP
+        once = flights.prepared(True, True, steps)
+        return np.asarray(np.median([once(seed)[0] for seed in range(1, RUNS + 1)], axis=0))
+
+
+MODEL = Px4Model()

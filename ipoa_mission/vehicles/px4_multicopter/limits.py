@@ -1,0 +1,191 @@
+"""PX4's limits by its parameters, how high it returns, how it knows that it has landed.
+
+Its parameters are in SI units and degrees. The land detector is read from its source and measured on its simulated
+flights; docs/flight-time.md says which.
+"""
+
+import math
+from typing import NamedTuple
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS
+
+RANGE_LAG_S = 0.14  # by which PX4's height over the ground lags behind a range finder that is sinking
+NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR from which on PX4's simulated vehicle has none [m]
+RELAXED_THRUST = 0.6  # of the way from the least thrust to that of hovering: less is low, where hovering is learned
+STAGES = 3  # of being sure: in contact, perhaps landed, landed
+
+TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way
+POSITIVE = (
+    "MPC_XY_CRUISE", "MPC_XY_VEL_MAX", "MPC_XY_TRAJ_P", "MPC_XY_ERR_MAX", "MPC_XY_P", "MPC_ACC_HOR", "MPC_JERK_AUTO",
+    "MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN", "MPC_ACC_UP_MAX", "MPC_ACC_DOWN_MAX", "MPC_TKO_SPEED", "MPC_LAND_SPEED",
+    "MPC_LAND_CRWL", "MPC_XY_VEL_P_ACC", "MPC_YAWRAUTO_MAX", "MPC_YAWRAUTO_ACC", "NAV_ACC_RAD", "NAV_MC_ALT_RAD",
+    "MC_ROLL_P", "MPC_Z_VEL_MAX_UP", "MPC_Z_VEL_MAX_DN", "MPC_THR_HOVER",
+)  # fmt: skip
+
+
+class Px4Return(NamedTuple):
+    """How high PX4 returns: RTL_RETURN_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
+
+    altitude: float
+    least_distance: float
+    radius: float
+    cone_deg: float
+
+    @classmethod
+    def of(cls, parameters: Parameters) -> "Px4Return":
+        """By these parameters; what is not given has PX4's default."""
+        names = ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")
+        return cls(*(parameters.get(name, DEFAULTS[name]) for name in names))
+
+    def height(self, above: float, distance: float) -> float:
+        """How high above home PX4 returns from so high `above` it, `distance` away on the level [m].
+
+        RTL_RETURN_ALT at least, near home less.
+
+        Within RTL_MIN_DIST a cone of RTL_CONE_ANG is high enough, though not less than two NAV_ACC_RAD; within
+        NAV_ACC_RAD twice the distance.
+        """
+        if distance <= self.radius:
+            return max(above, 2.0 * distance)
+        top = self.altitude
+        if self.cone_deg > 0.0 and distance <= self.least_distance:
+            top = min(top, distance / math.tan(math.radians(min(max(self.cone_deg, 1.0), 89.0))))
+        return max(above, top, 2.0 * self.radius)
+
+
+class Px4Touchdown(NamedTuple):
+    """When PX4 takes standing for being landed: LNDMC_TRIG_TIME [s], LNDMC_Z_VEL_MAX [m/s], low thrust.
+
+    `low_thrust` is the share of the thrust of hovering that the thrust asked for has to fall below. Each of the
+    `STAGES` takes its part of `trigger_s`, and three times as long where a range finder has lost the ground.
+    """
+
+    trigger_s: float
+    most_speed: float
+    low_thrust: float
+
+    @classmethod
+    def of(cls, parameters: Parameters) -> "Px4Touchdown":
+        """By these parameters; what is not given has PX4's default."""
+        p = {**DEFAULTS, **parameters}
+        least = p["MPC_THR_MIN"] / p["MPC_THR_HOVER"]
+        speed = min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2
+        return cls(p["LNDMC_TRIG_TIME"], min(p["LNDMC_Z_VEL_MAX"], speed), least + RELAXED_THRUST * (1.0 - least))
+
+
+class Px4Limits(NamedTuple):
+    """What moves a PX4 multicopter along a mission: m, s, m/s, m/s^2, m/s^3, rad.
+
+    LAND slows down from `sinks_from` [m/s], which may be more than it ever sinks with.
+    """
+
+    cruise: float
+    most_speed: float
+    corner_gain: float
+    most_error: float
+    accel: float
+    jerk: float
+    climb: float
+    descent: float
+    most_climb: float
+    most_descent: float
+    accel_up: float
+    accel_down: float
+    radius: float
+    height_radius: float
+    p_xy: float
+    p_v: float
+    i_v: float
+    d_v: float
+    p_z: float
+    p_vz: float
+    i_vz: float
+    hover_learning: float
+    lean: float
+    lean_lag: float
+    spool_up: float
+    takeoff_speed: float
+    takeoff_ramp: float
+    land_speed: float
+    land_high: float
+    land_low: float
+    sinks_from: float
+    crawl_below: float
+    crawl_speed: float
+    yaw_rate: float
+    yaw_accel: float
+    yaw_error: float
+    turns_first: bool
+    returning: Px4Return
+    land_delay: float
+    land_delay_height: float
+    disarm_delay: float
+    touchdown: Px4Touchdown
+    has_range_finder: bool
+
+
+def px4_limits(parameters: Parameters) -> Px4Limits:
+    """The limits that these parameters set; what is not given has PX4 1.17's default.
+
+    Downwards the vertical controller may use a little more than the trajectory does (FlightTaskAuto: 1.2 times). What
+    hovering takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are
+    smooth, its least measurement noise, 1 m/s^2; so its time constant is hover / (noise g).
+
+    Raises:
+        BadInput: a parameter that must be positive is not.
+    """
+    p = {**DEFAULTS, **parameters}
+    for name in POSITIVE:
+        if not p[name] > 0:
+            raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")
+    climb = min(p["MPC_Z_V_AUTO_UP"], p["MPC_Z_VEL_MAX_UP"])
+    descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
+    learns = p["MPC_USE_HTE"] > 0 and p["HTE_HT_NOISE"] > 0
+    return Px4Limits(
+        cruise=p["MPC_XY_CRUISE"],
+        most_speed=p["MPC_XY_VEL_MAX"],
+        corner_gain=p["MPC_XY_TRAJ_P"],
+        most_error=p["MPC_XY_ERR_MAX"],
+        accel=p["MPC_ACC_HOR"],
+        jerk=p["MPC_JERK_AUTO"],
+        climb=climb,
+        descent=descent,
+        most_climb=p["MPC_Z_VEL_MAX_UP"],
+        most_descent=max(p["MPC_Z_VEL_MAX_DN"], 1.2 * descent),
+        accel_up=p["MPC_ACC_UP_MAX"],
+        accel_down=p["MPC_ACC_DOWN_MAX"],
+        radius=p["NAV_ACC_RAD"],
+        height_radius=p["NAV_MC_ALT_RAD"],
+        p_xy=p["MPC_XY_P"],
+        p_v=p["MPC_XY_VEL_P_ACC"],
+        i_v=p["MPC_XY_VEL_I_ACC"],
+        d_v=p["MPC_XY_VEL_D_ACC"],
+        p_z=p["MPC_Z_P"],
+        p_vz=p["MPC_Z_VEL_P_ACC"],
+        i_vz=p["MPC_Z_VEL_I_ACC"],
+        hover_learning=p["MPC_THR_HOVER"] / (p["HTE_HT_NOISE"] * GRAVITY) if learns else math.inf,
+        lean=math.radians(min(p["MPC_TILTMAX_AIR"], 80.0)),
+        lean_lag=1 / p["MC_ROLL_P"],
+        spool_up=p["COM_SPOOLUP_TIME"],
+        takeoff_speed=min(p["MPC_TKO_SPEED"], p["MPC_Z_VEL_MAX_UP"]),
+        takeoff_ramp=max(p["MPC_TKO_RAMP_T"], 0.1),
+        land_speed=min(p["MPC_LAND_SPEED"], p["MPC_Z_VEL_MAX_DN"]),
+        land_high=max(p["MPC_LAND_ALT1"], p["MPC_LAND_ALT2"]),
+        land_low=p["MPC_LAND_ALT2"],
+        sinks_from=p["MPC_Z_VEL_MAX_DN"],
+        crawl_below=p["MPC_LAND_ALT3"],
+        crawl_speed=p["MPC_LAND_CRWL"],
+        yaw_rate=math.radians(p["MPC_YAWRAUTO_MAX"]),
+        yaw_accel=math.radians(p["MPC_YAWRAUTO_ACC"]),
+        yaw_error=math.radians(p["MIS_YAW_ERR"]),
+        turns_first=p["MPC_YAW_MODE"] == TURN_FIRST,
+        returning=Px4Return.of(p),
+        land_delay=max(p["RTL_LAND_DELAY"], 0.0),
+        land_delay_height=p["RTL_DESCEND_ALT"],
+        disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
+        touchdown=Px4Touchdown.of(p),
+        has_range_finder=abs(p["SIH_DISTSNSR_OVR"]) < NO_RANGE_FINDER,
+    )

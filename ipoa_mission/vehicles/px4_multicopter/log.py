@@ -1,0 +1,237 @@
+"""PX4's own log (`.ulg`): where it was, what it did, which item it turned to, how it was set. Read by pyulog (extra
+`logs`). Its mission is told item by item as the flight comes to them (`px4_items`), from PX4 1.12 on.
+"""
+
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from io import StringIO
+from pathlib import Path
+from struct import Struct
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.files import read_bytes
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.link.logbook import COMPLETE
+from ipoa_mission.link.logged import Fixes, Log, LogFormat, presence, version_name
+from ipoa_mission.link.measured import Battery, Measured
+from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
+from ipoa_mission.link.px4_items import items_begun
+from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.vehicles.modes import mode_number
+from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
+from ipoa_mission.world.sphere import SphericalPlane
+
+ARMED = 2  # vehicle_status.arming_state
+#: vehicle_status.nav_state, as HEARTBEAT.custom_mode has it: main and sub mode.
+MODES = {3: mode_number(4, 4), 4: mode_number(4, 3), 5: mode_number(4, 5), 18: mode_number(4, 6)}
+ROTARY_WING = 1  # vehicle_status.vehicle_type
+FLOAT = 9  # MAV_PARAM_TYPE_REAL32
+POSITIONS = ("vehicle_global_position", "vehicle_local_position")
+BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
+TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item", BATTERY, ATTITUDE]
+
+HEADER, MESSAGE = 16, Struct("<HB")  # bytes before the first message; what each begins with: size and kind
+DEFINES, BEGINS_DATA = b"BFIMPQ", b"ALC"  # kinds of messages
+
+Event = tuple[float, Message]
+
+
+def read_ulog(path: Path) -> Log:
+    """Positions and events of a log: arming and modes (vehicle_status), items (mission_result), words, parameters.
+
+    Raises:
+        BadInput: the file cannot be read, holds no positions or no states, or is not of a multicopter.
+        MissionError: pyulog is not installed.
+    """
+    log = _open(path)
+    try:
+        return _told(path, log)
+    except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:  # columns that a broken file lacks
+        raise BadInput(f"{path}: cannot be read as a PX4 log: {error}") from error
+
+
+def _told(path: Path, log: Any) -> Log:
+    """What an open log has."""
+    topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance counts
+    topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
+    if "vehicle_status" not in topics:
+        raise BadInput(f"{path}: expected a PX4 log with the topic vehicle_status, which is not in it")
+    if not topics.keys() & set(POSITIONS):
+        raise BadInput(f"{path}: expected a PX4 log with one of the topics {', '.join(POSITIONS)}")
+    status = topics["vehicle_status"]
+    kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # the latter before 1.9
+    if kinds is not None and not (np.asarray(kinds) == ROTARY_WING).all():
+        raise BadInput(f"{path}: expected the log of a multicopter, not of another kind of vehicle")
+    fixes = _fixes(topics)
+    if not len(fixes.times):
+        raise BadInput(f"{path}: expected positions on the Earth, but PX4 had none: its local ones have no reference")
+    begins = log.start_timestamp / 1e6
+    opened_by_arming = log.initial_parameters.get("SDLOG_MODE", 0) == 0
+    events = [
+        *_parameters(log, begins),
+        *_homes(topics.get("home_position")),
+        *_states(status, begins if opened_by_arming else None),
+        *_items(topics.get("mission_result")),
+        *items_begun(topics.get("navigator_mission_item"), topics.get("mission_result")),
+        *((message.timestamp / 1e6, Text(INFO, message.message)) for message in log.logged_messages),
+    ]
+    version = version_name(int(log.msg_info_dict.get("ver_sw_release", 0)) & 0xFFFFFFFF)
+    batteries = (_battery(topic.data) for topic in log.data_list if topic.name == BATTERY)
+    measured = Measured.of(batteries, _attitude(topics.get(ATTITUDE)))
+    return Log(PX4_MULTICOPTER, fixes, tuple(events), version, measured=measured)
+
+
+def _open(path: Path) -> Any:
+    pyulog = imported("pyulog", f"{path}: reading PX4's logs needs the package pyulog", "logs")
+    _expect_definitions(path)
+    try:
+        with path.open("rb") as file, redirect_stdout(StringIO()):  # it prints what it thinks of a broken file
+            return pyulog.ULog(file, TOPICS)
+    except Exception as error:  # pyulog raises whatever a broken file makes it stumble over
+        raise BadInput(f"{path}: cannot be read as a PX4 log: {error}") from error
+
+
+def _expect_definitions(path: Path) -> None:
+    """Refuse a log whose definitions are spoiled: pyulog looks for their end without one."""
+    data, at = read_bytes(path), HEADER
+    while at + MESSAGE.size <= len(data):
+        size, kind = MESSAGE.unpack_from(data, at)
+        if kind in BEGINS_DATA:
+            return
+        at += MESSAGE.size + size
+        if kind not in DEFINES:
+            break
+    raise BadInput(f"{path}: cannot be read as a PX4 log: its definitions break off")
+
+
+def _parameters(log: Any, begins: float) -> Iterator[Event]:
+    changed = [(time / 1e6, name, value) for time, name, value in log.changed_parameters]
+    for time, name, value in [*((begins, *pair) for pair in log.initial_parameters.items()), *changed]:
+        if isinstance(value, int | float):  # of a broken file it may be anything
+            yield time, ParamValue(name, float(value), FLOAT, 0, 0)
+
+
+def _homes(home: Any | None) -> Iterator[Event]:
+    if home is not None:
+        for time, latitude, longitude, altitude in zip(
+            home["timestamp"], home["lat"], home["lon"], home["alt"], strict=True
+        ):
+            yield float(time) / 1e6, HomePosition(float(latitude), float(longitude), float(altitude))
+
+
+def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
+    """A heartbeat at every change of arming or mode; the time of arming is PX4's own where the log has it.
+
+    A log that begins armed was opened by the arming, where the logger is set so: at the time given.
+    """
+    armed_times = status.get("armed_time", np.zeros(len(status["timestamp"])))
+    before: tuple[bool, int] | None = None
+    columns = (status["timestamp"], status["arming_state"], status["nav_state"], armed_times)
+    for stamp, arming, nav_state, armed_time in zip(*columns, strict=True):
+        state = (int(arming) == ARMED, MODES.get(int(nav_state), 0))
+        time = float(stamp) / 1e6
+        if state == before:
+            continue
+        if state[0] and not (before and before[0]):
+            armed_s = float(armed_time) / 1e6 or (time if before else opened_by_arming)
+            time = time if armed_s is None else armed_s
+            if before is None and armed_s is not None:
+                yield time, presence(PX4_MULTICOPTER, False, state[1])
+        yield time, presence(PX4_MULTICOPTER, *state)
+        before = state
+
+
+def _battery(data: Any) -> Iterator[Battery]:
+    columns = (_column(data, name).tolist() for name in ("timestamp", "voltage_v", "current_a"))
+    return ((time / 1e6, volts, amperes) for time, volts, amperes in zip(*columns, strict=True))
+
+
+def _attitude(data: Any | None) -> Points:
+    """Time, roll, pitch and yaw (n, 4) out of the quaternions from the body's axes to north, east, down."""
+    if data is None:
+        return np.empty((0, 4))
+    w, x, y, z = (_column(data, f"q[{n}]") for n in range(4))
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x**2 + y**2))
+    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))
+    return np.column_stack([_column(data, "timestamp") / 1e6, roll, pitch, yaw])
+
+
+def _items(result: Any | None) -> Iterator[Event]:
+    """What PX4 would have sent: an item reached, the item it turned to, the mission complete."""
+    if result is None:
+        return
+    reached, turned = -1, (-1, False)
+    columns = (result[name] for name in ("timestamp", "seq_reached", "seq_current", "seq_total", "finished"))
+    for time, seq_reached, seq_current, total, finished in zip(*columns, strict=True):
+        at = float(time) / 1e6
+        if seq_reached != reached and seq_reached >= 0:
+            yield at, Reached(int(seq_reached))
+        if (seq_current, finished) != turned:
+            yield at, Current(int(seq_current), int(total), COMPLETE if finished else 0)
+        reached, turned = seq_reached, (seq_current, finished)
+
+
+def _fixes(topics: dict[str, Any]) -> Fixes:
+    times, latitude, longitude, altitude = _global(topics) if POSITIONS[0] in topics else _local(topics[POSITIONS[1]])
+    times, kept = np.unique(times, return_index=True)
+    latitude, longitude, altitude = latitude[kept], longitude[kept], altitude[kept]
+    velocity = np.column_stack([_velocity(topics, axis, times) for axis in ("vx", "vy", "vz")])
+    return Fixes(times, latitude, longitude, altitude, altitude - _ground(topics, times, altitude), velocity)
+
+
+def _global(topics: dict[str, Any]) -> tuple[Vector, Vector, Vector, Vector]:
+    place = topics[POSITIONS[0]]
+    latitude, longitude, altitude = (_column(place, name) for name in ("lat", "lon", "alt"))
+    return _column(place, "timestamp") / 1e6, latitude, longitude, altitude
+
+
+def _column(topic: Any, name: str) -> Vector:
+    """A topic's field, (n,); in a damaged log it may be a signaling NaN, of which NumPy warns."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(topic[name], float)
+
+
+def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
+    """Times, latitude, longitude and altitude out of local positions, where they have a reference on the Earth."""
+    referenced = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
+    columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
+    rows = np.column_stack([_column(place, name) for name in columns])[referenced]
+    rows = rows[np.isfinite(rows).all(axis=1)]
+    latitude, longitude = SphericalPlane(rows[:, 4], rows[:, 5]).to_geodetic(rows[:, 2], rows[:, 1])
+    return rows[:, 0] / 1e6, latitude, longitude, rows[:, 6] - rows[:, 3]
+
+
+def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
+    """The altitude of home at each time: PX4 corrects it on the ground, and in flight where its estimate drifts."""
+    home = topics.get("home_position")
+    if home is None:
+        return np.full(len(times), altitude[0] if len(times) else 0.0)
+    set_at, to = _column(home, "timestamp") / 1e6, _column(home, "alt")
+    return to[np.maximum(np.searchsorted(set_at, times, side="right") - 1, 0)]
+
+
+def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
+    local = topics.get("vehicle_local_position")
+    if local is None:
+        return np.zeros(len(times))
+    at, speed = _column(local, "timestamp") / 1e6, _column(local, axis)
+    sound = np.isfinite(speed)  # of a damaged log they may be anything
+    return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))
+
+
+class _Format(LogFormat):
+    """PX4's ULog."""
+
+    suffix = ".ulg"
+    no_mission = "PX4 writes only those items into its logs to which it came, and these are not all"
+
+    def read(self, path: Path) -> Log:
+        """What of a log is of use here."""
+        return read_ulog(path)
+
+
+FORMAT = _Format()

@@ -1,0 +1,238 @@
+"""PX4 in AUTO.MISSION, AUTO.RTL, AUTO.LAND and AUTO.LOITER: what it makes of each item, step by step under orders."""
+
+import math
+import random
+
+from ipoa_mission.commands import Command
+from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.items import Item
+from ipoa_mission.simulator.conditions import Vehicle
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import carried
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
+    law,
+    leg,
+    stay,
+    take_off,
+    way_down,
+    way_home,
+    waypoint,
+)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits
+
+#: Items that hide the report of the waypoint before them (as measured).
+HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
+NO_THRUST = Enu(0.0, 0.0, -GRAVITY)
+
+
+class PX4Pilot:
+    """Flies the orders of one item, or of RTL or LAND, after the other; the vehicle is moved along."""
+
+    def __init__(self, vehicle: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
+        given, limits = vehicle.conditions, px4_limits(parameters)
+        airframe = airframe_of(given.vehicle)
+        self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
+        self._vehicle, self._now, self._ground = vehicle, situation, given.ground
+        self._parameters = parameters
+        self._law = law(self._limits, airframe, SIH_SENSES, given.wind, STEP_S)
+        seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
+        self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
+        self._orders: list[Order] = []
+        self._announced = False
+        self._here = self._state.body.place  # the place last bound for
+        self._cruise = self._limits.cruise
+
+    # --- orders -----------------------------------------------------------------------------------------------------
+
+    def enter(self) -> None:
+        """The mode has changed."""
+        match self._now.mode:
+            case FlightMode.MISSION:
+                self._begin(self._now.current)
+            case FlightMode.RETURN:
+                self._return()
+            case FlightMode.LAND:
+                here = self._over_home()
+                self._fly(way_down(here, self._down(here), self._limits, self._cruise, self._limits.disarm_delay))
+            case FlightMode.HOLD:
+                self._brake()
+
+    def replaced(self, before: tuple[Item, ...]) -> None:
+        """Another mission lies in the store while one is flown: it goes on at the present index."""
+        self._begin(self._now.current)
+
+    def climb(self, height: float) -> None:
+        """Take off, or climb, straight up to a height above home [m], and stay there."""
+        here = self._over_home()
+        self._here = here._replace(up=height)
+        rise = take_off if self._now.landed else self._way_to
+        self._carry_out([rise(self._here, self._limits), *stay(self._here, self._limits, math.inf)])
+
+    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
+        """Fly to a place and stay there; NaN: where it is bound for, as high as it is, as fast as usual."""
+        if math.isnan(east) and math.isnan(up):
+            self._brake()
+            return
+        level = self._here if math.isnan(east) else Enu(east, north, 0.0)
+        height = self._state.body.place.up if math.isnan(up) else up
+        self._here = Enu(level.east, level.north, max(height, self._ground.at(level.east, level.north)))
+        order = leg(self._state.body.place, self._here, None, self._limits, speed if speed > 0.0 else self._cruise)
+        self._carry_out([order._replace(holds=math.inf, follows_home=False)])
+
+    @property
+    def rising(self) -> bool:
+        """Whether it still climbs to where it was told to take off to."""
+        return self._now.mode is FlightMode.HOLD and len(self._orders) > 1
+
+    def step(self) -> None:
+        """Decide, and let the vehicle move."""
+        now, state = self._now, self._state
+        if not now.armed:
+            self._fall()
+        elif not self._orders or (now.landed and now.time_s - now.armed_s < self._limits.spool_up):
+            self._state = state._replace(time=now.time_s + STEP_S)
+        else:
+            self._advance()
+        self._show()
+
+    def _advance(self) -> None:
+        """A step of the order in force; then what follows from it."""
+        order, now = self._orders[0], self._now
+        if now.landed:
+            now.landed = False
+            place, errors = self._state.body.place, self._state.errors
+            self._state = begun(at_rest(place, now.time_s, self._vehicle.yaw, errors, True), order)
+        self._state = step(self._state._replace(time=now.time_s), order, self._law)
+        reached = self._state.reached
+        if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.holds:
+            self._announced = True
+            self._last_done()
+        if is_over(self._state, order) and self._orders and self._orders[0] is order:
+            self._next()
+
+    def _next(self) -> None:
+        """The order in force is over."""
+        ended, self._orders = self._orders[0], self._orders[1:]
+        if self._orders:
+            self._state = begun(self._state, self._orders[0])
+        elif self._now.mode is FlightMode.MISSION:
+            self._begin(self._now.program.after(self._now.current))
+        else:
+            self._here = ended.goal
+
+    def _last_done(self) -> None:
+        """The last order of an item, or of RTL or LAND, has been carried out."""
+        now, items = self._now, self._now.program.items
+        if self._state.contact.stands:
+            now.landed = True
+            if now.mode is FlightMode.MISSION:
+                now.done(now.current)
+                now.mission = MissionState.COMPLETE
+            now.disarm()
+            now.mode = FlightMode.HOLD
+            self._orders = []
+        elif now.mode is FlightMode.MISSION:
+            hidden = now.current + 1 < len(items) and items[now.current + 1].command in HIDING
+            now.done(now.current, announced=not hidden)
+
+    def _fall(self) -> None:
+        """No thrust: on the ground it stays there, above it it falls."""
+        state, place = self._state, self._state.body.place
+        if place.up > (ground := self._ground.at(place.east, place.north)):
+            state = state._replace(body=carried(state, NO_THRUST, self._law, stands=False), time=self._now.time_s)
+        elif not state.body.on_ground or state.contact.stands:
+            state = at_rest(place._replace(up=ground), self._now.time_s, state.nose.yaw, state.errors, True)
+        self._state = state
+
+    def _show(self) -> None:
+        vehicle, body = self._vehicle, self._state.body
+        vehicle.x, vehicle.y, vehicle.z = body.place
+        vehicle.vx, vehicle.vy, vehicle.vz = body.speed
+        vehicle.lean_x, vehicle.lean_y = body.thrust.east, body.thrust.north
+        vehicle.yaw, vehicle.on_ground = self._state.nose.yaw % (2.0 * math.pi), body.on_ground
+
+    # --- the mission ------------------------------------------------------------------------------------------------
+
+    def _begin(self, index: int | None) -> None:
+        """Start item `index`, doing at once those at which no time is spent."""
+        now = self._now
+        item = now.come_to(index, self._change_speed)
+        if item is None:
+            now.mode = FlightMode.HOLD
+            self._brake()
+        elif item.command == Command.NAV_RETURN_TO_LAUNCH:
+            now.mission, now.mode = MissionState.COMPLETE, FlightMode.RETURN
+            now.done(now.current)
+            self._return()
+        else:
+            self._fly(self._of_item(now.current, item))
+
+    def _change_speed(self, item: Item) -> None:
+        if item.params[1] > 0.0 and item.params[0] in (0.0, 1.0):
+            self._cruise = item.params[1]
+
+    def _of_item(self, index: int, item: Item) -> list[Order]:
+        """The orders for an item that is flown to."""
+        start, limits, cruise = self._here, self._limits, self._cruise
+        goal = Enu(*self._now.program.place(index, start))
+        if item.command == Command.NAV_DELAY:
+            return stay(start, limits, max(item.params[0], STEP_S))
+        if item.command == Command.NAV_LAND:
+            self._here = self._down(goal)
+            return [] if self._now.landed else way_down(start, self._here, limits, cruise, 0.0)
+        self._here, climb = goal, []
+        if self._now.landed:  # whatever the item is, it takes off to its height first
+            start = self._over_home()._replace(up=goal.up)
+            climb = [take_off(start, limits)]
+        onward = self._now.program.onward(index)
+        beyond = None if onward is None else Enu(*self._now.program.place(onward, goal))
+        order = waypoint(item, start, goal, beyond, limits, cruise)
+        if item.command == Command.NAV_LOITER_UNLIM:
+            order = order._replace(holds=math.inf, beyond=goal)
+        return [*climb, order]
+
+    # --- what is no item --------------------------------------------------------------------------------------------
+
+    def _return(self) -> None:
+        self._cruise = self._limits.cruise
+        here = self._over_home()
+        goal = Enu(*self._now.goal_of_return(here, self._parameters))
+        self._fly(way_home(here, self._limits, self._down(goal), goal.up))
+
+    def _down(self, place: Enu) -> Enu:
+        """The ground below a place."""
+        return place._replace(up=self._ground.at(place.east, place.north))
+
+    def _over_home(self) -> Enu:
+        """Where it is, its height over where it believes home to be."""
+        place = self._state.body.place
+        return place._replace(up=place.up - self._state.errors.home)
+
+    def _brake(self) -> None:
+        """Brake as the path's limits allow, and stay where that ends."""
+        body, limits = self._state.body, self._limits
+        time = math.hypot(*body.speed[:2]) / (2.0 * limits.accel) + limits.accel / (2.0 * limits.jerk)
+        east, north = (body.place[axis] + body.speed[axis] * time for axis in (0, 1))
+        end = Enu(east, north, body.place.up)
+        order = leg(body.place, end, None, limits, self._cruise)
+        self._here = end
+        self._fly([order._replace(holds=math.inf, follows_home=False)])
+
+    def _fly(self, orders: list[Order]) -> None:
+        """Fly these instead of what is flown; on the ground only a mission's are."""
+        grounded = self._now.landed and self._now.mode is not FlightMode.MISSION
+        self._carry_out([] if grounded else orders)
+
+    def _carry_out(self, orders: list[Order]) -> None:
+        self._announced, self._orders = False, orders
+        if orders:
+            self._state = begun(self._state, orders[0])
+
+    def _way_to(self, goal: Enu, limits: Px4Limits) -> Order:
+        """The leg from here to a place."""
+        return leg(self._over_home(), goal, None, limits, limits.cruise)

@@ -1,0 +1,75 @@
+"""What PX4 says to one item of a list that is uploaded to it, read in its source: taken, or why not."""
+
+import math
+from collections.abc import Container, Sequence
+
+from ipoa_mission.commands import Command, Frame
+from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.refusal import POLYGON, Refused
+
+LEAST_VERTICES = 3
+ROI = frozenset({Command.NAV_ROI, Command.DO_SET_ROI})
+_PLACES = {5: "INVALID_PARAM5_X", 6: "INVALID_PARAM6_Y"}
+
+
+def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+    """Why a mission with this item is refused; None where it is taken."""
+    if frame not in firmware.frames:
+        return Refused("UNSUPPORTED_FRAME")
+    if wrong := _unused(firmware, command, frame, values):
+        return wrong
+    where, table = ("plain", firmware.plain) if frame == Frame.MISSION else ("placed", firmware.placed)
+    if command in table:
+        modes = firmware.roi_modes[where]
+        if command in ROI and not (math.isfinite(values[0]) and int(values[0]) in modes):
+            return Refused("INVALID_PARAM1", 1, f"expected a mode of {_listed(modes)}, not {values[0]:g}")
+        return None
+    if command in firmware.fence or command in firmware.rally:
+        return Refused("ERROR" if frame != Frame.MISSION else "UNSUPPORTED")
+    return Refused("UNSUPPORTED")
+
+
+def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+    """The same for an item of a fence."""
+    if command in POLYGON and not values[0] + 0.5 >= LEAST_VERTICES:
+        return Refused("ERROR", 1, f"expected {LEAST_VERTICES} vertices or more")
+    return _of_a_list(firmware, firmware.fence, command, frame, values)
+
+
+def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+    """The same for a rally point."""
+    return _of_a_list(firmware, firmware.rally, command, frame, values)
+
+
+def _of_a_list(
+    firmware: Firmware, commands: Container[int], command: int, frame: int, values: Sequence[float]
+) -> Refused | None:
+    """PX4 reads the items of all lists by the same code."""
+    if frame not in firmware.frames:
+        return Refused("UNSUPPORTED_FRAME")
+    if wrong := _unused(firmware, command, frame, values):
+        return wrong
+    if frame == Frame.MISSION:
+        return Refused("UNSUPPORTED")
+    return None if command in commands else Refused("ERROR")
+
+
+def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+    """The first param that the firmware does not use, and that is neither 0 nor NaN.
+
+    In a frame with a place an unused latitude or longitude must be NaN: 0 is a place.
+    """
+    used = None if firmware.used is None else firmware.used.get(command)
+    if used is None:
+        return None
+    for n, value in enumerate(values, start=1):
+        is_integer = n in _PLACES and frame != Frame.MISSION
+        if n not in used and not (math.isnan(value) or (value == 0.0 and not is_integer)):
+            expected = "NaN" if is_integer else "0 or NaN"
+            words = f"expected {expected}, as {firmware} uses no such param here, not {value:g}"
+            return Refused(_PLACES.get(n, f"INVALID_PARAM{n}"), n, words)
+    return None
+
+
+def _listed(numbers: frozenset[int]) -> str:
+    return " or ".join(map(str, sorted(numbers)))

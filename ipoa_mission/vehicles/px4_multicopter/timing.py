@@ -1,0 +1,178 @@
+"""How long PX4 1.13 to 1.17 takes in AUTO.MISSION with a multicopter: its dynamics, flown again and again with noise.
+
+Its flights are noisy: a waypoint counts once place *and* height are right, and for two minutes from take-off the height
+of home is corrected by noisy measurements. So a mission is flown once without noise, which gives the path, and then
+again and again with it, which gives times and spread.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.commands import Command
+from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.itinerary.itinerary import Itinerary, flying_already
+from ipoa_mission.timing.prediction import Missed, Prediction, Track
+from ipoa_mission.timing.reasons import corner_deg, slow_because
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, Senses
+from ipoa_mission.vehicles.px4_multicopter.dynamics.compiled import flying
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import FLOWN_TO, law, plan
+from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
+from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.wind import CALM, Wind
+
+STEP = 0.04  # [s]
+SAMPLE_STEPS = 3  # a sample of the track every so many steps
+
+
+LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
+
+
+@dataclass(frozen=True)
+class NoisyRuns:
+    """How often an itinerary is flown with noise, and what the spread of the times makes of the interval."""
+
+    most: int = 90
+    batch: int = 6  # after every so many it is asked whether they will do:
+    known_share: float = 0.003  # the standard error of the mean is this share of it
+    doubt_s: float = 0.8  # what the model itself may be off by, standard deviation: this,
+    doubt_share: float = 0.0125  # and this share of the time
+    landing_s: float = 1.6  # what landings differ by beyond that, in recorded flights
+    interval_deviations: float = 1.645  # nine in ten are so many standard deviations on either side of the mean
+    missed_s: float = 3.0  # a waypoint that takes so much longer than in most runs has been missed
+
+
+RUNS = NoisyRuns()
+
+
+def fly_px4(
+    route: Itinerary,
+    parameters: Parameters,
+    wind: Wind = CALM,
+    fast: bool | None = None,
+    airframe: Airframe = SIH,
+    senses: Senses = SIH_SENSES,
+) -> Prediction:
+    """Fly the itinerary as PX4 does; `fast` is as in `estimate`. One that `KNOWS` where it is is flown only once.
+
+    Raises:
+        BadInput: an item never ends, or a parameter has no sense.
+        MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
+    """
+    flights = Flights(route, parameters, wind, airframe, senses)
+    smooth, samples = flights.prepared(False, fast)(0)
+    once = flights.prepared(True, fast, RUNS.most * samples[-1, 0] / STEP)
+    remarks = list(flights.plan.remarks)
+    times: list[Vector] = []
+    for seed in range(1, RUNS.most + 1 if senses != KNOWS and route.visits else 1):
+        if (seed - 1) % RUNS.batch == 0 and _known(times):
+            break
+        try:
+            times.append(once(seed)[0])
+        except MissionError as lost:  # circling a waypoint that is too small to be hit
+            if seed > 2 * len(times) + RUNS.batch:
+                raise
+            remarks.append(f"some flights would not end: {lost}")
+    runs = np.array(times or [smooth])
+    done = runs.mean(axis=0)
+    lands = np.array([visit.item.command in LANDINGS for visit in route.visits], dtype=bool)
+    doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
+    half = RUNS.interval_deviations * np.sqrt(runs.var(axis=0) + doubt)
+    warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
+    warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
+    track = Track(warped, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    clock = np.ascontiguousarray(samples[:, 0])
+    reasons = tuple(flights.why_slow(n, smooth, clock, samples) for n in range(len(route.visits)))
+    return Prediction(done, done - half, done + half, reasons, track, tuple(remarks), _missed(route, runs))
+
+
+def _known(times: list[Vector]) -> bool:
+    """Whether the mean of the runs is known well enough: its standard error is a small share of it."""
+    ends = np.array([run[-1] for run in times])
+    return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= RUNS.known_share * ends.mean())
+
+
+def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
+    """For each waypoint in which share of the runs (m, n) [s] it is missed, and what that costs."""
+    lasted = np.diff(runs, axis=1, prepend=0.0)
+    longer = lasted - np.median(lasted, axis=0)
+    flown_to = np.array([visit.item.command in FLOWN_TO for visit in route.visits], dtype=bool)
+    missed = (longer > RUNS.missed_s) & flown_to
+    share = missed.mean(axis=0)
+    cost = (longer * missed).sum(axis=0) / np.maximum(missed.sum(axis=0), 1)
+    return tuple(Missed(*map(float, both)) for both in zip(share, cost, strict=True))
+
+
+class Flights:
+    """One itinerary, to be flown as often as wanted."""
+
+    def __init__(
+        self, route: Itinerary, parameters: Parameters, wind: Wind = CALM, airframe: Airframe = SIH,
+        senses: Senses = SIH_SENSES,
+    ) -> None:  # fmt: skip
+        limits = px4_limits(parameters)
+        self.limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
+        self.route, self.airframe, self.wind = route, airframe, wind
+        self.plan = plan(route, self.limits, airframe.landing_delay)
+        turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.plan.orders)
+        with_noise = law(self.limits, airframe, senses, wind, STEP)
+        self.quiet = with_noise._replace(noisy=False, turns=turns)
+
+    def prepared(self, noisy: bool, fast: bool | None, steps: float = 0.0) -> Callable[[int], tuple[Vector, Points]]:
+        """What flies it once, with the noise of a seed: when each visit is done (n,) [s], and, without noise, samples.
+
+        A sample (m, 7) is time, place and velocity; `steps` is how many will be asked for in all.
+
+        Raises:
+            MissionError: the vehicle does not get on.
+        """
+        orders, ends, height = self.plan.orders, list(self.plan.done), flying_already(self.route) or 0.0
+        fly = flying(orders, self.quiet._replace(noisy=noisy), fast, steps)
+
+        def once(seed: int) -> tuple[Vector, Points]:
+            seeds = tuple(float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
+            done, samples = fly(height, seeds, 0 if noisy else SAMPLE_STEPS)
+            if len(done) > len(orders):
+                return np.array(done)[ends], np.array(samples).reshape(-1, 7)
+            goal = orders[len(done) - 1].goal
+            raise MissionError(
+                f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",
+                hint="the wind may be stronger than it can fly against, or the acceptance radius too small to be hit",
+            )
+
+        return once
+
+    def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
+        """The reasons why visit n, flown as the samples at these times (m,) [s] say, was slow."""
+        command, params = self.route.visits[n].item.command, self.route.visits[n].item.params
+        if command == Command.NAV_DELAY:
+            return "hold" if params[0] > 0 else ""
+        if command not in FLOWN_TO:
+            return ""
+        order = self.plan.orders[self.plan.done[n] - 1]
+        if order.holds > 0:
+            return "hold"
+        rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
+        length, limits = math.dist(order.start[:2], order.goal[:2]), self.limits
+        stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
+        wind = self.wind.along(order.goal.east - order.start.east, order.goal.north - order.start.north)
+        return slow_because(
+            planned=min(stop, order.cruise) if length > 1.0 else None,
+            allowed=self.allowed(order),
+            asked=order.cruise,
+            top=self.airframe.top_speed(limits.lean) + wind,
+            flown=float(np.hypot(samples[rows, 4], samples[rows, 5]).max(initial=0.0)),
+            corner=corner_deg(order.start, order.goal, order.beyond),
+            stops=order.beyond == order.goal,
+        )
+
+    def allowed(self, order: Order) -> float:
+        """What the climb or descent rate leaves of the level speed asked for [m/s]."""
+        length, rise = math.dist(order.start[:2], order.goal[:2]), order.goal.up - order.start.up
+        rate = self.limits.climb if rise > 0 else self.limits.descent
+        return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise

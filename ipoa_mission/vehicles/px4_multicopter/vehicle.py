@@ -1,0 +1,174 @@
+"""PX4 on a multicopter as one object; its times, its tube and its stand-in are loaded when they are asked for."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from ipoa_mission.commands import FLOWN_TO, Command
+from ipoa_mission.geometry import Vector
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
+from ipoa_mission.vehicles.guidance import Guidance
+from ipoa_mission.vehicles.kinds import MULTICOPTERS
+from ipoa_mission.vehicles.manners import Manners
+from ipoa_mission.vehicles.modes import Modes, mode_number
+from ipoa_mission.vehicles.own_fence import Limit, OwnFence
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter import refusal, returning
+from ipoa_mission.vehicles.px4_multicopter.book import BOOK
+from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.vehicles.refusal import Refused
+from ipoa_mission.vehicles.returning import Place
+from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.vehicles.version import Version
+
+ONLY_WARNS = 1.0  # GF_ACTION; 0 does nothing at all
+
+HABITS = Firmware(
+    autopilot="px4",
+    name="PX4",
+    home_is_item_0=False,
+    keeps_autocontinue=True,
+    fence=rows(
+        {
+            "w---dd.": "NAV_FENCE_POLYGON_VERTEX_INCLUSION NAV_FENCE_POLYGON_VERTEX_EXCLUSION",
+            ".---dd.": "NAV_FENCE_CIRCLE_INCLUSION NAV_FENCE_CIRCLE_EXCLUSION",
+            "----dd.": "NAV_FENCE_RETURN_POINT",
+        }
+    ),
+    rally=rows({"----dd.": "NAV_RALLY_POINT"}),
+    fence_is_union=True,
+    max_items=10_000,
+    max_fence_items=64,
+    max_rally_points=32,
+    highest_altitude=math.inf,
+    nan_holds=True,
+)
+
+MODES = Modes(
+    mission=mode_number(4, 4),
+    arming=mode_number(4, 4),  # armed in its mission mode it takes off at once
+    hold=mode_number(4, 3),
+    returning=mode_number(4, 5),
+    returns=frozenset({mode_number(4, 5)}),  # for which it leaves its mission mode at an RTL item
+    lands=frozenset({mode_number(4, 6)}),
+    names={
+        mode_number(1): "MANUAL",
+        mode_number(2): "ALTCTL",
+        mode_number(3): "POSCTL",
+        mode_number(4, 2): "AUTO.TAKEOFF",
+        mode_number(4, 3): "AUTO.LOITER",
+        mode_number(4, 4): "AUTO.MISSION",
+        mode_number(4, 5): "AUTO.RTL",
+        mode_number(4, 6): "AUTO.LAND",
+        mode_number(6): "OFFBOARD",
+        mode_number(7): "STABILIZED",
+    },
+    has_sub_modes=True,
+)
+
+
+class Px4Multicopter(Autopilot):
+    """PX4 on a multicopter."""
+
+    name = "px4"
+    model = "PX4"
+    mav_autopilot = 12
+    mav_types = MULTICOPTERS
+    measured = Version(1, 17)
+    oldest = (1, 13)
+    modes = MODES
+    book = BOOK
+    tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
+    guidance = Guidance(
+        flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
+        zero_lands_here=True,
+        least_takeoff=("NAV_MC_ALT_RAD", 1.0),
+        takes_radius=True,
+        first_item=0,
+        past_the_end=-1,
+        climbs_coming_back=True,
+        brakes_after=0.6,
+    )
+    manners = Manners(
+        judges_later=True,
+        keeps_types=True,
+        widen_fence="give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
+    )
+    slowed_by = SlowedBy(
+        names=("MPC_LAND_ALT1", "MPC_LAND_ALT2"),
+        unit=1.0,
+        most=122.0,
+        decided_by=("MPC_LAND_ALT1", "MPC_LAND_ALT2", "MPC_LAND_SPEED", "MPC_Z_V_AUTO_DN", "MPC_Z_VEL_MAX_DN"),
+    )
+    parts: ClassVar[Mapping[str, str]] = {
+        "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
+        "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
+        "Law": "ipoa_mission.vehicles.px4_multicopter.tube:LAW",
+        "Personality": "ipoa_mission.vehicles.px4_multicopter.personality:PERSONALITY",
+        "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilots:PILOTS",
+    }
+    own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
+
+    def refused(
+        self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
+    ) -> Refused | None:
+        """As its source has it."""
+        return refusal.refused(firmware, command, frame, values)
+
+    def refused_in_fence(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+        """As its source has it."""
+        return refusal.refused_in_fence(firmware, command, frame, values)
+
+    def refused_in_rally(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+        """As its source has it."""
+        return refusal.refused_in_rally(firmware, command, frame, values)
+
+    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
+        """With MPC_ACC_HOR, to which it changes by MPC_JERK_AUTO."""
+        limits = px4_limits(parameters)
+        brakes, gains = limits.accel, np.clip(accel, 0.0, limits.accel)
+        turns = (gains + brakes) / limits.jerk  # seconds until it brakes with all it may
+        slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
+        turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
+        return np.asarray(turning + slowed**2 / (2 * brakes))
+
+    def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
+        """From MPC_LAND_ALT1 ever slower, to MPC_LAND_SPEED at MPC_LAND_ALT2.
+
+        >>> Px4Multicopter().slowed({}, 12.0)
+        {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
+        """
+        p = BOOK.complete(parameters)
+        descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
+        low = p["MPC_LAND_ALT2"]
+        return SlowStretch(max(p["MPC_LAND_SPEED"], SLOWEST), descent, max(p["MPC_LAND_ALT1"], low), low)
+
+    def own_fence(self, parameters: Parameters) -> OwnFence | None:
+        """A distance or a height of 0 is no limit; GF_ACTION 0 does nothing, and 1 only warns."""
+        if parameters.get("GF_ACTION", 0.0) <= ONLY_WARNS:
+            return None
+        across, up = (parameters.get(name, 0.0) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"))
+        return OwnFence(
+            Limit("GF_MAX_HOR_DIST", across if across > 0.0 else math.inf),
+            Limit("GF_MAX_VER_DIST", up if up > 0.0 else math.inf),
+            Limit("", -math.inf),
+        )
+
+    def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
+        """As RTL chooses.
+
+        >>> Px4Multicopter().goal_of_return({}, (100.0, 0.0, 20.0), [(90.0, 0.0, 10.0)])
+        0
+        """
+        return returning.goal_of_return(parameters, here, rally)
+
+    def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
+        """As its source has it."""
+        return returning.return_height(parameters, height, distance, goal_up)
+
+
+PX4_MULTICOPTER = Px4Multicopter()

@@ -1,0 +1,30 @@
+"""What a firmware says to one item of a list that is uploaded to it, read in its source: taken, or why not.
+
+An item is its command, frame, and seven values: param1 to param4, latitude, longitude (degrees; for a frame without a
+place what x and y hold), altitude.
+"""
+
+from dataclasses import dataclass
+
+from ipoa_mission.commands import Command
+
+POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION})
+_PARAMS = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")
+
+
+@dataclass(frozen=True)
+class Refused:
+    """`result`: the name of the MAV_MISSION_RESULT; `param`: which of the seven it is for, or 0; `words`: why."""
+
+    result: str
+    param: int = 0
+    words: str = ""
+
+
+def param_name(n: int) -> str:
+    """What one of the seven is called in a mission.
+
+    >>> param_name(5)
+    'latitude'
+    """
+    return _PARAMS[n - 1]

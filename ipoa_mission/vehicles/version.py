@@ -1,0 +1,57 @@
+"""The version of a firmware: as a vehicle says it, and as a user writes it."""
+
+import re
+from dataclasses import dataclass
+
+from ipoa_mission.errors import BadInput
+
+_WRITTEN = re.compile(r"v?(\d{1,3})\.(\d{1,3})(?:\.(\d{1,3}))?(?:-?(dev|alpha|beta|rc)\d*)?", re.IGNORECASE)
+#: FIRMWARE_VERSION_TYPE, the last byte of AUTOPILOT_VERSION.flight_sw_version: how far it is from its release.
+_STAGES = {0: "dev", 64: "alpha", 128: "beta", 192: "rc", 255: ""}
+
+
+@dataclass(frozen=True, order=True)
+class Version:
+    """Compared by its numbers; `stage` is what it is short of a release: dev, alpha, beta, rc, or nothing.
+
+    >>> str(Version.parsed("v4.6.2")), Version.parsed("1.18-beta1") > Version(1, 17, 3)
+    ('4.6.2', True)
+    """
+
+    major: int
+    minor: int
+    patch: int = 0
+    stage: str = ""
+
+    @classmethod
+    def parsed(cls, text: str) -> "Version":
+        """A version as people write it.
+
+        Raises:
+            BadInput: it is none.
+        """
+        match = _WRITTEN.fullmatch(text.strip())
+        if match is None:
+            raise BadInput(f'firmware version: expected one like 4.6 or 1.18.0-beta1, not "{text}"')
+        major, minor, patch, stage = match.groups()
+        return cls(int(major), int(minor), int(patch or 0), (stage or "").lower())
+
+    @classmethod
+    def said(cls, flight_sw_version: int) -> "Version | None":
+        """The version in AUTOPILOT_VERSION; None where the autopilot does not say."""
+        major, minor, patch, stage = flight_sw_version.to_bytes(4, "big")
+        return cls(major, minor, patch, _STAGES.get(stage, "")) if flight_sw_version else None
+
+    @property
+    def series(self) -> tuple[int, int]:
+        """What tables are by."""
+        return self.major, self.minor
+
+    @property
+    def number(self) -> int:
+        """As AUTOPILOT_VERSION.flight_sw_version has it."""
+        stage = next(number for number, name in _STAGES.items() if name == self.stage)
+        return int.from_bytes(bytes((self.major, self.minor, self.patch, stage)), "big")
+
+    def __str__(self) -> str:
+        return f"{self.major}.{self.minor}.{self.patch}" + (f"-{self.stage}" if self.stage else "")

@@ -1,0 +1,341 @@
+"""A third vehicle, whole, in this one file: read, checked, planned, timed, shown, uploaded to its stand-in and flown.
+
+It flies at one speed along straight lines, turns on the spot and keeps to its path within half a meter. No other file
+knows of it.
+"""
+
+import json
+import math
+import pickle
+import random
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar, cast
+
+import numpy as np
+import pytest
+
+from ipoa_mission.commands import FLOWN_TO, Command
+from ipoa_mission.geometry import Vector
+from ipoa_mission.items import Item, Mission
+from ipoa_mission.itinerary.itinerary import Itinerary
+from ipoa_mission.itinerary.program import Program
+from ipoa_mission.simulator.conditions import Vehicle
+from ipoa_mission.simulator.flight import Pilot, Pilots
+from ipoa_mission.simulator.personality import Personality
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
+from ipoa_mission.timing.bound import Kinematics
+from ipoa_mission.timing.flight_model import FlightModel, SlowedByAir
+from ipoa_mission.timing.prediction import Prediction, Track
+from ipoa_mission.tube.law import Law
+from ipoa_mission.tube.spread import Spread
+from ipoa_mission.vehicles import autopilot as register
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
+from ipoa_mission.vehicles.guidance import Guidance
+from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.manners import Manners
+from ipoa_mission.vehicles.modes import Modes
+from ipoa_mission.vehicles.own_fence import OwnFence
+from ipoa_mission.vehicles.parameters import ParameterBook, Parameters, Quantity
+from ipoa_mission.vehicles.refusal import Refused
+from ipoa_mission.vehicles.returning import Place
+from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
+from ipoa_mission.vehicles.version import Version
+from ipoa_mission.wind import Wind
+from tests.cli.conftest import Outcome, Run
+
+SPEED, RADIUS = 4.0, 0.05  # [m/s], [m]
+MODES = Modes(2, 2, 1, 3, frozenset({3}), frozenset({4}), {1: "WAIT", 2: "GO", 3: "HOME", 4: "DOWN"})
+ALL_SEVEN = "......."
+TAKEN = {int(c): ALL_SEVEN for c in (*FLOWN_TO, Command.NAV_RETURN_TO_LAUNCH, Command.DO_CHANGE_SPEED)}
+HABITS = Firmware(
+    autopilot="toy",
+    name="Toy",
+    home_is_item_0=False,
+    keeps_autocontinue=True,
+    fence={},
+    rally={},
+    fence_is_union=True,
+    max_items=100,
+    max_fence_items=0,
+    max_rally_points=0,
+    highest_altitude=math.inf,
+    version=Version(1, 0),
+    frames=frozenset({0, 2, 3, 5, 6}),
+    placed=TAKEN,
+    plain=TAKEN,
+)
+
+
+def way(program: Program, index: int, here: Place, ground: float) -> list[Place]:
+    """The places to which item `index` leads, one after the other."""
+    item, (east, north, up) = program.items[index], here
+    match item.command:
+        case Command.NAV_TAKEOFF:
+            return [(east, north, program.place(index, here)[2])]
+        case Command.NAV_LAND:
+            there = program.place(index, here)
+            return [(there[0], there[1], up), (there[0], there[1], ground)]
+        case Command.NAV_RETURN_TO_LAUNCH:
+            return [(0.0, 0.0, up), (0.0, 0.0, ground)]
+        case command if command in FLOWN_TO:
+            return [program.place(index, here)]
+    return []
+
+
+class Model(FlightModel):
+    """Straight lines at one speed."""
+
+    scatter = (0.1, 0.01, 0.1)
+    simulated: ClassVar[Mapping[str, float]] = {}
+
+    def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
+        here, clock, speed = (0.0, 0.0, 0.0), 0.0, SPEED
+        times, points, done = [0.0], [here], []
+        for n, visit in enumerate(route.visits):
+            if visit.item.command == Command.DO_CHANGE_SPEED:
+                speed = visit.item.params[1]
+            for place in way(route.program, n, here, 0.0):
+                clock += math.dist(here, place) / speed
+                here = place
+                times.append(clock)
+                points.append(here)
+            done.append(clock)
+        clear = np.concatenate([[True], np.diff(times) > 0.0])
+        flown = Track(np.array(times)[clear], np.array(points)[clear], np.full(int(clear.sum()), speed))
+        ends = np.array(done)
+        return Prediction(ends, ends - 0.5, ends + 0.5, ("",) * len(ends), flown)
+
+    def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
+        return Kinematics(speed or SPEED, SPEED, SPEED, 100.0)
+
+    def airframe(self, altitude: float) -> SlowedByAir:
+        raise NotImplementedError
+
+
+class StraightPilot:
+    """Goes on from place to place."""
+
+    def __init__(self, body: Vehicle, now: Situation) -> None:
+        self.body, self.now = body, now
+        self.ahead: list[Place] = []
+        self.speed, self.goes = SPEED, False
+
+    def enter(self) -> None:
+        self.goes = self.now.mode is not FlightMode.HOLD
+        if self.now.mode is FlightMode.MISSION:
+            self._begin(self.now.current)
+
+    def replaced(self, before: tuple[Item, ...]) -> None:
+        self._begin(self.now.current)
+
+    def climb(self, height: float) -> None:
+        self.ahead = [(self.body.x, self.body.y, height)]
+
+    def go_to(self, east: float, north: float, up: float, speed: float) -> None:
+        self.ahead = [(east, north, up)]
+
+    @property
+    def rising(self) -> bool:
+        return False
+
+    def step(self) -> None:
+        if not (self.now.armed and self.goes):
+            return
+        left = self.speed * STEP_S
+        while self.ahead and left > 0.0:
+            far = math.dist(self.body.place, self.ahead[0])
+            share = min(1.0, left / far) if far > 0.0 else 1.0
+            places = zip(self.body.place, self.ahead[0], strict=True)
+            self.body.x, self.body.y, self.body.z = (a + share * (b - a) for a, b in places)
+            left -= far
+            if share == 1.0:
+                self.ahead.pop(0)
+        self.now.landed = self.body.on_ground = self.body.z <= 0.0 and self.now.landed
+        if self.body.z > 0.0:
+            self.now.landed = self.body.on_ground = False
+        if not self.ahead:
+            self._arrived()
+
+    def _begin(self, index: int | None) -> None:
+        def quicker(item: Item) -> None:
+            self.speed = item.params[1]
+
+        item = self.now.come_to(index, quicker)
+        if item is not None:
+            self.ahead = way(self.now.program, self.now.current, self.body.place, 0.0)
+
+    def _arrived(self) -> None:
+        item = self.now.program.items[self.now.current]
+        self.now.done(self.now.current)
+        if item.command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH):
+            self.now.landed = self.body.on_ground = True
+            self.now.mission = MissionState.COMPLETE
+            self.now.disarm()
+            self.now.mode, self.goes = FlightMode.HOLD, False
+            return
+        self._begin(self.now.program.after(self.now.current))
+
+
+class Crew(Pilots):
+    def pilot(self, body: Vehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
+        return StraightPilot(body, now)
+
+
+def _spread(most: float) -> Spread:
+    return Spread((0.0, most / 2, most), (1.0, 0.1, 0.001))
+
+
+LAW = Law(
+    level=_spread(0.4),
+    down=_spread(0.3),
+    up=_spread(0.3),
+    lowest=_spread(0.3),
+    highest=_spread(0.3),
+    farthest=None,
+    turn=10.0,
+    ending=1.0,
+    memory=2.0,
+    height_memory=5.0,
+    growth=(0.0, 0.0, 0.0),
+    source="made up",
+    not_valid="everywhere else",
+    strongest=3.0,
+)
+
+
+class Toy(Autopilot):
+    """The third one."""
+
+    name, model = "toy", "Toycopter"
+    mav_autopilot, mav_types = 9, frozenset({QUADROTOR})
+    measured, oldest = Version(1, 0), (1, 0)
+    modes = MODES
+    book = ParameterBook(
+        moving={"TOY_SPEED": SPEED, "TOY_UP": SPEED, "TOY_DOWN": SPEED, "TOY_RTL": 10.0, "TOY_WAIT": 0.0},
+        others={"TOY_ID": 1.0, "TOY_FENCE": 0.0},
+        set_up={},
+        types={},
+        climb=Quantity("TOY_UP"),
+        descent=Quantity("TOY_DOWN"),
+        return_height=Quantity("TOY_RTL"),
+        fence_switch="TOY_FENCE",
+        system_id="TOY_ID",
+        meanings={"cruise speed": "TOY_SPEED"},
+        surely_there=(("TOY_ID",),),
+    )
+    tables = FirmwareTables(HABITS, Path(__file__).with_name("no_tables.json"))
+    guidance = Guidance(flown_on_into=frozenset())
+    manners = Manners(starts_by_command=True)
+    slowed_by = SlowedBy((), 1.0, 0.0, ())
+    own_fence_by = ("TOY_FENCE",)
+    parts: ClassVar[Mapping[str, Any]] = {"FlightModel": Model(), "Law": LAW, "Pilots": Crew()}
+
+    def refused(
+        self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
+    ) -> Refused | None:
+        return None if firmware.takes(command) else Refused("UNSUPPORTED")
+
+    def refused_in_fence(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+        return Refused("UNSUPPORTED")
+
+    def refused_in_rally(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+        return Refused("UNSUPPORTED")
+
+    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
+        return 0.0 * speed
+
+    def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
+        return None
+
+    def own_fence(self, parameters: Parameters) -> OwnFence | None:
+        return None
+
+    def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
+        return None
+
+    def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
+        return height
+
+
+SCENARIO = """
+name = "hop"
+safety_distance = 1.5
+[home]
+latitude_deg = 47.397742
+longitude_deg = 8.545594
+altitude_amsl = 488.0
+[vehicle]
+autopilot = "toy"
+cruise_speed = 5.0
+radius = 0.3
+[start]
+east = 0.0
+north = 0.0
+up = 12.0
+[goal]
+east = 60.0
+north = 0.0
+up = 12.0
+[bounds]
+east = [-20.0, 80.0]
+north = [-40.0, 40.0]
+up = [0.0, 40.0]
+[[obstacles]]
+kind = "cylinder"
+east = 30.0
+north = 1.0
+radius = 5.0
+height = 30.0
+[optimizer]
+population = 8
+iterations = 8
+"""
+
+
+@pytest.fixture
+def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
+    """The third vehicle, registered for as long as a test lasts."""
+    vehicle = Toy()
+    spoken = replace(  # what it says on a link is as PX4 says it, with its own numbers
+        Autopilot.PX4.part(Personality),
+        autopilot=vehicle,
+        mav_autopilot=vehicle.mav_autopilot,
+        modes={FlightMode.HOLD: 1, FlightMode.MISSION: 2, FlightMode.RETURN: 3, FlightMode.LAND: 4},
+        first_mode=1,
+        placed_modes=frozenset({2, 3, 4}),
+        armable_modes=frozenset({1, 2}),
+        takeoff_mode=None,
+        disarm_delay="TOY_WAIT",
+        judges_after_ack=False,
+    )
+    monkeypatch.setattr(Toy, "parts", {**Toy.parts, "Personality": spoken})
+    monkeypatch.setitem(register._REGISTERED, vehicle.name, vehicle)
+    return vehicle
+
+
+def told(outcome: Outcome) -> dict[str, Any]:
+    assert outcome.code == 0, outcome
+    return cast(dict[str, Any], json.loads(outcome.out))
+
+
+def test_a_third_vehicle_goes_the_whole_way(toy: Autopilot, tmp_path: Path, run: Run) -> None:
+    (tmp_path / "hop.toml").write_text(SCENARIO, encoding="utf-8")
+    assert pickle.loads(pickle.dumps(toy)) is toy
+    told(run("plan hop.toml --json"))
+    plan = json.loads((tmp_path / "hop.plan").read_text(encoding="utf-8"))
+    assert plan["mission"]["firmwareType"] == toy.mav_autopilot
+    assert told(run("check hop.plan --scenario hop.toml --json"))["firmware"]["autopilot"] == toy.name
+    estimated = told(run("estimate hop.plan --json"))
+    assert run("show hop.plan").code == 0
+    assert run("export hop.plan hop.kml").code == 0
+    flown = told(run("fly hop.plan --json"))
+    assert flown["completed"]
+    assert flown["flown_s"] == pytest.approx(estimated["total_s"], abs=1.0)
+    assert len(flown["items"]) == len(estimated["items"])
+
+
+def test_it_is_gone_again() -> None:
+    assert "toy" not in map(str, registered())
