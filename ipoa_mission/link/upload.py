@@ -134,6 +134,7 @@ class MissionReports(VehicleTexts):
     def read_again(self) -> None:
         """The list is read once more; what it last said of it still counts."""
         self.ids, self.total, self.is_disputed = frozenset({self.latest} - {0}), None, False
+        self.is_named = False
 
     def note(self, message: Message | None) -> None:
         """Keep what it says of its mission."""
@@ -203,12 +204,11 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
                 f"{broken_off}: the vehicle holds the whole new {list_name(job.kind)}, verified",
                 hint="whether it finds it flyable was not waited for",
             ) from None
-        is_named = course.reports.proves(job)
         if not (state == NO_MISSION and course.reports.agrees(job)):
             yield from _settle(job, course.reports)
         if state == NO_MISSION:
             raise Unflyable(str(course.reports))
-        return course.reports.stored_as if is_named else 0
+        return course.reports.stored_as if course.reports.proves(job) else 0
     return course.checksum
 
 
@@ -334,11 +334,17 @@ def _withdraw(kind: int) -> Dialogue[None]:
 def _verdict(reports: MissionReports) -> Dialogue[int]:
     """Listen whether the vehicle finds the mission flyable: the last state that it tells counts (0: none was told).
 
-    Its reasons may have come at any time since the Ack.
+    Its reasons may have come at any time since the Ack. One that has given ours an id is given time to name it.
     """
-    state = 0
+    state, is_over = 0, reports.stored_as == 0
     heard = yield Pause(VERDICT_S)
-    while heard is not None:
+    while True:
+        if heard is None:
+            if is_over or reports.is_named:
+                return state
+            is_over = True
+            heard = yield Pause(VERDICT_S)
+            continue
         step: Step = None
         reports.note(heard)
         match heard:
@@ -347,4 +353,3 @@ def _verdict(reports: MissionReports) -> Dialogue[int]:
                     step = Pause(VERDICT_S if latest == NO_MISSION else SECOND_THOUGHTS_S)
                 state = latest
         heard = yield step
-    return state

@@ -73,10 +73,13 @@ def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilo
     assert not vehicle.record().armed
 
 
-def test_a_list_that_another_station_is_just_sending_is_not_flown() -> None:
+@pytest.mark.parametrize("has_checksum", [True, False])
+def test_a_list_that_another_station_is_just_sending_is_not_flown(has_checksum: bool) -> None:
     """To ArduPilot, that is: PX4 keeps the whole one that it has, by its id, until it has the new one."""
     vehicle = vehicle_of(ARDUPILOT)
     vehicle.upload(MISSION)
+    for holding in vehicle._holdings.values():
+        holding.list_id *= has_checksum
     vehicle.prepare()
     items = to_wire(replace(MISSION, autopilot=ARDUPILOT))
     mock = mock_of(vehicle)

@@ -1,7 +1,9 @@
 """ArduPilot's fast path: the mission as one file by MAVFTP, verified the same way, with the ordinary way behind it."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from itertools import count
 
 import pytest
 from hypothesis import given, settings
@@ -13,13 +15,22 @@ from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.conversations import MissionRefused
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, NoAnswer, TimeUp
-from ipoa_mission.link.file_transfer import MISSION_FILE, FileRefused, read_file, write_file
+from ipoa_mission.link.file_transfer import (
+    MISSION_FILE,
+    FileRefused,
+    file_checksum,
+    list_checksum,
+    read_file,
+    write_file,
+)
+from ipoa_mission.link.holding import prove
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Message, MissionType
 from ipoa_mission.link.mission_file import pack_mission, unpack_mission, upload_by_file
-from ipoa_mission.link.upload import ReadBackDiffers, Upload
+from ipoa_mission.link.unbroken import Unsettled
+from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
@@ -187,6 +198,82 @@ def drive(exchange: Exchange[int], line: Line, moment: float, error: MissionErro
         if now() >= moment:
             moment = math.inf
             exchange.interrupt(error, now())
+
+
+# --- lists that somebody changes while they are read ----------------------------------------------------------------
+
+
+def when_asked(mock: Mock, opcode: int, act: Callable[[int], None]) -> None:
+    """Call `act`, with its number, before each file question of this kind is heard."""
+    receive, heard = mock.receive, count()
+
+    def hear(message: Message, source: Target, now: float) -> None:
+        if isinstance(message, FileTransfer) and unpack(message).opcode == opcode:
+            act(next(heard))
+        receive(message, source, now)
+
+    mock.receive = hear  # type: ignore[method-assign]
+
+
+@pytest.mark.parametrize("fast", [True, False], ids=["as a file", "item by item"])
+def test_a_list_that_is_changed_each_time_that_it_is_read_is_unsettled(fast: bool) -> None:
+    vehicle, mock = aboard(Faults(), fast=fast)
+    items = items_of(ARDUPILOT, 5)
+    homes = [replace(HOME, altitude=401.0 + n) for n in range(30)]  # it is item 0, and not compared
+    when_asked(mock, Opcode.CALC_FILE_CRC32, lambda number: setattr(mock.flight, "home", homes[number]))
+    with pytest.raises(Unsettled, match="speaks of another mission each time"):
+        vehicle.upload_items(items, MissionType.MISSION)
+    with pytest.raises(Unsettled):
+        vehicle.download_items(MissionType.MISSION)
+
+
+@pytest.mark.parametrize("fast", [True, False], ids=["as a file", "item by item"])
+def test_a_list_that_was_changed_once_is_read_once_more(fast: bool) -> None:
+    vehicle, mock = aboard(Faults(), fast=fast)
+    first = 0 if fast else 1
+    when_asked(
+        mock,
+        Opcode.CALC_FILE_CRC32,
+        lambda number: setattr(mock.flight, "home", replace(HOME, altitude=400.0 + (number >= first))),
+    )
+    vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)
+    mock.transfers.stores[MissionType.MISSION].clear()
+    with pytest.raises(Replaced):
+        converse(line_of(vehicle), Target(1, 1), prove(vehicle._holdings.values(), vehicle.state), SPECIFIED)
+
+
+def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
+    """The vehicle would repeat its answer, which was true before."""
+    vehicle, mock = aboard(Faults())
+    numbers: list[int] = []
+    receive = mock.receive
+
+    def deaf_at_first(message: Message, source: Target, now: float) -> None:
+        if isinstance(message, FileTransfer):
+            numbers.append(unpack(message).sequence)
+        if len(numbers) > 3 or not isinstance(message, FileTransfer):
+            receive(message, source, now)
+
+    mock.receive = deaf_at_first  # type: ignore[method-assign]
+    told = converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION), SPECIFIED)
+    assert told == file_checksum(pack_mission(()))
+    assert len(set(numbers)) == 4
+
+
+def test_who_makes_no_checksums_is_read_all_the_same_and_who_falls_silent_is_an_error() -> None:
+    vehicle, mock = aboard(Faults(), fast=False)
+    mock._files = FileService(False, 650, mock.transfers.listed, mock.transfers.replace)
+    vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)
+    assert len(vehicle.download_items(MissionType.MISSION)) == 5
+    receive = mock.receive
+    mock.receive = lambda message, *rest: (  # type: ignore[method-assign]
+        None if isinstance(message, FileTransfer) else receive(message, *rest)
+    )
+    with pytest.raises(NoAnswer, match=r"when asked to sum up @MISSION/mission\.dat"):
+        converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION), SPECIFIED)
+    begun = vehicle.line.now()
+    assert len(vehicle.download_items(MissionType.MISSION)) == 5
+    assert vehicle.line.now() - begun < 40.0
 
 
 # --- the file -------------------------------------------------------------------------------------------------------
