@@ -4,7 +4,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from enum import StrEnum
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.start import NotAtStart, check_start
 from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
@@ -13,8 +13,10 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.set_up import idle_fence, other_values
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 
 class Stage(StrEnum):
@@ -81,7 +83,7 @@ def upload_mission(
 def fly_mission(
     vehicle: Vehicle,
     mission: Mission,
-    scenario: Scenario | None = None,
+    scenario: "Scenario | None" = None,
     *,
     first: int = 0,
     anyway: bool = False,
@@ -141,7 +143,7 @@ def load_mission(
 def begin_mission(
     vehicle: Vehicle,
     mission: Mission,
-    scenario: Scenario | None = None,
+    scenario: "Scenario | None" = None,
     *,
     first: int = 0,
     anyway: bool = False,

@@ -1,9 +1,7 @@
 """MAVFTP as dialogues: a whole file read or written, and the checksum of one of ArduPilot's lists."""
 
 import zlib
-from collections.abc import Mapping
-from itertools import count as counting
-from random import randrange
+from collections.abc import Iterator, Mapping
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
@@ -19,7 +17,6 @@ LIST_FILES: Mapping[int, str] = {
 }
 #: How long each asking for a checksum is waited for [s].
 CHECKSUM_S = (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8
-_NUMBERS = counting(randrange(0x8000), 2)
 
 
 class FileRefused(MissionError):
@@ -65,17 +62,18 @@ def read_file(path: str) -> Dialogue[bytes]:
     return data
 
 
-def list_checksum(kind: int) -> Dialogue[int | None]:
+def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
     """What the vehicle makes the checksum of a list as it stands now (home included); None: it makes none.
 
-    Each question has a number of its own: to a repeated one the vehicle repeats what was true when it first heard it.
+    Each question has one of the `numbers`, its own: to a repeated one the vehicle repeats what was true when it first
+    heard it.
 
     Raises:
         NoAnswer.
     """
     path, asked = LIST_FILES[kind], set[int]()
     for seconds in CHECKSUM_S:
-        question = FileMessage(next(_NUMBERS) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=path.encode())
+        question = FileMessage(next(numbers) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=path.encode())
         asked.add((question.sequence + 1) & 0xFFFF)
         yield Remark(question.pack())
         heard = yield Pause(seconds)

@@ -74,10 +74,10 @@ def prove(holdings: Iterable[Holding], state: VehicleState) -> Dialogue[None]:
 
 def _is_named(holding: Holding, state: VehicleState) -> Dialogue[bool]:
     """Whether the vehicle gives its list the same id, or the same checksum, as when it was seen."""
-    if holding.job.has_checksum:
+    if (numbers := holding.job.numbers) is not None:
         try:
             yield from open_list(holding.job.kind)  # refused while another one is being sent
-            return (yield from list_checksum(holding.job.kind)) == holding.list_id
+            return (yield from list_checksum(holding.job.kind, numbers)) == holding.list_id
         except (MissionRefused, NoAnswer) as nothing:
             raise _unknown(holding.job, nothing) from None
     state.current = None
@@ -103,7 +103,7 @@ def expect_unchanged(holdings: Iterable[Holding]) -> None:
 def _read_again(job: Upload) -> Dialogue[int]:
     """Read a list once more, and see that it is ours; its checksum, if it has one."""
     try:
-        stored, checksum = yield from read_unbroken(job.kind, job.has_checksum)
+        stored, checksum = yield from read_unbroken(job.kind, job.numbers)
     except (MissionRefused, NoAnswer, Unsettled) as nothing:
         raise _unknown(job, nothing) from None
     if (difference := job.difference(stored)) is not None:

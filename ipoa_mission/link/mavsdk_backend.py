@@ -8,7 +8,7 @@ import json
 import math
 import queue
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -232,10 +232,6 @@ class MavsdkVehicle(Vehicle):
                 raise Replaced(kind, again)
         self._holdings[kind] = Holding(Upload(items, self.autopilot, kind))
 
-    def _makes_checksums(self) -> bool:
-        """MAVSDK keeps the messages of file transfers to itself: a list is read without its checksum."""
-        return False
-
     def _expect_flyable(self) -> None:
         """PX4 judges a mission after it has taken it, and tells in MISSION_CURRENT; before that it has none."""
         self._listen()
@@ -272,9 +268,9 @@ class MavsdkVehicle(Vehicle):
         count(progress, len(items), len(items))
         return items
 
-    def _makes_checksums(self) -> bool:
-        """MAVSDK's own transfers are not for us to ask between."""
-        return False
+    def _checksum_numbers(self) -> Iterator[int] | None:
+        """MAVSDK keeps the messages of file transfers to itself: a list is read without its checksum."""
+        return None
 
     def _transfer(self, kind: int, act: Callable[[], Any]) -> Any:
         try:

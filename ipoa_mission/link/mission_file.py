@@ -106,7 +106,7 @@ def _settle(job: Upload, closing: FileMessage) -> Dialogue[int]:
         difference = job.difference(unpack_mission(data))
         if difference is not None:
             raise ReadBackDiffers(job.kind, difference)
-        told = yield from list_checksum(job.kind)
+        told = None if job.numbers is None else (yield from list_checksum(job.kind, job.numbers))
         if told in (None, file_checksum(data)):
             return told or 0
     raise Unsettled(job.kind)

@@ -30,8 +30,7 @@ class OtherValue:
     has: float
 
     def __str__(self) -> str:
-        made_for = f"the mission was made for {self.wanted:g}"
-        return f"{self.name} is {self.has:g} on the vehicle, and {made_for}: --set-params writes it"
+        return f"{self.name} is {self.has:g} on the vehicle, and the mission was made for {self.wanted:g}"
 
 
 def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:

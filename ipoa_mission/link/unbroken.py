@@ -1,5 +1,7 @@
 """A list read while nobody changed it: read item by item, it may have been replaced between two answers."""
 
+from collections.abc import Iterator
+
 from ipoa_mission.errors import MissionError
 from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import list_name, read_list
@@ -22,37 +24,39 @@ class Unsettled(MissionError):
 
 
 def read_unbroken(
-    kind: int, has_checksum: bool, progress: Progress = silent
+    kind: int, numbers: Iterator[int] | None, progress: Progress = silent
 ) -> Dialogue[tuple[list[Item | bytes], int]]:
     """The list that the vehicle holds, and its checksum, which was the same before it was read (0: it makes none).
 
-    `has_checksum`: whether it may make one; without that nothing shows that the list was read whole.
+    `numbers` of the questions for it, where it may make one; without that nothing shows that the list was read whole.
 
     Raises:
         Unsettled: it was another list each time.
         MissionRefused, NoAnswer.
     """
-    before = (yield from _first_checksum(kind)) if has_checksum else None
+    before = None if numbers is None else (yield from _first_checksum(kind, numbers))
     for _ in range(READINGS):
         stored = yield from read_list(kind, progress)
-        if before is None:
+        if before is None or numbers is None:
             return stored, 0
-        after = yield from list_checksum(kind)
+        after = yield from list_checksum(kind, numbers)
         if after == before:
             return stored, after
         before = after
     raise Unsettled(kind)
 
 
-def download(kind: int, progress: Progress = silent, has_checksum: bool = False) -> Dialogue[tuple[Item, ...]]:
+def download(
+    kind: int, progress: Progress = silent, numbers: Iterator[int] | None = None
+) -> Dialogue[tuple[Item, ...]]:
     """Read the list that the vehicle holds, as it stands on the wire; raises as `read_unbroken` does."""
-    stored, _ = yield from read_unbroken(kind, has_checksum, progress)
+    stored, _ = yield from read_unbroken(kind, numbers, progress)
     return tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in stored)
 
 
-def _first_checksum(kind: int) -> Dialogue[int | None]:
+def _first_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
     """One that is asked for so often in vain is not made."""
     try:
-        return (yield from list_checksum(kind))
+        return (yield from list_checksum(kind, numbers))
     except NoAnswer:
         return None

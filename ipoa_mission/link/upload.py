@@ -3,7 +3,7 @@
 If it ends otherwise, the error says what the vehicle holds.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
@@ -72,7 +72,8 @@ class Unplaced(Unflyable):
 
 @dataclass(frozen=True)
 class Upload:
-    """One list for one vehicle, as it goes over the wire; `has_checksum`: the vehicle may make one of what it holds.
+    """One list for one vehicle, as it goes over the wire; `numbers` of questions for the
+    checksum of what the vehicle holds, where it may make one.
 
     Raises:
         BadInput: MAVLink cannot carry it.
@@ -81,12 +82,17 @@ class Upload:
     items: Sequence[Item]
     autopilot: Autopilot
     kind: int = MissionType.MISSION
-    has_checksum: bool = False
+    numbers: Iterator[int] | None = field(default=None, repr=False, compare=False)
 
     packed: Payloads = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "packed", pack_items(self.items, self.kind))
+
+    @property
+    def has_checksum(self) -> bool:
+        """Whether the vehicle may make one of what it holds."""
+        return self.numbers is not None
 
     @property
     def truncates(self) -> bool:
@@ -281,7 +287,7 @@ def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
             course.reports.offered()
             ending = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
             course.reports.read()
-            stored, course.checksum = yield from read_unbroken(job.kind, job.has_checksum)
+            stored, course.checksum = yield from read_unbroken(job.kind, job.numbers)
         except NoAnswer as silence:
             if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:
                 silence.hint = _leftover(job)

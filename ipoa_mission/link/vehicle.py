@@ -3,6 +3,7 @@
 Each verb is one dialogue, held by `converse`; nothing here knows about bytes or timers.
 """
 
+import itertools
 import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -73,6 +74,7 @@ class Vehicle:
         self._holdings: dict[int, Holding] = {}
         self._logbook = Logbook((), self.autopilot)
         self._until = math.inf
+        self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # not those of the last session
 
     # --- missions ---------------------------------------------------------------------------------------------------
 
@@ -89,20 +91,14 @@ class Vehicle:
                 or cannot be flown.
         """
         self.state.expect_flown()
-        if mission.other_vehicle:
-            raise BadInput(f"the mission is for {mission.other_vehicle}, and the vehicle is a multicopter")
-        if mission.autopilot is not self.autopilot:
-            raise BadInput(
-                f"the mission is for {mission.autopilot}, and the vehicle is {self.autopilot}: its path would be other",
-                hint=f"read it for {self.autopilot}: read_mission(path, autopilot)",
-            )
-        suited = mission
+        if mission.other_vehicle or mission.autopilot is not self.autopilot:
+            own = "a multicopter" if mission.other_vehicle else self.autopilot
+            raise BadInput(f"the mission is for {mission.other_vehicle or mission.autopilot}, and the vehicle is {own}")
         with noted_interrupts() as interrupt, self._in_time():
             if checked:
-                suited = replace(suited, firmware_version=self.firmware_version())
-                refuse_errors(check_mission(suited))
+                refuse_errors(check_mission(replace(mission, firmware_version=self.firmware_version())))
             try:
-                self.upload_items(to_wire(suited), MissionType.MISSION, progress)
+                self.upload_items(to_wire(mission), MissionType.MISSION, progress)
             except Unflyable as unflyable:
                 if unflyable.why or self.home() is not None:
                     raise
@@ -122,7 +118,7 @@ class Vehicle:
         """Put one list on the vehicle as it stands on the wire, and verify it."""
         with noted_interrupts(), self._in_time():
             self._await_ready()
-            job = Upload(items, self.autopilot, kind, self._makes_checksums())
+            job = Upload(items, self.autopilot, kind, self._checksum_numbers())
             self._holdings.pop(kind, None)
             list_id = self._upload_by_file(job, progress)
             self._holdings[kind] = Holding(job, self._tell(upload(job, progress)) if list_id is None else list_id)
@@ -138,7 +134,7 @@ class Vehicle:
             items, fenced, rallied = (lists[kind] for kind in LISTS)
             fence, rally = fence_from_wire(fenced), rally_from_wire(rallied)
             mission = from_wire(items, self.autopilot, self.home())
-        self._holdings = {k: Holding(Upload(lists[k], self.autopilot, k, self._makes_checksums())) for k in LISTS}
+        self._holdings = {k: Holding(Upload(lists[k], self.autopilot, k, self._checksum_numbers())) for k in LISTS}
         self._expect(mission)
         return replace(mission, fence=fence, rally=rally)
 
@@ -146,7 +142,7 @@ class Vehicle:
         """One list as it stands on the wire."""
         with self._in_time():
             self._await_ready()
-            return self._hold(unbroken.download(kind, progress, self._makes_checksums()))
+            return self._hold(unbroken.download(kind, progress, self._checksum_numbers()))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
         """Have the vehicle forget a list. 255: all three, one by one, because ArduPilot knows no "all"."""
@@ -373,9 +369,10 @@ class Vehicle:
             error.hint = f"when last heard, {self.state}"
             raise
 
-    def _makes_checksums(self) -> bool:
-        """Whether the vehicle keeps its lists as files, of which it makes a checksum."""
-        return self.autopilot.manners.takes_mission_file and bool(self._told().capabilities & orders.FILE_TRANSFER)
+    def _checksum_numbers(self) -> Iterator[int] | None:
+        """Numbers for questions, where the vehicle keeps its lists as files, of which it makes a checksum."""
+        has = self.autopilot.manners.takes_mission_file and self._told().capabilities & orders.FILE_TRANSFER
+        return self._numbers if has else None
 
     def _told(self) -> AutopilotVersion:
         """What the autopilot says of itself; it is asked once."""

@@ -23,6 +23,7 @@ from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tests.link.suited import suited
 from tests.link_pair import far_end, items_of, line_of
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -64,7 +65,7 @@ OTHERS: dict[str, Callable[[Mission], Mission]] = {
 @pytest.mark.parametrize("family", registered())
 def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilot, other: str) -> None:
     vehicle = vehicle_of(family)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     replaced_by(vehicle, OTHERS[other](MISSION))
     with pytest.raises(Replaced, match="the mission on the vehicle is no longer what was sent"):
@@ -77,7 +78,7 @@ def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilo
 def test_a_list_that_another_station_is_just_sending_is_not_flown(has_checksum: bool) -> None:
     """To ArduPilot, that is: PX4 keeps the whole one that it has, by its id, until it has the new one."""
     vehicle = vehicle_of(ARDUPILOT)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     for holding in vehicle._holdings.values():
         holding.list_id *= has_checksum
     vehicle.prepare()
@@ -100,7 +101,7 @@ def test_a_list_that_another_station_is_just_sending_is_not_flown(has_checksum: 
 @pytest.mark.parametrize("family", registered())
 def test_a_fence_is_proved_too_and_what_was_downloaded_is_ours(family: Autopilot) -> None:
     vehicle = vehicle_of(family)
-    vehicle.upload(replace(MISSION, rally=(THERE,)))
+    vehicle.upload(suited(vehicle, replace(MISSION, rally=(THERE,))))
     vehicle.prepare()
     mock_of(vehicle).transfers.stores[MissionType.RALLY].clear()
     with pytest.raises(Replaced, match="the rally points on the vehicle"):
@@ -114,7 +115,7 @@ def test_a_fence_is_proved_too_and_what_was_downloaded_is_ours(family: Autopilot
 @pytest.mark.parametrize("family", registered())
 def test_what_nobody_touches_is_flown_to_the_end(family: Autopilot) -> None:
     vehicle = vehicle_of(family)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()
     assert vehicle.watch().completed
@@ -127,7 +128,7 @@ def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_c
     family: Autopilot, other: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     vehicle = vehicle_of(family)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()
     told: list[float] = []
@@ -155,7 +156,7 @@ def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_c
 
 def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:
     vehicle = vehicle_of(ARDUPILOT)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     mock = mock_of(vehicle)
     receive = mock.receive
@@ -175,7 +176,7 @@ def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:
 @pytest.mark.parametrize("family", registered())
 def test_a_vehicle_that_does_not_tell_what_it_holds_after_a_flight_is_taken_at_its_word(family: Autopilot) -> None:
     vehicle = vehicle_of(family)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()
     mock = mock_of(vehicle)

@@ -26,6 +26,7 @@ from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tests.link.suited import suited
 from tests.link_pair import far_end, line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -109,7 +110,7 @@ def test_a_whole_session_over_real_sockets(
         connect(url.format(running.port), log=str(log)) as vehicle,
     ):
         assert vehicle.autopilot is family
-        vehicle.upload(replace(MISSION, items=MISSION.items[:2]))
+        vehicle.upload(suited(vehicle, replace(MISSION, items=MISSION.items[:2])))
         assert len(vehicle.download().items) == 2
         name = "WPNAV_SPEED" if family is Autopilot.ARDUPILOT else "MPC_XY_CRUISE"
         assert vehicle.parameters([name, "NO_SUCH_NAME"]) == {name: running.mock.table.values[name]}
@@ -135,10 +136,10 @@ def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None
     begun = line.channel.now()
     legs = (waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(50))
     with pytest.raises(TimeUp, match=r"attempt 1 had come to item 1\d of 5\d of the mission") as late:
-        vehicle.upload(Mission(HOME, (takeoff(HOME, 10.0), *legs)))
+        vehicle.upload(suited(vehicle, Mission(HOME, (takeoff(HOME, 10.0), *legs))))
     assert line.channel.now() == pytest.approx(begun + 5.0, abs=0.1)
     assert ("keeps" if family is Autopilot.PX4 else "mixture") in str(late.value.hint)
-    vehicle.upload(MISSION)  # the next one has its own five seconds
+    vehicle.upload(suited(vehicle, MISSION))  # the next one has its own five seconds
 
 
 # --- several vehicles -----------------------------------------------------------------------------------------------
@@ -206,7 +207,7 @@ def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
         meet(flock(1, 2), system=9)
     line = flock(1, 2)
     vehicle = meet(line, system=2)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     held = [station.autopilot.transfers.listed(MissionType.MISSION) for station in far_end(line)._stations]
     assert [len(items) for items in held] in ([0, 4], [0, 3], [3, 0], [4, 0])
     assert held[0] == ()
@@ -215,7 +216,7 @@ def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
 def test_ardupilot_is_given_time_to_start_up() -> None:
     station = Station(Mock(Autopilot.ARDUPILOT, HOME, cold=True))
     vehicle = meet(Line(Loopback(station), Codec(245, 190)))
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert line_of(vehicle).channel.now() >= 3.0
 
 
@@ -305,7 +306,7 @@ def test_a_garbled_peer_does_not_disturb_a_session(run_mock: Callable[..., objec
         thread.start()
         try:
             with connect(f"udpout:127.0.0.1:{running.port}") as vehicle:
-                vehicle.upload(MISSION)
+                vehicle.upload(suited(vehicle, MISSION))
         finally:
             stop.set()
             thread.join()

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
+from itertools import count as counting
 
 import pytest
 from hypothesis import given, settings
@@ -255,7 +256,7 @@ def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
             receive(message, source, now)
 
     mock.receive = deaf_at_first  # type: ignore[method-assign]
-    told = converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION), SPECIFIED)
+    told = converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), SPECIFIED)
     assert told == file_checksum(pack_mission(()))
     assert len(set(numbers)) == 4
 
@@ -270,7 +271,7 @@ def test_who_makes_no_checksums_is_read_all_the_same_and_who_falls_silent_is_an_
         None if isinstance(message, FileTransfer) else receive(message, *rest)
     )
     with pytest.raises(NoAnswer, match=r"when asked to sum up @MISSION/mission\.dat"):
-        converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), SPECIFIED)
     begun = vehicle.line.now()
     assert len(vehicle.download_items(MissionType.MISSION)) == 5
     assert vehicle.line.now() - begun < 40.0

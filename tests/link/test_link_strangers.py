@@ -21,6 +21,7 @@ from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tests.link.suited import suited
 from tests.link_pair import line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -102,7 +103,7 @@ def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: p
     net = Net(one=station(), other=station())
     line = line_on(net)
     vehicle = meet(line, anyway=True)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert line.contested(1)
     assert is_exact(net, "one")
     assert held(net, "other") == 0
@@ -151,7 +152,7 @@ def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
     line = line_on(net)
     vehicle = meet(line)
     net.strangers.append(saying(Heartbeat(2, Firmware.PX4), [Target(system, 1) for system in range(2, 42)]))
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert len(vehicle.download().items) == len(MISSION.items)
 
@@ -169,7 +170,7 @@ def test_forty_made_up_stations_do_not_come_between(family: Autopilot) -> None:
     vehicle = meet(line_on(net))
     vehicle.home()
     net.strangers.append(flood)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert "us" in net.ends["one"]._routes.to(US)
 
@@ -179,7 +180,7 @@ def test_what_a_stranger_says_in_the_vehicle_s_name_is_not_heard(forged: Message
     net = Net(one=station())
     vehicle = meet(line_on(net))
     net.strangers.append(saying(forged, [VEHICLE]))
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one")
 
 
@@ -199,7 +200,7 @@ def test_beside_another_station_with_our_ids_we_hear_the_built_in_autopilot(fami
 
     net.strangers.append(twin_beats)
     vehicle = meet(line_on(net))
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert net.ends["one"]._routes.to(US) == {"us", "twin"}
 
@@ -218,7 +219,7 @@ def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_
     opened = line_of(vehicle).codec.encode(Count(31), VEHICLE, 0.0)
     net.ends["one"].receive(opened, "us", net.now())
     net.strangers.append(disturb)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
 
 
@@ -256,7 +257,7 @@ def test_frames_that_are_cut_at_sixteen_bytes_are_heard(family: Autopilot) -> No
     net = Net(one=station(family))
     net.cut = 16
     vehicle = meet(line_on(net))
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
 
 
@@ -276,7 +277,7 @@ class Drip(Net):
 def test_a_stream_that_comes_in_pieces_is_heard(family: Autopilot) -> None:
     net = Drip(one=station(family))
     vehicle = meet(line_on(net), fast=False)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert len(vehicle.download().items) == len(MISSION.items)
 
@@ -347,7 +348,7 @@ def test_a_vehicle_of_mavlink_1_only_is_named_after_some_seconds(tells_home: boo
         assert vehicle.home() is not None
     began = line.channel.now()
     with pytest.raises(SpeaksMavlink1, match="vehicle 1 speaks MAVLink 1 only") as told:
-        vehicle.upload(MISSION)
+        vehicle.upload(suited(vehicle, MISSION))
     assert "MAV_PROTO_VER 2" in str(told.value.hint)
     assert line.channel.now() - began <= CAUSE_S + 1.0
 
@@ -355,7 +356,7 @@ def test_a_vehicle_of_mavlink_1_only_is_named_after_some_seconds(tells_home: boo
 def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None:
     line = Line(Loopback(OldOnly(station())), Codec(*US))
     vehicle = meet(line)
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert vehicle.parameters(["MPC_XY_CRUISE", "NO_SUCH_NAME"]).keys() == {"MPC_XY_CRUISE"}
 
 
@@ -367,7 +368,7 @@ def test_a_connection_that_is_closed_in_flight_tells_when_the_vehicle_was_heard_
 ) -> None:
     with run_mock(PX4, 20.0, "tcpin") as running:  # type: ignore[attr-defined]
         vehicle = connect(f"tcp:127.0.0.1:{running.port}")
-        vehicle.upload(MISSION)
+        vehicle.upload(suited(vehicle, MISSION))
         vehicle.prepare()
         vehicle.start()
     with vehicle, pytest.raises(LinkDown, match="the other side closed the connection"):

@@ -31,6 +31,7 @@ from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tests.link.suited import suited
 from tests.link_pair import line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -47,7 +48,7 @@ def met(autopilot: Autopilot, **habits: Any) -> Vehicle:
 def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_counts_them(autopilot: Autopilot) -> None:
     vehicle = met(autopilot)
     vehicle.expect_on_ground()
-    vehicle.upload(MISSION)
+    vehicle.upload(suited(vehicle, MISSION))
     assert vehicle.download().rally == RALLY
     vehicle.set_current(1)
     vehicle.home()  # while it answers, it tells what its current item is
@@ -72,7 +73,7 @@ def test_a_parameter_that_is_set_is_kept_and_one_that_there_is_not_is_an_error(a
 
 def test_a_vehicle_that_is_armed_is_not_on_the_ground_to_be_prepared() -> None:
     vehicle = met(Autopilot.PX4)
-    vehicle.upload(replace(MISSION, rally=()))
+    vehicle.upload(suited(vehicle, replace(MISSION, rally=())))
     vehicle.prepare()
     vehicle.start()
     with pytest.raises(NotReady):
@@ -100,7 +101,7 @@ def test_a_mission_that_is_found_unflyable_is_not_blamed_where_the_vehicle_has_n
 
         monkeypatch.setattr(vehicle, "upload_items", unflyable)
         monkeypatch.setattr(vehicle, "home", lambda: home)
-        vehicle.upload(MISSION)
+        vehicle.upload(suited(vehicle, MISSION))
 
     for why, home, told in (("too far", None, "too far"), ("", HOME, "no reason was"), ("", None, "no position")):
         with pytest.raises(Unflyable, match=told):
@@ -243,7 +244,7 @@ def test_an_arducopter_is_asked_once_whether_it_takes_a_file() -> None:
     heard: list[Message] = []
     vehicle.overhearing = heard.append
     for _ in range(2):
-        vehicle.upload(MISSION)
+        vehicle.upload(suited(vehicle, MISSION))
         assert vehicle.download().rally == RALLY
     assert sum(isinstance(message, AutopilotVersion) for message in heard) == 1
     assert not any(isinstance(message, Request) and message.kind == MissionType.MISSION for message in heard)
@@ -252,7 +253,7 @@ def test_an_arducopter_is_asked_once_whether_it_takes_a_file() -> None:
 @pytest.mark.parametrize("autopilot", registered())
 def test_a_vehicle_with_the_mission_of_another_session_is_prepared_where_it_may_begin(autopilot: Autopilot) -> None:
     before = met(autopilot)
-    before.upload(MISSION)
+    before.upload(suited(before, MISSION))
     vehicle = meet(line_of(before))
     places: list[Geodetic] = []
 

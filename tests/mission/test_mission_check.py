@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 
 from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import (
     FenceCircle,
     FencePolygon,
@@ -325,7 +326,7 @@ def test_what_is_too_long_for_its_autopilot_is_refused_before_its_flight_is_pred
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[Mission] = []
-    monkeypatch.setattr("ipoa_mission.checks.clearance.promise_if_known", lambda mission, _: asked.append(mission))
+    monkeypatch.setattr(Forecast, "promise_if_known", property(lambda forecast: asked.append(forecast.mission)))
     scenario = read_scenario(SHIPPED / "campus.toml")
     for items, predicted in ((647, 1), (648, 0)):
         mission = flight(UP, *[AWAY] * items, DOWN, autopilot=ARDUPILOT)

@@ -184,7 +184,7 @@ def conversation_rows() -> list[Row]:
             [Ack(Result.ERROR)]),
         Row("ardupilot: and so is one with current 3", begun(ARDUPILOT, 3, 1), [ItemAt(1, ap[1], 0, 3)], [Ack(OK)]),
         Row("ardupilot: items are given without a list", vehicle(ARDUPILOT, 3), [Request(9)],
-            [Ack(Result.INVALID_SEQUENCE)]),
+            [Count(3), Ack(Result.INVALID_SEQUENCE)]),
         # PX4
         Row("px4: asks with MISSION_REQUEST_INT", vehicle(PX4), [Count(3)], [Request(0)]),
         Row("px4: COUNT 0 clears", vehicle(PX4, 4), [Count(0)], [Ack(OK)], after=0),

@@ -14,9 +14,10 @@ import random
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
+from itertools import count as counting
 from typing import Any
 
 from ipoa_mission.errors import MissionError
@@ -213,7 +214,7 @@ def stranger(chance: random.Random, autopilot: Autopilot, ours: int, radio: Radi
     """
     theirs = wire_list(autopilot, chance.choice([ours, ours, chance.randrange(3, 9)]), chance.randrange(1, 50))
     kind = MissionType.MISSION
-    job = Upload(theirs, autopilot, has_checksum=autopilot is Autopilot.ARDUPILOT)
+    job = Upload(theirs, autopilot, numbers=_numbers(autopilot, 0x4000))
     dialogues: list[Callable[[], Dialogue[Any]]] = [
         lambda: (upload_by_file if job.has_checksum else upload)(job),
         lambda: upload(job),
@@ -228,6 +229,11 @@ def stranger(chance: random.Random, autopilot: Autopilot, ours: int, radio: Radi
     return Speaker(name, chance.choice([radio, ABOARD]), dialogue, begins_s, ends_s)
 
 
+def _numbers(autopilot: Autopilot, first: int) -> Iterator[int] | None:
+    """Of questions for a checksum, where the autopilot makes one."""
+    return counting(first, 2) if autopilot.manners.takes_mission_file else None
+
+
 def schedule(seed: int) -> tuple[Ending, str]:
     """How the upload of this schedule ends, and in which words."""
     chance = random.Random(seed)
@@ -235,7 +241,7 @@ def schedule(seed: int) -> tuple[Ending, str]:
     radio = radio_of(chance)
     sent = wire_list(autopilot, count, 0)
     world = World(chance, Mock(autopilot, HOME, seed=seed), sent)
-    job = Upload(sent, autopilot, has_checksum=autopilot is Autopilot.ARDUPILOT)
+    job = Upload(sent, autopilot, numbers=_numbers(autopilot, 0))
     by_file = job.has_checksum and chance.random() < 0.3
     ours = Speaker(US, radio, lambda: (upload_by_file if by_file else upload)(job), chance.uniform(0.0, 1.0))
     others = [stranger(chance, autopilot, count, radio) for _ in range(chance.randrange(1, 4))]
