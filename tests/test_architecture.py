@@ -211,6 +211,13 @@ def code_of(path: Path) -> list[str]:
     return [line.split("  #")[0] for line in lines if not line.lstrip().startswith("#")]
 
 
+def test_the_readme_has_every_room() -> None:
+    text = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+    table = text[text.index("| room | what it knows |") : text.index("`tests/test_architecture.py` says")]
+    named = re.findall(r"`(\w+)/?`", "\n".join(re.findall(r"^\| (.*?) \|", table, re.MULTILINE)))
+    assert sorted(named) == sorted(set(MAY_IMPORT) - set(VEHICLES))
+
+
 def test_no_files_import_each_other_in_a_circle() -> None:
     """Not even inside a function, or for types only."""
     modules = {module(path): path for path in FILES}
