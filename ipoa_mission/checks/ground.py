@@ -1,19 +1,17 @@
-"""Landings on ground that is not as high as home: planned for where that can be, else told."""
+"""Landings on ground that is not as high as home."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ipoa_mission.checks.finding import Finding, Severity
-from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.commands import Command, command_name
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg, Phase
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.slow_landing import SURE, SlowStretch
+from ipoa_mission.vehicles.slow_landing import SlowStretch
 from ipoa_mission.world.frame import LocalFrame
 
 if TYPE_CHECKING:
@@ -80,7 +78,7 @@ def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) 
         return
     for landing in landings(mission, scenario.frame, legs):
         if stretch.is_fast(landing.counted):
-            wanted = _in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
+            wanted = in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
             hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
             yield Finding(
                 "fast-touchdown",
@@ -100,52 +98,6 @@ def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) 
             )
 
 
-def slow_landings(mission: Mission, scenario: "Scenario") -> Mission:
-    """The mission for a vehicle that slows down as high above the ground where it lands as it else does above home.
-
-    Its parameters stay where the slow stretch is long enough, where the scenario names one of them, and where
-    ArduCopter has a range finder.
-
-    Raises:
-        Unsafe: the ground is so high that no value that the firmware documents helps.
-    """
-    stretch = mission.autopilot.slow_stretch(mission.parameters)
-    names = mission.autopilot.slowed_by.names
-    if stretch is None or not mission.autopilot.book.by_old_names(mission.parameters).keys().isdisjoint(names):
-        return mission
-    highest = max(
-        landings(mission, scenario.frame, Forecast(mission, scenario).legs),
-        key=lambda landing: landing.counted,
-        default=None,
-    )
-    if highest is None or not stretch.is_fast(highest.counted + SURE):
-        return mission
-    wanted, most = mission.autopilot.slowed(mission.parameters, highest.counted), mission.autopilot.slowed_by.most
-    slowed = mission.autopilot.slow_stretch({**mission.parameters, **wanted})
-    if slowed is not None and slowed.is_fast(highest.counted):
-        raise Unsafe(
-            f"{highest.words}, and {' and '.join(names)} reach to {most:.0f} m above home: "
-            f"{touches_down(slowed, highest)}",
-            hint=f"land elsewhere, descend no faster than {slowed.landing:g} m/s (vehicle.descent_speed), or name "
-            f"{' or '.join(filter(None, (mission.autopilot.slowed_by.spared_by, names[0])))} under "
-            "[vehicle.parameters]: then it is yours to see to",
-        )
-    return replace(mission, parameters={**mission.parameters, **wanted})
-
-
-def slowed_for_ground(mission: Mission, scenario: "Scenario") -> Iterator[str]:
-    """That its vehicle needs other parameters to land slowly, where it does."""
-    given = scenario.vehicle.autopilot_parameters()
-    wanted = {name: value for name, value in mission.parameters.items() if name not in given}
-    if wanted:
-        legs = Forecast(mission, scenario).legs
-        highest = max(landings(mission, scenario.frame, legs), key=lambda landing: landing.counted)
-        yield (
-            f"{highest.words}: {_in_words(wanted)} in the vehicle, so that it slows down as high above it as it else "
-            f"does above home ({scenario.name}.params; `fly --set-params` writes it)"
-        )
-
-
 def touches_down(stretch: SlowStretch, landing: Landing) -> str:
     """How fast, in words."""
     return (
@@ -154,7 +106,8 @@ def touches_down(stretch: SlowStretch, landing: Landing) -> str:
     )
 
 
-def _in_words(parameters: Parameters) -> str:
+def in_words(parameters: Parameters) -> str:
+    """Parameters, as a scenario has them."""
     return " and ".join(f"{name} = {value:g}" for name, value in parameters.items())
 
 

@@ -11,9 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.finding import Finding
-from ipoa_mission.checks.ground import slowed_for_ground
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.checks.way_home import climb_for_way_home
 from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
@@ -36,6 +34,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option
+from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from ipoa_mission.checks.ground import slow_landings
-from ipoa_mission.checks.way_home import raise_way_home
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import (
@@ -19,6 +17,7 @@ from ipoa_mission.items import (
     waypoint,
 )
 from ipoa_mission.planning.proof import prove
+from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection

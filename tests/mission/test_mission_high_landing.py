@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.checks.ground import slow_landings
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.timing.estimate import estimate

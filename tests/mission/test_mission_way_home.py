@@ -7,11 +7,11 @@ import pytest
 from shapely import LineString, box
 
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.way_home import climb_for_way_home
 from ipoa_mission.commands import Command
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Phase, flown_legs
 from ipoa_mission.routing.build import build_mission
+from ipoa_mission.routing.repairs import climb_for_way_home
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly

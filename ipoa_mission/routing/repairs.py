@@ -1,0 +1,100 @@
+"""What is changed in a mission that would else fail a check: a higher way home, a slow stretch over high ground."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ipoa_mission.checks.ground import in_words, landings, touches_down
+from ipoa_mission.checks.unsafe import Unsafe
+from ipoa_mission.checks.way_home import TIGHT_PLACES, heights_above, is_clear
+from ipoa_mission.commands import Command
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.items import Mission, waypoint
+from ipoa_mission.itinerary.legs import Phase
+from ipoa_mission.planning.proof import prove
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.tube.room import with_room
+from ipoa_mission.vehicles.slow_landing import SURE
+from ipoa_mission.world.frame import Geodetic
+
+
+def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
+    """The mission for a vehicle that slows down as high above the ground where it lands as it else does above home.
+
+    Its parameters stay where the slow stretch is long enough, where the scenario names one of them, and where
+    ArduCopter has a range finder.
+
+    Raises:
+        Unsafe: the ground is so high that no value that the firmware documents helps.
+    """
+    stretch = mission.autopilot.slow_stretch(mission.parameters)
+    names = mission.autopilot.slowed_by.names
+    if stretch is None or not mission.autopilot.book.by_old_names(mission.parameters).keys().isdisjoint(names):
+        return mission
+    highest = max(
+        landings(mission, scenario.frame, Forecast(mission, scenario).legs),
+        key=lambda landing: landing.counted,
+        default=None,
+    )
+    if highest is None or not stretch.is_fast(highest.counted + SURE):
+        return mission
+    wanted, most = mission.autopilot.slowed(mission.parameters, highest.counted), mission.autopilot.slowed_by.most
+    slowed = mission.autopilot.slow_stretch({**mission.parameters, **wanted})
+    if slowed is not None and slowed.is_fast(highest.counted):
+        raise Unsafe(
+            f"{highest.words}, and {' and '.join(names)} reach to {most:.0f} m above home: "
+            f"{touches_down(slowed, highest)}",
+            hint=f"land elsewhere, descend no faster than {slowed.landing:g} m/s (vehicle.descent_speed), or name "
+            f"{' or '.join(filter(None, (mission.autopilot.slowed_by.spared_by, names[0])))} under "
+            "[vehicle.parameters]: then it is yours to see to",
+        )
+    return replace(mission, parameters={**mission.parameters, **wanted})
+
+
+def slowed_for_ground(mission: Mission, scenario: Scenario) -> Iterator[str]:
+    """That its vehicle needs other parameters to land slowly, where it does."""
+    given = scenario.vehicle.autopilot_parameters()
+    wanted = {name: value for name, value in mission.parameters.items() if name not in given}
+    if wanted:
+        legs = Forecast(mission, scenario).legs
+        highest = max(landings(mission, scenario.frame, legs), key=lambda landing: landing.counted)
+        yield (
+            f"{highest.words}: {in_words(wanted)} in the vehicle, so that it slows down as high above it as it else "
+            f"does above home ({scenario.name}.params; `fly --set-params` writes it)"
+        )
+
+
+def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
+    """The mission with a waypoint high over its last place, if its way home is not clear and that makes it so.
+
+    The waypoint has the lowest of every five metres above home at which the way home keeps the required clearance; the
+    climb to it must do so, within the bounds. If there is none the mission stays as it is. A spline waypoint before it
+    is held for a second: if it flew on, ArduCopter's curve would dip first, to rise there.
+    """
+    if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
+        return mission
+    roomy = with_room(scenario, TIGHT_PLACES)
+    if is_clear(Forecast(mission, scenario).ways_home, roomy):
+        return mission
+    last = mission.items[-2]
+    stopped = replace(last, params=(1.0, *last.params[1:])) if last.command == Command.NAV_SPLINE_WAYPOINT else last
+    above = Geodetic(last.latitude_deg, last.longitude_deg, mission.home.altitude)
+    for height in heights_above(mission.altitude_above_home(last)):
+        climb = waypoint(above, height)
+        raised = replace(mission, items=(*mission.items[:-2], stopped, climb, mission.items[-1]))
+        legs = Forecast(raised, scenario).legs
+        way_up, *ways = (leg for leg in legs if leg.seq == len(mission.items) or leg.phase is Phase.RETURN)
+        if any(check.slack < 0 for check in prove(way_up.points, scenario).checks if check.limit != "climb"):
+            return mission
+        if is_clear(ways, roomy):
+            return raised
+    return mission
+
+
+def climb_for_way_home(mission: Mission) -> Iterator[str]:
+    """That it climbs over its last place before it returns, where it does."""
+    match mission.items:
+        case (*_, before, last, end) if end.command == Command.NAV_RETURN_TO_LAUNCH:
+            there = (last.latitude_deg, last.longitude_deg) == (before.latitude_deg, before.longitude_deg)
+            if there and last.altitude > before.altitude:
+                seq = len(mission.items) - 1
+                yield f"item {seq}: climbs to {last.altitude:.0f} m over the goal, for a clear way home"
