@@ -11,6 +11,7 @@ from itertools import takewhile
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.legs import Leg
+from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.tube.room import with_room
 
