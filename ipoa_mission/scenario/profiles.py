@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 #: Profile -> the tables and keys of a scenario that it sets. The paper's own weights are those without a profile.
-#: Measured in docs/profiles.md: what saves time and energy most is not to stop, so that waypoints are few.
+#: Measured in docs/lab/profiles.md: what saves time and energy most is not to stop, so that waypoints are few.
 PROFILES: Mapping[str, Mapping[str, Any]] = {
     "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}},
     "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},

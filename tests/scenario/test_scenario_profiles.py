@@ -72,7 +72,7 @@ def test_mistakes_are_named(line: str, words: str) -> None:
 
 @pytest.mark.parametrize("name", PROFILES)
 def test_the_document_says_what_a_profile_sets(name: str) -> None:
-    text = (Path(__file__).parents[2] / "docs" / "profiles.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "lab" / "profiles.md").read_text(encoding="utf-8")
     (row,) = [line for line in text.splitlines() if line.startswith(f"| `{name}` | ")]
     for key, value in PROFILES[name].items():
         settings = {f"{key}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {key: value}

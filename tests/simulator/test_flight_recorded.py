@@ -1,4 +1,4 @@
-"""The built-in autopilot against missions that real autopilots flew; docs/built-in-autopilot.md has all of them."""
+"""The built-in autopilot against missions that real autopilots flew; docs/lab/built-in-autopilot.md has all of them."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The estimates against the flights, as in the table of docs/flight-time.md: flight by flight, leg by leg."""
+"""The estimates against the flights, as in the table of docs/lab/flight-time.md: flight by flight, leg by leg."""
 
 from dataclasses import replace
 from itertools import pairwise

@@ -1,11 +1,11 @@
-"""Our planner beside OMPL's and mealpy's, and how far each is from a reference optimum; docs/planning.md tells it.
+"""Our planner beside OMPL's and mealpy's, and how far each is from a reference optimum; docs/lab/planning.md tells it.
 
     taskset -c 0 python -m tools.benchmarks.planning --mealpy PYTHON     everything; takes half an hour of CPU
     taskset -c 0 python -m tools.benchmarks.planning --quick --rows rows.csv
     taskset -c 0 python -m tools.benchmarks.planning --parts planner     this measured again, the other rows stay
     python -m tools.benchmarks.planning --parts                          tables and pictures from the rows, no more
 
-Rows are kept in docs/planning/rows.csv; the tables of docs/planning.md and the pictures beside the rows are made from
+Rows are kept in docs/planning/rows.csv; the tables of docs/lab/planning.md and the pictures beside the rows are made from
 them and from nothing else (with other `--rows`, tables are printed). Needs: pip install ompl cma; for the column of
 mealpy an interpreter of its own that has it, for it holds NumPy back. Times are seconds of CPU unless it says wall.
 """
@@ -22,7 +22,7 @@ from tools.benchmarks.planning_benchmark.measure import PARTS, Work
 from tools.benchmarks.planning_benchmark.rows import add_row, read_rows
 from tools.benchmarks.planning_benchmark.tell import pictures, tables
 
-DOCUMENT = REPOSITORY / "docs" / "planning.md"
+DOCUMENT = REPOSITORY / "docs" / "lab" / "planning.md"
 ROWS = DOCUMENT.parent / "planning" / "rows.csv"
 QUICK = ("spheres-8-1", "cylinders-8-1", "block-60-1")
 

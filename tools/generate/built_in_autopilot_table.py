@@ -1,7 +1,7 @@
-"""Fly every recorded mission on the built-in autopilot: prints the table of docs/built-in-autopilot.md, or writes it.
+"""Fly every recorded mission on the built-in autopilot: prints the table of docs/lab/built-in-autopilot.md, or writes it.
 
 python -m tools.generate.built_in_autopilot_table            print
-python -m tools.generate.built_in_autopilot_table --write    put it between the markers of docs/built-in-autopilot.md
+python -m tools.generate.built_in_autopilot_table --write    put it between the markers of docs/lab/built-in-autopilot.md
 """
 
 import sys
@@ -14,7 +14,7 @@ from tests.flown_here import fly_here
 from tests.recorded_flights import Recorded, read_flights
 from tools import REPOSITORY
 
-DOCUMENT = REPOSITORY / "docs" / "built-in-autopilot.md"
+DOCUMENT = REPOSITORY / "docs" / "lab" / "built-in-autopilot.md"
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
 NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
 SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(8)}  # ArduCopter's flights do not depend on it

@@ -1,7 +1,7 @@
-"""Hold the estimates against the recorded flights: prints the table of docs/flight-time.md, or writes it there.
+"""Hold the estimates against the recorded flights: prints the table of docs/lab/flight-time.md, or writes it there.
 
 python -m tools.generate.flight_table            print
-python -m tools.generate.flight_table --write    put the table between the two markers of docs/flight-time.md
+python -m tools.generate.flight_table --write    put the table between the two markers of docs/lab/flight-time.md
 """
 
 import sys
@@ -20,7 +20,7 @@ from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights
 from tools import REPOSITORY
 
-DOCUMENT = REPOSITORY / "docs" / "flight-time.md"
+DOCUMENT = REPOSITORY / "docs" / "lab" / "flight-time.md"
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
 NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
 

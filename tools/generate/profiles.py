@@ -1,4 +1,4 @@
-"""Plan three maps under each profile, and bring docs/profiles.md and docs/profiles.svg up to date.
+"""Plan three maps under each profile, and bring docs/lab/profiles.md and docs/profiles.svg up to date.
 
     python -m tools.generate.profiles [--seeds 2] [--show]
 
@@ -24,7 +24,7 @@ from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.timing.estimate import estimate
 from tools import REPOSITORY
 
-DOCUMENT = REPOSITORY / "docs" / "profiles.md"
+DOCUMENT = REPOSITORY / "docs" / "lab" / "profiles.md"
 MAPS = ("campus", "downtown", "oldtown")  # the first is shown in full
 AIRFRAME = {"mass_kg": 2.4, "rotors": 4, "rotor_diameter": 0.33}
 HEAD = "| profile | length | turns | climb changes | climbed | least clearance | mean clearance | flight | energy |"

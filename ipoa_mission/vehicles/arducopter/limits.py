@@ -1,7 +1,7 @@
 """ArduCopter's limits by its parameters, in SI units, and how it leaves the ground and lands.
 
 Parameters are known by the names of 4.7 (metres) and of before (centimetres). The times on the ground are read from its
-land detector and measured on its simulated flights; docs/flight-time.md says which.
+land detector and measured on its simulated flights; docs/lab/flight-time.md says which.
 """
 
 import math

@@ -1,7 +1,7 @@
 """PX4's limits by its parameters, how high it returns, how it knows that it has landed.
 
 Its parameters are in SI units and degrees. The land detector is read from its source and measured on its simulated
-flights; docs/flight-time.md says which.
+flights; docs/lab/flight-time.md says which.
 """
 
 import math

@@ -1,7 +1,7 @@
 """The multirotor that ArduPilot's simulator flies: its drag, and how quickly it answers.
 
 No mission and no autopilot parameter tells these, and every airframe has its own; the values here are read from the
-recorded flights (see docs/flight-time.md). Below about 8 m/s drag hardly matters; near the speed where it meets the
+recorded flights (see docs/lab/flight-time.md). Below about 8 m/s drag hardly matters; near the speed where it meets the
 greatest lean it decides.
 """
 
