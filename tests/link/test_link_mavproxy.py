@@ -92,7 +92,7 @@ def test_mavproxy_reads_parameters_and_uploads_lists_and_flies_a_mission(
     (tmp_path / "fence.txt").write_text(FENCE)
     (tmp_path / "rally.txt").write_text(RALLY)
     with (
-        run_mock(Autopilot.ARDUPILOT, speedup=60.0) as running,  # type: ignore[attr-defined]
+        run_mock(Autopilot.ARDUPILOT, speedup=20.0) as running,  # type: ignore[attr-defined]  # as much as MAVProxy reads
         console(running.port, tmp_path) as mavproxy,
     ):
         mavproxy.expect(f"Received {len(running.mock.table.values)} parameters")
