@@ -95,6 +95,8 @@ def test_the_margin_to_the_bounds_is_the_least_of_many_places(area: Polygon | No
         assert found.distance == pytest.approx(margins.min(), abs=0.08)  # places are 0.15 m apart at most
         assert found.distance <= margins.min() + 1e-9
         assert margins[found.leg].min() == pytest.approx(found.distance, abs=0.08)
+        one_by_one = [bounds.leg_margin(a, b) for a, b in pairwise(legs)]
+        assert min(leg.distance for leg in one_by_one) == pytest.approx(found.distance, abs=1e-9)
 
 
 def test_a_flight_area_is_kept_to_along_the_whole_leg() -> None:
