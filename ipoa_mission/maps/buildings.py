@@ -24,9 +24,11 @@ from ipoa_mission.maps.kinds import (
     TOP_AMSL,
     WOOD,
     WOODS,
+    Extent,
     Reason,
     are_all_buildings,
     as_openstreetmap,
+    extents_of,
     tagged,
     why_passed_over,
 )
@@ -95,15 +97,17 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
         BadInput: naming file and place of each feature that makes no sense, or that all are far away.
     """
     features = [as_openstreetmap(feature) for feature in features]
-    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], frame)
+    drawn = [f.shape for f in features]
+    shapes, near = to_plane(drawn, [f.place for f in features], frame)
     every = rules.take is None and are_all_buildings(features, rules.height_key)
     counts: Counter[str] = Counter()
     odd: list[str] = []
     mistakes = Mistakes()
     standing: list[Standing] = []
     passed: list[PassedOver] = []
-    for feature, shape, sound, counted in zip(features, *clean_polygons(shapes), near, strict=True):
-        why = _why_passed_over(feature, rules, every) if counted else FAR
+    each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), strict=True)
+    for feature, extent, shape, sound, counted in each:
+        why = _why_passed_over(feature, extent, rules, every) if counted else FAR
         if why is None:
             standings = mistakes.attempt(_standings, feature, shape, sound, rules, counts, odd) or []
             standing += [_over_home(s, feature, frame) for s in standings]
@@ -144,8 +148,8 @@ def _over_home(standing: Standing, feature: Feature, frame: LocalFrame) -> Stand
     return replace(standing, height=top - frame.home.altitude, over_home=True)
 
 
-def _why_passed_over(feature: Feature, rules: BuildingRules, every: bool) -> Reason | None:
-    why = why_passed_over(feature, rules.height_key, every)
+def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, every: bool) -> Reason | None:
+    why = why_passed_over(feature, extent, rules.height_key, every)
     if why is None:
         wire = None if rules.height_key in feature.tags else _wire(feature, rules)
         return (
@@ -155,7 +159,7 @@ def _why_passed_over(feature: Feature, rules: BuildingRules, every: bool) -> Rea
         return None if rules.line_height else Reason("line_height = 0 says that it is nothing", False)
     if why is WOOD and rules.wood_height is not None:
         return None if rules.wood_height else Reason("wood_height = 0 says that it is nothing", False)
-    if rules.take == "all" and why not in (FLAT, WOOD, CABLE) and not shapely.is_empty(feature.shape):
+    if rules.take == "all" and why not in (FLAT, WOOD, CABLE) and extent != "none":
         return None
     settled = rules.take == "tagged" or (rules.take == "all" and why not in (WOOD, CABLE))
     return replace(why, may_stand=why.may_stand and not settled)
@@ -192,7 +196,7 @@ def _standings(
     made = []
     building = bool(feature.tags.keys() & {"building", "building:part"})
     hollow = not building and feature.tags.keys() & {"barrier", "natural"}
-    for part in _parts(shape, not hollow):
+    for part in [shape] if sound else _parts(shape, not hollow):
         thin = part.geom_type != "Polygon"
         if height is None:
             kind, default = ("point(s) or line(s)", rules.point_height) if thin else _area(feature, rules)

@@ -11,6 +11,7 @@ from ipoa_mission.errors import BadInput
 
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg, WGS 84]
 Made = TypeVar("Made")
+NAMES = ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
 MANY = 10  # mistakes told at once
 DEEPEST = 16  # collections in each other: nobody draws more, and shapely would not bear thousands
 
@@ -31,10 +32,11 @@ class Feature:
     @property
     def name(self) -> str:
         """What messages call the thing: its name, or else its number in OpenStreetMap, or its place in the file."""
-        named = (
-            self.tags.get(key) for key in ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
-        )
-        name = next((name for name in named if name), self.place)
+        name = self.place
+        for key in NAMES:
+            if named := self.tags.get(key):
+                name = named
+                break
         return name if name.isprintable() else "".join(letter if letter.isprintable() else " " for letter in name)
 
 

@@ -7,6 +7,7 @@ safe. What cannot be read is named, and taken as if it were not there.
 import math
 import re
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 
 from ipoa_mission.errors import BadInput
 
@@ -94,6 +95,7 @@ def _read(read: Callable[[str, str], float], tags: Mapping[str, str], key: str, 
         return None
 
 
+@lru_cache(maxsize=4096)  # a map says the same few heights over and over
 def _one_length(text: str) -> float | None:
     if len(text) > LONGEST:
         return None

@@ -5,13 +5,16 @@ The tags are OpenStreetMap's. Those of Overture's buildings are read as the tags
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal, TypeAlias, cast
 
+import numpy as np
 import shapely
 
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
+#: What a shape covers.
+Extent: TypeAlias = Literal["area", "thin", "none"]
 #: Values of `building` and `building:part` that say that there is none.
 NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
 #: What is tall by nature, whether or not its height is known.
@@ -108,10 +111,10 @@ def are_all_buildings(features: Sequence[Feature], height_key: str) -> bool:
     return not mapped and any(keys & (feature.tags.keys() | feature.blank) for feature in features)
 
 
-def why_passed_over(feature: Feature, height_key: str, all_buildings: bool) -> Reason | None:
-    """Why a feature does not stand in the way; None if it does."""
-    tags, areal = feature.tags, is_areal(feature.shape)
-    if shapely.is_empty(feature.shape):
+def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_buildings: bool) -> Reason | None:
+    """Why a feature, whose shape has such an extent, does not stand in the way; None if it does."""
+    tags, areal = feature.tags, extent == "area"
+    if extent == "none":
         return Reason("without a geometry", False)
     if _is_below(tags):
         return Reason("underground", False)
@@ -152,8 +155,20 @@ def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
     return any(tags.get(key) in values for key, values in kinds.items())
 
 
-def is_areal(shape: Any) -> bool:
-    """Whether a shape has an area, or is the closed line round one."""
+def extents_of(shapes: Sequence[Any]) -> list[Extent]:
+    """Of each shape whether it has an area, or is the closed line round one; or is thin, or empty."""
+    each = np.array(shapes, dtype=object)
+    kinds = shapely.get_type_id(each)
+    closed = shapely.is_closed(each) & (shapely.get_num_coordinates(each) > 3)
+    areal = (kinds == shapely.GeometryType.POLYGON) | ((kinds == shapely.GeometryType.LINESTRING) & closed)
+    for i in np.flatnonzero(kinds >= shapely.GeometryType.MULTIPOINT).tolist():
+        areal[i] = _is_areal(each[i])
+    named = np.where(shapely.is_empty(each), "none", np.where(areal, "area", "thin"))
+    return cast(list[Extent], named.tolist())
+
+
+def _is_areal(shape: Any) -> bool:
+    """Whether something of a collection has an area, or is the closed line round one."""
     parts = [part for piece in shapely.get_parts(shape) for part in shapely.get_parts(piece)]
     return any(
         part.geom_type in ("Polygon", "MultiPolygon", "GeometryCollection")

@@ -91,8 +91,9 @@ def survey(scenario: Layout) -> Surroundings:
     """
     maps = _read_maps(scenario)
     allowed = allowed_area(scenario.fence, scenario.frame)
-    lower, upper = _horizontal_bounds(scenario, maps, allowed)
-    near, beyond = _near(maps, (lower, upper))
+    boxes = _boxes(maps)
+    lower, upper = _horizontal_bounds(scenario, maps, boxes, allowed)
+    near, beyond = _near(maps, boxes, (lower, upper))
     terrain, terrain_remarks = _terrain(scenario, lower, upper)
     drawn = _drawn(scenario, terrain)
     raised = raise_buildings(near, Ground(terrain))
@@ -163,8 +164,8 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, .
                 raise BadInput(f"{section.file}: expected home outside of no-fly zones, but it is in {zone.name}")
 
 
-def _horizontal_bounds(scenario: Layout, maps: _Maps, allowed: Any | None) -> Box:
-    """Lower and upper corner (2,) of the bounds."""
+def _horizontal_bounds(scenario: Layout, maps: _Maps, boxes: NDArray[np.float64], allowed: Any | None) -> Box:
+    """Lower and upper corner (2,) of the bounds, with the boxes (n, 4) of what stands on the maps."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = np.array([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places)])
     drawn = [o.build("", scenario.frame, LEVEL) for o in scenario.obstacles]
@@ -175,7 +176,6 @@ def _horizontal_bounds(scenario: Layout, maps: _Maps, allowed: Any | None) -> Bo
         least, most = np.array([west, south]), np.array([east, north])
     else:
         reach = max(margin, float(np.linalg.norm(np.ptp(ends, axis=0))) / 2)
-        boxes = _boxes(maps)
         around = boxes[_meets(boxes, (things.min(axis=0), things.max(axis=0)), reach)]
         things = np.vstack([things, around.reshape(-1, 2)])
         least, most = things.min(axis=0) - margin, things.max(axis=0) + margin
@@ -190,15 +190,18 @@ def _horizontal_bounds(scenario: Layout, maps: _Maps, allowed: Any | None) -> Bo
 
 def _boxes(maps: _Maps) -> NDArray[np.float64]:
     """West, south, east, north of what stands on the maps, (n, 4)."""
-    shapes = [thing.shape.buffer(thing.reach) if thing.reach else thing.shape for _, thing in maps.standing]
-    return np.array(shapely.bounds(shapes)).reshape(-1, 4)
+    shapes = np.array([thing.shape for _, thing in maps.standing], dtype=object)
+    reach = np.array([thing.reach for _, thing in maps.standing], float)
+    wide = reach != 0.0
+    shapes[wide] = shapely.buffer(shapes[wide], reach[wide], quad_segs=16)
+    return np.asarray(shapely.bounds(shapes)).reshape(-1, 4)
 
 
-def _near(maps: _Maps, corners: Box) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
-    """What stands near enough to the bounds to matter, and the rest, zones among it, as passed over."""
+def _near(maps: _Maps, boxes: NDArray[np.float64], corners: Box) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
+    """What stands, in its `boxes`, near enough to the bounds to matter; the rest, zones among it, as passed over."""
     near, beyond = list[Standing](), list[PassedOver]()
     why = f"more than {MARGIN:g} m outside the bounds"
-    for (section, thing), counts in zip(maps.standing, _meets(_boxes(maps), corners, MARGIN), strict=True):
+    for (section, thing), counts in zip(maps.standing, _meets(boxes, corners, MARGIN).tolist(), strict=True):
         if counts:
             near.append(thing)
         else:
@@ -259,9 +262,9 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = _on_lines(terrain, corners)
-    boxes = [obstacle.bounds for obstacle in obstacles]
-    heights = [box[:, 2] for box in boxes if _meets(box[:, :2].reshape(1, 4), corners, 0.0)[0]]
-    everything = np.concatenate([ends, [ground.min(), ground.max()], *heights])
+    boxes = np.array([obstacle.bounds for obstacle in obstacles], float).reshape(-1, 2, 3)
+    inside = boxes[_meets(boxes[:, :, :2], corners, 0.0)]
+    everything = np.concatenate([ends, [ground.min(), ground.max()], inside[:, :, 2].ravel()])
     return float(everything.min()) - scenario.bounds.margin, float(everything.max()) + scenario.bounds.margin
 
 
