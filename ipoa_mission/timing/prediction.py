@@ -32,7 +32,7 @@ NEVER_MISSED = Missed(0.0, 0.0)
 class Prediction:
     """When each visit of the itinerary is done (n,) [s], the reason it was slow ("" if none), the path, and remarks.
 
-    Nine flights in ten lie from `low` to `high` (n,) [s]; docs/lab/flight-time.md says how many of the recorded ones did.
+    Nine flights in ten lie from `low` to `high` (n,) [s]; docs/lab/flight-time.md says how many recorded ones did.
     `missed`: the risk of each visit; empty from a model that knows of none.
     """
 

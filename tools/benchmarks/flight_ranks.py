@@ -1,6 +1,6 @@
 """Where PX4's recorded flights rank among the model's own runs: is it off, or does PX4 only differ from itself?
 
-python -m tools.benchmarks.flight_ranks [RUNS]     print what docs/lab/flight-time.md says of it (by default 200 runs each)
+python -m tools.benchmarks.flight_ranks [RUNS]    print what docs/lab/flight-time.md says (by default 200 runs each)
 
 At the end: how many of all recorded items keep to the estimate's intervals, those of tests/flights and those of
 tests/landings.

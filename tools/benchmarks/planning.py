@@ -5,7 +5,7 @@
     taskset -c 0 python -m tools.benchmarks.planning --parts planner     this measured again, the other rows stay
     python -m tools.benchmarks.planning --parts                          tables and pictures from the rows, no more
 
-Rows are kept in docs/planning/rows.csv; the tables of docs/lab/planning.md and the pictures beside the rows are made from
+Rows are kept in docs/planning/rows.csv; the tables of docs/lab/planning.md and the pictures beside the rows are made of
 them and from nothing else (with other `--rows`, tables are printed). Needs: pip install ompl cma; for the column of
 mealpy an interpreter of its own that has it, for it holds NumPy back. Times are seconds of CPU unless it says wall.
 """

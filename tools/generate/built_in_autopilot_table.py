@@ -1,7 +1,7 @@
-"""Fly every recorded mission on the built-in autopilot: prints the table of docs/lab/built-in-autopilot.md, or writes it.
+"""Fly every recorded mission on the built-in autopilot: prints docs/lab/built-in-autopilot.md's table, or writes it.
 
 python -m tools.generate.built_in_autopilot_table            print
-python -m tools.generate.built_in_autopilot_table --write    put it between the markers of docs/lab/built-in-autopilot.md
+python -m tools.generate.built_in_autopilot_table --write    put it between that page's markers
 """
 
 import sys

@@ -1,6 +1,6 @@
 """The multirotor that PX4's model flies, and how well it knows where it is: read from recorded flights.
 
-No mission and no parameter tells these, and every airframe has its own (docs/lab/flight-time.md says how they were found).
+No mission and no parameter tells these, and every airframe has its own (found as docs/lab/flight-time.md says).
 """
 
 import math
