@@ -179,6 +179,11 @@ RULES: Mapping[str, Rule] = {
         "Fly in less wind, or keep more distance.",
         False,
     ),
+    "version-not-measured": Rule(
+        "The version of the firmware is newer than that whose flights were measured.",
+        "Fly it in your own simulation first, or take the version that was measured.",
+        True,
+    ),
     "no-aircraft": Rule("The mission is for a vehicle that does not fly.", "Only flights are judged.", False),
     "other-vehicle": Rule(
         "The mission is for another class of vehicle: its legs are judged as a multicopter flies them.",

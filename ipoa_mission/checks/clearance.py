@@ -21,6 +21,8 @@ def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | Non
         return
     if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.speed)):
         yield Finding("wind-not-measured", Severity.WARNING, None, why)
+    if promise.confidence is not None and (why := mission.autopilot.not_measured(mission.firmware_version)):
+        yield Finding("version-not-measured", Severity.WARNING, None, why)
     for kept in promise.broken:
         item = mission.items[kept.item - 1]
         touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius

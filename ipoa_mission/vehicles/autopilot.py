@@ -178,9 +178,21 @@ class Autopilot(ABC):
         if version == self.measured:
             return None
         words = f"measured on {self.measured}; the vehicle says {version}"
+        if (doubt := self.not_measured(version)) is not None:
+            words += f"; {doubt}"
         if version.series in self.tables.series:
             return words
         return f"{words}, of which there are no tables: what it takes is judged as {own} does"
+
+    def not_measured(self, version: Version | None) -> str | None:
+        """Why nothing stands behind what flights keep on this version; None where something does, or nobody says it.
+
+        >>> Autopilot.PX4.not_measured(Version(1, 18))
+        'what flights keep was measured on PX4 1.17.0: on 1.18.0 it is not shown to hold'
+        """
+        if version is None or version.series <= self.measured.series:
+            return None
+        return f"what flights keep was measured on {self.model} {self.measured}: on {version} it is not shown to hold"
 
     def beyond_the_model(self, version: str) -> str | None:
         """What to say of times that are estimated for a version; None where the model is of it.
