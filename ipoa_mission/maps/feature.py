@@ -16,7 +16,7 @@ MANY = 10  # mistakes told at once
 DEEPEST = 16  # collections in each other: nobody draws more, and shapely would not bear thousands
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Feature:
     """`shape` is a shapely geometry in longitude, latitude [deg, WGS 84], as it stands in the file: it may be invalid.
 
