@@ -1,6 +1,8 @@
 """A feature of a map file: a shape on the Earth with its tags, and where in the file it stands."""
 
-from collections.abc import Callable, Iterable, Mapping
+import gc
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
@@ -105,3 +107,15 @@ def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]
     features = [mistakes.attempt(read, *arguments) for arguments in each]
     mistakes.tell()
     return tuple(feature for feature in features if feature is not None)
+
+
+@contextmanager
+def many_objects() -> Iterator[None]:
+    """While very many objects are made that stay: Python does not search them for rings again and again."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()

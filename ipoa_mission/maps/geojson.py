@@ -19,10 +19,19 @@ from pyproj.exceptions import CRSError
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
-from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Mistakes, on_earth, positions_of, read_all
+from ipoa_mission.maps.feature import (
+    DEEPEST,
+    Corners,
+    Feature,
+    Mistakes,
+    many_objects,
+    on_earth,
+    positions_of,
+    read_all,
+)
 from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags
 from ipoa_mission.maps.outlines import sound_polygons
-from ipoa_mission.maps.streamed import Unstreamed, many_objects, read_document
+from ipoa_mission.maps.streamed import Unstreamed, read_document
 
 MOST_SHOWN = 80  # characters of a place
 AT_ONCE = 1024  # features are made together

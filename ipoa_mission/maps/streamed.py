@@ -4,11 +4,9 @@ Neither the file's text nor the tree of its features is ever in memory whole.
 """
 
 import codecs
-import gc
 import json
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -144,15 +142,3 @@ def _blocks(path: Path) -> Iterator[str]:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError:
         yield read_text(path)[:0]  # which says where it is
-
-
-@contextmanager
-def many_objects() -> Iterator[None]:
-    """While very many objects are made that stay: Python does not search them for rings again and again."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
