@@ -64,7 +64,7 @@ class BuildingRules:
     take: Literal["tagged", "all"] | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Standing:
     """Something that stands on the ground: `shape` is local, east, north [m]; `reach` widens a point or line.
 

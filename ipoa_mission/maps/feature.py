@@ -1,6 +1,8 @@
 """A feature of a map file: a shape on the Earth with its tags, and where in the file it stands."""
 
-from collections.abc import Callable, Iterable, Mapping
+import gc
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
@@ -16,7 +18,7 @@ MANY = 10  # mistakes told at once
 DEEPEST = 16  # collections in each other: nobody draws more, and shapely would not bear thousands
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Feature:
     """`shape` is a shapely geometry in longitude, latitude [deg, WGS 84], as it stands in the file: it may be invalid.
 
@@ -105,3 +107,15 @@ def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]
     features = [mistakes.attempt(read, *arguments) for arguments in each]
     mistakes.tell()
     return tuple(feature for feature in features if feature is not None)
+
+
+@contextmanager
+def many_objects() -> Iterator[None]:
+    """While very many objects are made that stay: Python does not search them for rings again and again."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()

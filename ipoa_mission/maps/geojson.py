@@ -8,6 +8,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from sys import intern
 from typing import Any
 
 import numpy as np
@@ -18,10 +19,23 @@ from pyproj.exceptions import CRSError
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
-from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, on_earth, positions_of, read_all
+from ipoa_mission.maps.feature import (
+    DEEPEST,
+    Corners,
+    Feature,
+    Mistakes,
+    many_objects,
+    on_earth,
+    positions_of,
+    read_all,
+)
 from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags
+from ipoa_mission.maps.outlines import sound_polygons
+from ipoa_mission.maps.streamed import Unstreamed, read_document
 
 MOST_SHOWN = 80  # characters of a place
+AT_ONCE = 1024  # features are made together
+SHORT = 8  # values up to so many characters are kept once: "yes" stands in a map a hundred thousand times
 HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')
 
 
@@ -32,13 +46,78 @@ def read_geojson(path: Path) -> tuple[Feature, ...]:
         BadInput: naming file and place, and what was expected there.
     """
     try:
-        document = json.loads(read_text(path))
+        with many_objects():
+            return _streamed(path)
     except json.JSONDecodeError as error:
         raise BadInput(f"{path}: line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}") from error
     except RecursionError:
         raise BadInput(f"{path}: expected a map, not brackets nested without end") from None
     except ValueError:
         raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
+
+
+def _streamed(path: Path) -> tuple[Feature, ...]:
+    if path.is_fifo():  # which can be read only once
+        return _whole(json.loads(read_text(path)), path)
+    collection = _Collection(path)
+    try:
+        document = read_document(path, collection.add)
+        if not isinstance(document, dict) or "features" not in document:
+            return _whole(document, path)
+        return collection.features(document)
+    except Unstreamed:
+        del collection
+        return _whole(json.loads(read_text(path)), path)
+
+
+class _Collection:
+    """The features of a collection, made of so many at once as they come."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._mistakes = path, Mistakes()
+        self._made: list[Feature] = []
+        self._waiting: list[tuple[str, Any]] = []
+        self._crs: Any = None
+        self._to_degrees: _Degrees | None = None
+
+    def add(self, document: Mapping[str, Any], number: int, feature: Any) -> None:
+        """Take the feature of this number; the document is what stands before it."""
+        if self._to_degrees is None:
+            self._crs, self._to_degrees = document.get("crs"), _coordinate_system(document, self._path)
+        self._waiting.append((f"{self._path}: features[{number}]{_number(feature)}", feature))
+        if len(self._waiting) == AT_ONCE:
+            self._make(self._to_degrees)
+
+    def features(self, document: Mapping[str, Any]) -> tuple[Feature, ...]:
+        """All of them.
+
+        Raises:
+            BadInput: what is wrong with any.
+            Unstreamed: the document is no collection, or names its coordinate system behind them.
+        """
+        if document.get("type") != "FeatureCollection" or (self._to_degrees and document.get("crs") != self._crs):
+            raise Unstreamed
+        self._make(self._to_degrees or _coordinate_system(document, self._path))
+        self._mistakes.tell()
+        return tuple(self._made)
+
+    def _make(self, to_degrees: "_Degrees") -> None:
+        drawn = sound_polygons([_rings(feature) for _, feature in self._waiting], to_degrees)
+        for (place, feature), shape in zip(self._waiting, drawn, strict=True):
+            made = self._mistakes.attempt(_feature, place, feature, to_degrees, shape)
+            if made is not None:
+                self._made.append(made)
+        self._waiting.clear()
+
+
+def _rings(feature: Any) -> Any:
+    """What should be the rings of the polygon that a feature should be; None if it is something else."""
+    geometry = feature.get("geometry") if isinstance(feature, dict) else None
+    is_polygon = isinstance(geometry, dict) and geometry.get("type") == "Polygon"
+    return geometry.get("coordinates") if is_polygon else None
+
+
+def _whole(document: Any, path: Path) -> tuple[Feature, ...]:
     if is_ed269(document):
         return ed269_features(document, path)
     if is_cityjson(document):
@@ -65,15 +144,19 @@ def _number(feature: Any) -> str:
     return f" ({number})" if isinstance(number, str) and number else ""
 
 
-def _feature(place: str, feature: Any, to_degrees: "_Degrees") -> Feature:
+def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None) -> Feature:
+    """A feature, whose shape may be `drawn` already."""
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput(f"{place}: expected a Feature")
     geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
-    tags = dict(tags_of(properties))
+    tags = {intern(key): value if len(value) > SHORT else intern(value) for key, value in tags_of(properties)}
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
-    shape = shapely.GeometryCollection() if geometry is None else _shape(geometry, f"{place}.geometry", to_degrees)
+    if drawn is not None:
+        shape = drawn
+    else:
+        shape = shapely.GeometryCollection() if geometry is None else _shape(geometry, f"{place}.geometry", to_degrees)
     if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
         tags |= dict(layer_tags(geometry["layer"]))
     return Feature(place, shape, tags, frozenset(blank_keys(properties)))

@@ -13,7 +13,7 @@ MOST_NAMED = 3
 FAR = Reason("more than 100 km from home", False)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class PassedOver:
     """One thing of the map `file` that is no obstacle, and why; `shape` is local, east, north [m], or empty.
 

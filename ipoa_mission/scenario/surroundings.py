@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import Zone, join_zones
 from ipoa_mission.maps.buildings import Standing, raise_buildings
+from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
@@ -89,6 +90,11 @@ def survey(scenario: Layout) -> Surroundings:
         BadInput: naming the map file and the place in it that makes no sense, or that home lies outside.
         MissionError: a library that reads a map is not installed.
     """
+    with many_objects():
+        return _survey(scenario)
+
+
+def _survey(scenario: Layout) -> Surroundings:
     maps = _read_maps(scenario)
     allowed = allowed_area(scenario.fence, scenario.frame)
     boxes = _boxes(maps)

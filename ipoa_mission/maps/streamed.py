@@ -1,0 +1,144 @@
+"""JSON from a file of any size: the document without its `features`, which are handed on one by one as they are read.
+
+Neither the file's text nor the tree of its features is ever in memory whole.
+"""
+
+import codecs
+import json
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_text
+
+BLOCK = 1 << 22  # read at once [bytes]
+Found = Callable[[dict[str, Any], int, Any], None]  # told of what stands before the features, and each with its number
+_blank = re.compile(r"[ \t\n\r]*").match
+_scan = json.JSONDecoder().scan_once
+
+
+def read_document(path: Path, found: Found) -> Any:
+    """What the JSON file holds, but for an object the list `features`, whose members `found` is given; None is left.
+
+    Raises:
+        BadInput: the file cannot be read, or is not UTF-8.
+        json.JSONDecodeError: it is no JSON.
+        Unstreamed: its features are no list, or stand there twice.
+    """
+    text = _Text(_blocks(path))
+    document = _members(text, found) if text.next_is("{") else text.value()
+    if text.mark():
+        raise text.wrong("Extra data")
+    return document
+
+
+class Unstreamed(Exception):
+    """A document to be read as a whole."""
+
+
+class _Text:
+    """A text that is read block by block, and where in it one is."""
+
+    def __init__(self, blocks: Iterator[str]) -> None:
+        self._blocks, self._text, self._at, self._line = blocks, "", 0, 1
+
+    def mark(self) -> str:
+        """The next character that is not blank; nothing at the end."""
+        while True:
+            self._at = _blank(self._text, self._at).end()  # type: ignore[union-attr]
+            if self._at < len(self._text) or not self._more():
+                return self._text[self._at : self._at + 1]
+
+    def next_is(self, mark: str) -> bool:
+        """Whether it is this one, which is then passed."""
+        here = self.mark() == mark
+        self._at += here
+        return here
+
+    def value(self) -> Any:
+        """The value that begins here."""
+        self.mark()
+        while True:
+            try:
+                value, end = _scan(self._text, self._at)
+                if end < len(self._text) or not self._more():  # a number may go on in the next block
+                    self._at = end
+                    return value
+            except StopIteration as error:
+                if not self._more():
+                    raise self.wrong("Expecting value", error.value) from None
+            except json.JSONDecodeError as error:
+                if not self._more():
+                    raise self.wrong(error.msg, error.pos) from None
+
+    def wrong(self, words: str, at: int | None = None) -> json.JSONDecodeError:
+        """What is wrong here, with its line in the file."""
+        error = json.JSONDecodeError(words, self._text, self._at if at is None else at)
+        error.lineno += self._line - 1
+        return error
+
+    def _more(self) -> bool:
+        """Read on: at least as much as is still here, so that what is tried again is not tried too often."""
+        pieces, size = [self._text[self._at :]], 0
+        for block in self._blocks:
+            pieces.append(block)
+            size += len(block)
+            if size > len(pieces[0]):
+                break
+        if size:
+            self._line += self._text.count("\n", 0, self._at)
+            self._text, self._at = "".join(pieces), 0
+        return size > 0
+
+
+def _members(text: _Text, found: Found) -> dict[str, Any]:
+    document: dict[str, Any] = {}
+    if text.next_is("}"):
+        return document
+    while True:
+        if text.mark() != '"':
+            raise text.wrong("Expecting property name enclosed in double quotes")
+        key = text.value()
+        if not text.next_is(":"):
+            raise text.wrong("Expecting ':' delimiter")
+        if key != "features":
+            document[key] = text.value()
+        elif key in document or not text.next_is("["):
+            raise Unstreamed
+        else:
+            document[key] = None
+            _elements(text, document, found)
+        if text.next_is("}"):
+            return document
+        if not text.next_is(","):
+            raise text.wrong("Expecting ',' delimiter")
+
+
+def _elements(text: _Text, document: dict[str, Any], found: Found) -> None:
+    if text.next_is("]"):
+        return
+    number = 0
+    while True:
+        found(document, number, text.value())
+        number += 1
+        if text.next_is("]"):
+            return
+        if not text.next_is(","):
+            raise text.wrong("Expecting ',' delimiter")
+
+
+def _blocks(path: Path) -> Iterator[str]:
+    """The text of a file, a byte order mark dropped."""
+    decoder = codecs.getincrementaldecoder("utf-8-sig")()
+    try:
+        with path.open("rb") as file:
+            while block := file.read(BLOCK):
+                if text := decoder.decode(block):
+                    yield text
+            decoder.decode(b"", True)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError:
+        yield read_text(path)[:0]  # which says where it is

@@ -1,0 +1,94 @@
+"""A GeoJSON file is read block by block; that changes nothing in what it becomes, or in what is said of it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps import streamed
+from ipoa_mission.maps.outlines import sound_polygons
+from ipoa_mission.maps.read import read_features
+
+SQUARE = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.0]]
+HOLE = [[8.0005, 47.0002], [8.0007, 47.0002], [8.0007, 47.0004]]
+HIGH = [[*corner, 410.5] for corner in SQUARE]
+
+
+def feature(kind: str, coordinates: Any, **properties: Any) -> dict[str, Any]:
+    geometry = {"type": kind, "coordinates": coordinates}
+    return {"type": "Feature", "id": "way/7", "properties": properties, "geometry": geometry}
+
+
+FEATURES = [
+    feature("Polygon", [SQUARE, HOLE], building="yes", name="Bäckerei 🥨 «Zopf»"),
+    feature("Point", [8.0, 47.0], height=12.5),
+    feature("Polygon", [HIGH[:3]]),
+    feature("Polygon", [[["8.0", "47.0"], [8.1, 47], [8.1, 47.1]]]),
+    feature("LineString", SQUARE, voltage=None),
+]
+
+
+@pytest.mark.parametrize("block", [1, 7, 1 << 22])
+def test_features_are_the_same_however_large_the_blocks(tmp_path: Path, block: int, monkeypatch: Any) -> None:
+    monkeypatch.setattr(streamed, "BLOCK", block)
+    path = tmp_path / "map.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": FEATURES, "n": 1234567}, ensure_ascii=False))
+    features = read_features(path)
+    assert [f.place for f in features] == [f"{path}: features[{i}] (way/7)" for i in range(len(FEATURES))]
+    assert [f.shape.wkt for f in features] == [
+        shapely.from_geojson(json.dumps(each | {"geometry": _plain(each["geometry"])})).wkt for each in FEATURES
+    ]
+    assert features[0].name == "Bäckerei 🥨 «Zopf»"
+
+
+def _plain(geometry: dict[str, Any]) -> dict[str, Any]:
+    """The same with numbers, no heights, and closed rings, as GEOS's own reader wants them."""
+    if geometry["type"] != "Polygon":
+        return geometry
+    rings = [[[float(x), float(y)] for x, y, *_ in ring] for ring in geometry["coordinates"]]
+    return geometry | {"coordinates": [ring if ring[0] == ring[-1] else [*ring, ring[0]] for ring in rings]}
+
+
+@pytest.mark.parametrize("block", [1, 5, 1 << 22])
+@pytest.mark.parametrize("cut", range(1, 130, 9))
+def test_a_file_that_ends_early_is_told_as_json_itself_does(
+    tmp_path: Path, block: int, cut: int, monkeypatch: Any
+) -> None:
+    monkeypatch.setattr(streamed, "BLOCK", block)
+    text = json.dumps({"type": "FeatureCollection", "features": [FEATURES[1]]}, indent=1)[: -cut - 1]
+    with pytest.raises(json.JSONDecodeError) as expected:
+        json.loads(text)
+    path = tmp_path / "map.geojson"
+    path.write_text(text)
+    message = expected.value.msg[:1].lower() + expected.value.msg[1:]
+    with pytest.raises(BadInput) as told:
+        read_features(path)
+    assert str(told.value) == f"{path}: line {expected.value.lineno}: {message}"
+
+
+def test_mistakes_name_the_number_of_the_feature_beyond_the_first_of_those_made_together(tmp_path: Path) -> None:
+    path = tmp_path / "map.geojson"
+    flat = feature("Polygon", [[SQUARE[0], SQUARE[1], SQUARE[0]]])
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": [*[FEATURES[0]] * 1500, flat]}))
+    with pytest.raises(BadInput, match=r"features\[1500\] \(way/7\).geometry.coordinates\[0\]: expected a ring of 3"):
+        read_features(path)
+
+
+@pytest.mark.parametrize("behind", [False, True])
+def test_the_coordinate_system_counts_wherever_it_stands(tmp_path: Path, behind: bool) -> None:
+    metres = feature("Polygon", [[[500_000, 5_200_000], [500_010, 5_200_000], [500_010, 5_200_010]]])
+    crs = {"crs": {"type": "name", "properties": {"name": "EPSG:32632"}}}
+    features = {"type": "FeatureCollection", "features": [metres]}
+    path = tmp_path / "map.geojson"
+    path.write_text(json.dumps(features | crs if behind else crs | features))
+    assert read_features(path)[0].shape.bounds == pytest.approx((9.0, 46.9535, 9.0001, 46.9536), abs=1e-4)
+
+
+def test_only_polygons_with_nothing_wrong_are_made_together() -> None:
+    wrong = [None, [], [[]], {"a": 1}, [SQUARE, []], [[SQUARE[0], SQUARE[1], SQUARE[0]]], [[[800, 1], [8, 2], [9, 3]]]]
+    made = sound_polygons([[SQUARE], *wrong, [SQUARE, HOLE]], lambda corners: corners)
+    assert [made[0].wkt, made[-1].wkt] == [shapely.Polygon(SQUARE).wkt, shapely.Polygon(SQUARE, [HOLE]).wkt]
+    assert made[1:-1] == [None] * len(wrong)
