@@ -16,7 +16,7 @@ from ipoa_mission.files import read_text
 BLOCK = 1 << 22  # read at once [bytes]
 Found = Callable[[dict[str, Any], int, Any], None]  # told of what stands before the features, and each with its number
 _blank = re.compile(r"[ \t\n\r]*").match
-_scan = json.JSONDecoder().scan_once
+_scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
 
 
 def read_document(path: Path, found: Found) -> Any:
