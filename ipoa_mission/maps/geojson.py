@@ -113,8 +113,9 @@ class _Collection:
 def _rings(feature: Any) -> Any:
     """What should be the rings of the polygon that a feature should be; None if it is something else."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
-    is_polygon = isinstance(geometry, dict) and geometry.get("type") == "Polygon"
-    return geometry.get("coordinates") if is_polygon else None
+    if isinstance(geometry, dict) and geometry.get("type") == "Polygon":
+        return geometry.get("coordinates")
+    return None
 
 
 def _whole(document: Any, path: Path) -> tuple[Feature, ...]:

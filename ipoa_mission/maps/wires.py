@@ -35,7 +35,7 @@ WIRES = {
     "telecom": {"line"},
 }
 OVERGROUND = {"overground", "overhead", "kiosk", "roof"}
-STEP = 10.0  # the ground under a wire is looked at so often [m]
+STEP = 8.0  # the ground under a wire is looked at so often [m]
 RELIEF = 5.0  # a span whose top rises or falls by more is cut into pieces [m] ...
 LEAST_PIECE = 20.0  # ... that are no shorter than this [m]
 

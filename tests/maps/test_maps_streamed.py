@@ -88,7 +88,15 @@ def test_the_coordinate_system_counts_wherever_it_stands(tmp_path: Path, behind:
 
 
 def test_only_polygons_with_nothing_wrong_are_made_together() -> None:
-    wrong = [None, [], [[]], {"a": 1}, [SQUARE, []], [[SQUARE[0], SQUARE[1], SQUARE[0]]], [[[800, 1], [8, 2], [9, 3]]]]
+    wrong: list[Any] = [
+        None,
+        [],
+        [[]],
+        {"a": 1},
+        [SQUARE, []],
+        [[SQUARE[0], SQUARE[1], SQUARE[0]]],
+        [[[800, 1], [8, 2], [9, 3]]],
+    ]
     made = sound_polygons([[SQUARE], *wrong, [SQUARE, HOLE]], lambda corners: corners)
     assert [made[0].wkt, made[-1].wkt] == [shapely.Polygon(SQUARE).wkt, shapely.Polygon(SQUARE, [HOLE]).wkt]
     assert made[1:-1] == [None] * len(wrong)
