@@ -10,7 +10,7 @@ from ipoa_mission.checks.start import NotAtStart, check_start
 from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
 from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.link.set_up import idle_fence, other_values
+from ipoa_mission.link.set_up import OtherValue, idle_fence, other_values
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic
@@ -69,6 +69,14 @@ def upload_mission(
         with connect("udpin:127.0.0.1:14550") as vehicle:
             print(*upload_mission(vehicle, read_mission("campus.plan")), sep="\n")
     """
+    remarks, others, lacking = _put(vehicle, mission, anyway, stages)
+    return (*remarks, *map(str, others), *lacking)
+
+
+def _put(
+    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages
+) -> tuple[tuple[str, ...], tuple[OtherValue, ...], tuple[str, ...]]:
+    """As `upload_mission`, with the parameters apart that the vehicle has otherwise, or lacks."""
     with stages(Stage.CHECK):
         remarks = expect_fit(mission, vehicle, anyway)
     with stages(Stage.UPLOAD) as show:
@@ -76,8 +84,8 @@ def upload_mission(
     with stages(Stage.STORED):
         idle = idle_fence(vehicle, mission)
         others, missing = other_values(vehicle, mission.parameters)
-    lacking = (f"the vehicle has no parameter {name}" for name in missing)
-    return (*remarks, *([idle] if idle else []), *map(str, others), *lacking)
+    lacking = tuple(f"the vehicle has no parameter {name}" for name in missing)
+    return (*remarks, *([idle] if idle else [])), others, lacking
 
 
 def fly_mission(
@@ -136,7 +144,8 @@ def load_mission(
         _set_parameters(vehicle, mission, remark)
     elif not anyway:
         expect_slow_landing(mission, vehicle)
-    for words in upload_mission(vehicle, mission, anyway=anyway, stages=stages):
+    remarks, others, lacking = _put(vehicle, mission, anyway, stages)
+    for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
 
 

@@ -7,6 +7,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.items import Mission
 from ipoa_mission.itinerary.itinerary import Itinerary, itinerary
@@ -44,9 +45,13 @@ class FlightModel(ABC):
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """The limits that parameters set; `speed` is what DO_CHANGE_SPEED asks for [m/s]."""
 
-    @abstractmethod
     def airframe(self, altitude: float) -> SlowedByAir:
-        """The simulated vehicle's, so high above the sea [m]."""
+        """The simulated vehicle's, so high above the sea [m].
+
+        Raises:
+            MissionError: the model has none, and nothing of drag can be learned.
+        """
+        raise MissionError("this model of a flight has no airframe whose drag could be learned")
 
     def usual(self, mission: Mission) -> Vector:
         """When each visit is done in most flights (n,) [s]."""

@@ -26,7 +26,7 @@ from ipoa_mission.simulator.flight import Pilot, Pilots
 from ipoa_mission.simulator.personality import Personality
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.timing.bound import Kinematics
-from ipoa_mission.timing.flight_model import FlightModel, SlowedByAir
+from ipoa_mission.timing.flight_model import FlightModel
 from ipoa_mission.timing.prediction import Prediction, Track
 from ipoa_mission.tube.law import Law
 from ipoa_mission.tube.spread import Spread
@@ -110,9 +110,6 @@ class Model(FlightModel):
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         return Kinematics(speed or SPEED, SPEED, SPEED, 100.0)
-
-    def airframe(self, altitude: float) -> SlowedByAir:
-        raise NotImplementedError
 
 
 class StraightPilot:
@@ -302,7 +299,6 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
     spoken = replace(  # what it says on a link is as PX4 says it, with its own numbers
         Autopilot.PX4.part(Personality),
         autopilot=vehicle,
-        mav_autopilot=vehicle.mav_autopilot,
         modes={FlightMode.HOLD: 1, FlightMode.MISSION: 2, FlightMode.RETURN: 3, FlightMode.LAND: 4},
         first_mode=1,
         placed_modes=frozenset({2, 3, 4}),
