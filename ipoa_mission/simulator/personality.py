@@ -49,7 +49,6 @@ class Personality:
     """One firmware's habits."""
 
     autopilot: Autopilot
-    mav_autopilot: int
     manners: RequestStyle  # how it fetches
     patience: Patience  # when it asks again, and when it gives up
     timeout_result: int | None  # the Ack that ends a transfer which timed out

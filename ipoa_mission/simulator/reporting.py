@@ -161,7 +161,9 @@ class Reporting:
             state = STATE_ACTIVE
         elif not self.habits.tells_prearm and not self.flight.armed and self._hinders():
             state = STATE_UNINIT
-        return m.Heartbeat(QUADROTOR, self.habits.mav_autopilot, self.habits.base_mode | armed, self.mode, state)
+        return m.Heartbeat(
+            QUADROTOR, self.habits.autopilot.mav_autopilot, self.habits.base_mode | armed, self.mode, state
+        )
 
     def _current(self) -> m.Current:
         total = len(self.transfers.stores[MissionType.MISSION].items) - self._first

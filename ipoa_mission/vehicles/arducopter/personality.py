@@ -1,7 +1,7 @@
 """What ArduCopter does on a link, as measured: the personality of its stand-in."""
 
 from ipoa_mission.link.conversations import RequestStyle
-from ipoa_mission.link.messages import CommandResult, Firmware, MissionType, Result
+from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.simulator.personality import (
     FTP,
     SPOKEN,
@@ -15,7 +15,6 @@ from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 
 PERSONALITY = Personality(
     autopilot=ARDUCOPTER,
-    mav_autopilot=Firmware.ARDUPILOT,
     manners=RequestStyle(legacy=True, rebukes=True),
     patience=asks_every(1.0, 8.0),
     timeout_result=Result.OPERATION_CANCELLED,

@@ -1,7 +1,7 @@
 """What PX4 does on a link, as measured: the personality of its stand-in."""
 
 from ipoa_mission.link.conversations import RequestStyle
-from ipoa_mission.link.messages import CommandResult, Firmware, MissionType
+from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.simulator.personality import BYTEWISE, SPOKEN, Answer, Personality, StartUp, asks_every
 from ipoa_mission.simulator.situation import FlightMode
 from ipoa_mission.vehicles.modes import mode_number
@@ -9,7 +9,6 @@ from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
 PERSONALITY = Personality(
     autopilot=PX4_MULTICOPTER,
-    mav_autopilot=Firmware.PX4,
     manners=RequestStyle(),
     patience=asks_every(0.25, 5.0),
     timeout_result=None,
