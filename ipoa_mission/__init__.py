@@ -6,7 +6,8 @@
     flight.write("out")
     print(flight.estimate.total_s)
 
-Names are imported when they are first used, so that `import ipoa_mission` costs nothing. docs/api.md shows them all.
+Names are imported when they are first used, so that `import ipoa_mission` costs nothing. docs/api.md shows them all,
+and `help` tells of each. The modules below are internal: what they hold may change with any version.
 In a notebook, `%load_ext ipoa_mission` lets missions, plans, estimates and flights be seen as tables.
 """
 

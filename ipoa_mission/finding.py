@@ -13,10 +13,18 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing found; `seq` is the item's number as in mission files (home is 0), None where no item is meant.
+    """One thing that a check found.
 
-    `code` says which rule found it, by the same word in every version: docs/findings.md has them all. `hint` is what
-    can be done about it, where that is known.
+    Attributes:
+        code: which rule found it, by the same word in every version: docs/findings.md has them all.
+        severity: an error or a warning.
+        seq: the item's number as in mission files (home is 0); None where no item is meant.
+        message: what is wrong, with the place and what was expected there.
+        hint: what can be done about it, where that is known.
+
+    Example:
+        >>> print(Finding("ends-in-air", Severity.WARNING, 2, "item 2: the mission ends in the air"))
+        warning: item 2: the mission ends in the air
     """
 
     code: str

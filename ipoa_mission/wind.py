@@ -6,15 +6,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Wind:
-    """Wind of `speed` [m/s] from `from_deg` (0 north, 90 east); it blows everywhere and at all times alike.
+    """A steady wind; it blows everywhere and at all times alike.
 
-    Below the `gradient_height` [m over home] it follows a power law: speed (height / gradient height)^`exponent`.
+    Below the `gradient_height` it follows a power law: speed (height / gradient height)^`exponent`.
 
-    >>> west = Wind(6.0, from_deg=270.0)
-    >>> round(west.east, 3), round(abs(west.north), 3)
-    (6.0, 0.0)
-    >>> Wind(6.0, 270.0, exponent=0.5, gradient_height=20.0).at(5.0)
-    3.0
+    Attributes:
+        speed: how strong it is [m/s].
+        from_deg: where it blows from, clockwise: 0 north, 90 east [degrees].
+        exponent: of the power law.
+        gradient_height: up to where it grows [m above home].
+
+    Example:
+        >>> west = Wind(6.0, from_deg=270.0)
+        >>> round(west.east, 3), round(abs(west.north), 3)
+        (6.0, 0.0)
+        >>> Wind(6.0, 270.0, exponent=0.5, gradient_height=20.0).at(5.0)
+        3.0
     """
 
     speed: float = 0.0
@@ -39,7 +46,15 @@ class Wind:
         return -self.speed * math.cos(math.radians(self.from_deg))
 
     def along(self, east: float, north: float) -> float:
-        """The part that blows along a direction, given by a level vector of any length [m/s]; 0 for no direction."""
+        """The part that blows along a level direction.
+
+        Args:
+            east: of a vector of any length in that direction.
+            north: of the same.
+
+        Returns:
+            Its speed [m/s], negative against it; 0 for no direction.
+        """
         length = math.hypot(east, north)
         return (self.east * east + self.north * north) / length if length > 0 else 0.0
 

@@ -5,7 +5,6 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 
@@ -33,14 +32,14 @@ LONGEST = (
     "docs/test_commands.py",
     "studio/test_studio_page.py",
     "planning/test_planning_planner.py",
-    "mission/test_mission_fastest.py",
+    "routing/test_fastest.py",
     "report/test_report_browser.py",
-    "learn/test_learning.py",
+    "logs/test_learning.py",
     "link/test_link_schedules.py",
     "docs/test_api.py",
     "world/test_world_terrain.py",
     "world/test_world_obstacles.py",
-    "timing/test_flight_times.py",
+    "forecast/test_flight_times.py",
     "cli/test_cli_main_job.py",
     "cli/test_cli_first_minute.py",
 )
@@ -82,14 +81,6 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 def missions() -> Path:
     """The folder of scenarios that ship with the repository."""
     return REPOSITORY / "missions"
-
-
-@pytest.fixture
-def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pictures of a space in a quarter as many tiles along a side, which take a fraction of the time."""
-    from ipoa_mission.report import view3d
-
-    monkeypatch.setattr(view3d, "LOOK", replace(view3d.LOOK, cells=view3d.LOOK.cells // 4))
 
 
 @pytest.fixture

@@ -8,13 +8,13 @@ from itertools import cycle
 from typing import Any, TypeVar
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item, takeoff, waypoint
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
+from ipoa_mission.mission.items import Item, takeoff, waypoint
 from ipoa_mission.simulator.personality import personality
-from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.simulator.transfers import MissionService
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -47,7 +47,7 @@ class Vehicle:
     def __init__(self, autopilot: Autopilot, nak_at: int | None = None) -> None:
         self.said: list[tuple[Message, Target]] = []
         self.changed: list[int] = []
-        self.transfers = Transfers(
+        self.transfers = MissionService(
             personality(autopilot),
             lambda: HOME,
             lambda message, to: self.said.append((message, to)),

@@ -17,71 +17,44 @@ PACKAGE = Path(ipoa_mission.__file__).parent
 GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "wind"}
 
 #: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
+_MISSION = {"mission/commands", "mission/items", "vehicles", "world"}  # what all above a mission know
+_FLOWN = {"forecast/itinerary", "forecast/timing", *_MISSION}
+_PLANNED = {"forecast", "forecast/tube", "planning", "scenario", *_FLOWN}
 MAY_IMPORT = {
     "compiled": set(),
-    "commands": set(),
+    "mission/commands": set(),
     "world": {"compiled"},
     "optimize": set(),
-    "energy": set(),
-    "vehicles": {"commands"},
+    "vehicles/energy": set(),
+    "vehicles": {"mission/commands"},
     "maps": {"world"},
-    "items": {"vehicles", "commands", "world"},
-    "itinerary": {"items", "vehicles", "commands", "world"},
-    "timing": {"itinerary", "items", "vehicles", "commands", "world"},
-    "mission": {"items", "vehicles", "commands", "world"},
-    "scenario": {"vehicles", "world", "maps", "energy"},
+    "mission/items": _MISSION - {"mission/items"},
+    "forecast/itinerary": _MISSION,
+    "forecast/timing": _FLOWN - {"forecast/timing"},
+    "mission": _MISSION,
+    "scenario": {"vehicles", "vehicles/energy", "world", "maps"},
     "planning": {"compiled", "scenario", "world", "optimize", "vehicles"},
-    "tube": {"planning", "scenario", "timing", "itinerary", "items", "vehicles", "commands", "world"},
-    "forecast": {"tube", "planning", "scenario", "timing", "itinerary", "items", "vehicles", "commands", "world"},
-    "checks": {
-        "forecast",
-        "tube",
-        "timing",
-        "planning",
-        "scenario",
-        "mission",
-        "itinerary",
-        "items",
-        "vehicles",
-        "commands",
-        "world",
-    },
-    "routing": {
-        "forecast",
-        "compiled",
-        "tube",
-        "checks",
-        "planning",
-        "scenario",
-        "timing",
-        "itinerary",
-        "items",
-        "vehicles",
-        "commands",
-        "world",
-    },
-    "exports": {"forecast", "checks", "scenario", "itinerary", "items", "vehicles", "commands", "world"},
-    "link": {"checks", "mission", "items", "vehicles", "commands", "world"},
-    "simulator": {"link", "mission", "itinerary", "items", "vehicles", "commands", "world"},
-    "report": set(),
-    "flight": set(),
-    "learn": set(),
-    "studio": set(),
-    "paper": set(),
+    "forecast/tube": {"planning", "scenario", *_FLOWN},
+    "forecast": {"forecast/tube", "planning", "scenario", "mission", "vehicles/energy", *_FLOWN},
+    "checks": {"mission", *_PLANNED},
+    "routing": {"checks", "compiled", "mission", *_PLANNED},
+    "link": {"checks", "forecast", "mission", *_MISSION},
+    "logs": {"link", "mission", *_MISSION},
+    "logs/learn": {"logs", "link", "forecast", "vehicles/energy", *_FLOWN},
+    "simulator": {"link", "mission", "forecast", "forecast/itinerary", *_MISSION},
+    "report/exports": {"forecast", "checks", "scenario", "mission", "forecast/itinerary", *_MISSION},
 }
-_ABOVE = {"report", "flight", "learn", "studio", "paper", "simulator", "optimize", "maps"}
-_BELOW_THE_REPORT = set(MAY_IMPORT) - _ABOVE
-MAY_IMPORT["report"] = _BELOW_THE_REPORT
-MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
-MAY_IMPORT["learn"] = {"forecast", "link", "timing", "energy", "itinerary", "items", "vehicles", "commands", "world"}
-MAY_IMPORT["paper"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
-MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"paper", "optimize"}
-MAY_IMPORT["cli"] = set(MAY_IMPORT)
 #: A vehicle's own folder may lean on every room that asks it; nobody but the register looks into it.
 VEHICLES = ("vehicles/arducopter", "vehicles/px4_multicopter")
-_ASKING = {"timing", "tube", "simulator", "link"}
+_ASKING = {"forecast/timing", "forecast/tube", "simulator", "link", "logs"}
 for vehicle in VEHICLES:
-    MAY_IMPORT[vehicle] = {"compiled", "itinerary", "items", "mission", "vehicles", "commands", "world"} | _ASKING
+    MAY_IMPORT[vehicle] = {"compiled", "forecast/itinerary", "mission", *_MISSION, *_ASKING}
+_BELOW_THE_REPORT = set(MAY_IMPORT) - {"logs/learn", "simulator", "optimize", "maps", *VEHICLES}
+MAY_IMPORT["report"] = _BELOW_THE_REPORT
+MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
+MAY_IMPORT["paper"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
+MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"paper", "optimize", *VEHICLES}
+MAY_IMPORT["cli"] = set(MAY_IMPORT) - set(VEHICLES)
 
 #: Modules that may own a socket, a clock or pymavlink; everything else is pure.
 IMPURE = {
@@ -93,11 +66,11 @@ NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
     "link",
     "simulator",
     "report",
+    "report/exports",
     "flight",
     "studio",
     "paper",
     "cli",
-    "exports",
 }
 
 REPOSITORY = PACKAGE.parent
@@ -106,14 +79,14 @@ TOOLS = sorted((REPOSITORY / "tools").rglob("*.py"))
 
 
 def room(path: Path) -> str:
-    """The room of a file; a vehicle's own folder is one."""
+    """The room of a file; a part of a room with walls of its own is one."""
     return room_of("ipoa_mission." + ".".join(path.relative_to(PACKAGE).with_suffix("").parts))
 
 
 def room_of(name: str) -> str:
     """The room of a module."""
     own = "/".join(name.split(".")[1:3])
-    return own if own in VEHICLES else name.split(".")[1]
+    return own if own in MAY_IMPORT else name.split(".")[1]
 
 
 def module(path: Path) -> str:
@@ -168,7 +141,7 @@ def test_no_room_names_an_autopilot() -> None:
     assert found == set()
 
 
-@pytest.mark.parametrize("name", ["predict", "flown_legs", "promise_of"])
+@pytest.mark.parametrize("name", ["itinerary", "times_of", "flown_legs", "return_ways", "promise_of"])
 def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
     """Whoever asks for legs, times or a promise asks a forecast, which keeps them."""
     callers = {
@@ -177,7 +150,7 @@ def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
         for node in ast.walk(tree(path))
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == name
     }
-    assert callers - {"timing/estimate.py"} == {"forecast/forecast.py"}
+    assert callers == {"forecast/forecast.py"}
 
 
 def test_a_vehicle_is_known_before_its_flight_is() -> None:
@@ -189,7 +162,7 @@ def test_a_vehicle_is_known_before_its_flight_is() -> None:
             reached.add(name)
             ahead += imports(modules[name])
     rooms = {room_of(name) for name in reached if name != "ipoa_mission"}
-    assert rooms - GROUND == {"vehicles", "commands", *VEHICLES}
+    assert rooms - GROUND == {"vehicles", "mission/commands", *VEHICLES}
 
 
 def test_the_rooms_stand_in_order() -> None:
@@ -215,7 +188,25 @@ def test_the_readme_has_every_room() -> None:
     text = (REPOSITORY / "README.md").read_text(encoding="utf-8")
     table = text[text.index("| room | what it knows |") : text.index("`tests/test_architecture.py` says")]
     named = re.findall(r"`(\w+)/?`", "\n".join(re.findall(r"^\| (.*?) \|", table, re.MULTILINE)))
-    assert sorted(named) == sorted(set(MAY_IMPORT) - set(VEHICLES))
+    assert sorted(named) == sorted({name.split("/")[0] for name in MAY_IMPORT})
+
+
+#: Where names are somebody else's: MAVLink's messages, and what the studio and its page tell each other.
+VOCABULARIES = {"link/messages.py", "studio/answers.py", "studio/requests.py"}
+#: A path in the words of its room, and what the models of flight, whose sources are hashed, call their parts.
+TWO_THINGS = {"Track", "Bounds", "Leg", "Limits", "Order"}
+
+
+def test_one_word_is_one_thing() -> None:
+    """No two classes have one name; vehicles have parts of the same names, as they answer the same questions."""
+    where = dict[str, set[str]]()
+    for path in FILES:
+        here = path.relative_to(PACKAGE)
+        own = here.parts[0] == "vehicles" and f"vehicles/{here.parts[1]}" in VEHICLES
+        for node in tree(path).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_") and str(here) not in VOCABULARIES:
+                where.setdefault(node.name, set()).add("a vehicle's" if own else here.as_posix())
+    assert {name for name, places in where.items() if len(places) > 1} == TWO_THINGS
 
 
 def test_no_files_import_each_other_in_a_circle() -> None:

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ipoa_mission.commands import Command, Frame
-from ipoa_mission.items import Item
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.version import Version
 

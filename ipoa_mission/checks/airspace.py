@@ -6,8 +6,8 @@ import numpy as np
 
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
 from ipoa_mission.checks.way_home import remedy
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg, Phase
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.legs import Leg, Phase
 from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.scenario import Scenario
 
@@ -32,17 +32,18 @@ NAMES = {
 }
 
 
-def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+def check_airspace(forecast: Forecast) -> Iterator[Finding]:
     """Findings about home, then about each leg.
 
     Between waypoints a leg must keep the scenario's limits. On the climb, on the way home and on the landing, which no
     planner chose, breaking one is a warning, and touching something an error.
     """
+    mission, scenario = forecast.mission, forecast.world
     offset = np.abs(scenario.frame.local(mission.home))
     if offset.max() > SAME_HOME:
         message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
         yield Finding("home-differs", Severity.WARNING, 0, message)
-    for leg in legs:
+    for leg in forecast.legs:
         for broken in _broken(leg, scenario):
             item, message = mission.items[leg.seq - 1], f"{NAMES[leg.phase]}: {broken.words()}"
             if leg.phase is not Phase.CRUISE and not _touches(broken, scenario):
@@ -53,7 +54,7 @@ def check_airspace(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) 
                     leg.seq,
                     item,
                     message,
-                    remedy(mission, scenario) if leg.phase is Phase.RETURN else None,
+                    remedy(forecast) if leg.phase is Phase.RETURN else None,
                 )
 
 

@@ -5,47 +5,61 @@ one checks first.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.firmware import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, refusals
-from ipoa_mission.checks.sound import between_sound, sound_part
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg
+from ipoa_mission.checks.sound import sound_part
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.vehicles.kinds import NO_AIRCRAFT
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
+    from ipoa_mission.forecast.tube.promise import Promise
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.tube.promise import Promise
 
-__all__ = ["Finding", "Severity", "check_mission"]
+__all__ = ["Finding", "Severity", "check", "check_mission"]
 
 
 def check_mission(
-    mission: Mission,
-    scenario: "Scenario | None" = None,
-    forecast: "Forecast | None" = None,
-    ignore: Iterable[str] = (),
+    mission: Mission, scenario: "Scenario | None" = None, ignore: Iterable[str] = ()
 ) -> tuple[Finding, ...]:
-    """What is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
+    """Tell what is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
 
     The vehicle has the mission's parameters, and those of the scenario that the mission does not name. A leg is looked
-    at where the positions at both of its ends are sound. `forecast` is that of the mission in that world, where there
-    is one already. Findings whose codes are in `ignore`, or are ignored by the scenario, are left out. Errors come
-    before warnings, items in their order.
+    at where the positions at both of its ends are sound.
+
+    Args:
+        mission: what is checked.
+        scenario: the world that it is flown in; without one: format, firmware, fence.
+        ignore: codes of findings to be left out, besides those that the scenario ignores.
+
+    Returns:
+        Errors before warnings, items in their order.
 
     Raises:
-        BadInput: a code in `ignore` is none, or a crash may follow from what it finds.
+        BadInput: a code in `ignore` is none, or a crash may follow from what it finds; the mission is of another place
+            than the scenario.
+
+    Example:
+        >>> from ipoa_mission import check_mission, read_mission, read_scenario
+        >>> for finding in check_mission(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml")):
+        ...     print(finding.severity, finding.code, finding.seq)
+        warning return-too-near 5
     """
-    if scenario is not None and mission.firmware_version is None and mission.autopilot is scenario.vehicle.autopilot:
-        mission = replace(mission, firmware_version=scenario.vehicle.version)
+    from ipoa_mission.forecast.forecast import Forecast
+
+    return check(Forecast(mission, scenario), ignore)
+
+
+def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Finding] = ()) -> tuple[Finding, ...]:
+    """The same of a mission whose flight is forecast already; `read` are the findings of reading its file."""
+    mission, scenario = forecast.given, forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
-    findings = [*mission.findings, *check_firmware(mission), *positions]
+    findings = [*read, *check_firmware(mission), *positions]
     if mission.vehicle_type in NO_AIRCRAFT:
         message = f"the mission is for {mission.other_vehicle}, which does not fly: only flights are judged"
         findings.append(Finding("no-aircraft", Severity.ERROR, None, message))
@@ -55,43 +69,38 @@ def check_mission(
     elsewhere = None if scenario is None else scenario.why_elsewhere(mission.home)
     if elsewhere is not None:
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
-    sound = None if elsewhere else sound_part(mission, positions)
-    if sound is not None:
-        from ipoa_mission.forecast.forecast import Forecast
-
-        flown = forecast if forecast is not None and sound[0] == mission else Forecast(sound[0], scenario)
-        legs = between_sound(flown.legs, sound[1])
-        findings += _check_fence(flown, legs)
+    flown = None if elsewhere else sound_part(forecast, positions)
+    if flown is not None:
+        findings += _check_fence(flown)
         if scenario is not None:  # what looks at a world is imported where there is one
             from ipoa_mission.checks.failsafe_return import check_failsafe_return
 
             promise = None if refusals(mission) or is_too_long(mission) else flown.promise_if_known
-            findings += _check_world(flown.mission, legs, scenario, promise)
+            findings += _check_world(flown, promise)
             if promise is not None and not any(finding.severity is Severity.ERROR for finding in findings):
-                findings += check_failsafe_return(flown.mission, promise.flight)
+                findings += check_failsafe_return(flown)
     findings = [finding for finding in findings if finding.code not in ignored]
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
 
 
-def _check_fence(forecast: "Forecast", legs: tuple[Leg, ...]) -> Iterator[Finding]:
+def _check_fence(forecast: "Forecast") -> Iterator[Finding]:
     if forecast.mission.fence:
         from ipoa_mission.checks.fence import check_fence
 
-        yield from check_fence(forecast.mission, forecast.frame, legs)
+        yield from check_fence(forecast)
 
 
-def _check_world(
-    mission: Mission, legs: tuple[Leg, ...], scenario: "Scenario", promise: "Promise | None"
-) -> Iterator[Finding]:
-    """Findings about these legs in a scenario's world, and about what their flights keep there."""
+def _check_world(forecast: "Forecast", promise: "Promise | None") -> Iterator[Finding]:
+    """Findings about the legs in a scenario's world, and about what their flights keep there."""
     from ipoa_mission.checks.airspace import check_airspace
     from ipoa_mission.checks.clearance import check_clearance
     from ipoa_mission.checks.ground import check_ground
     from ipoa_mission.checks.passed_over import check_passed_over
 
-    findings = [*check_airspace(mission, scenario, legs)]
+    findings = [*check_airspace(forecast)]
     judged = {finding.seq for finding in findings}
     yield from findings
-    yield from (finding for finding in check_clearance(mission, scenario, promise) if finding.seq not in judged)
-    yield from check_passed_over(mission, scenario, legs)
-    yield from check_ground(mission, scenario, legs)
+    if promise is not None:
+        yield from (finding for finding in check_clearance(forecast.mission, promise) if finding.seq not in judged)
+    yield from check_passed_over(forecast)
+    yield from check_ground(forecast)

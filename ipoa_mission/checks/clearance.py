@@ -3,22 +3,20 @@
 from collections.abc import Iterator
 
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
-from ipoa_mission.items import Mission
-from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.measured import not_measured
-from ipoa_mission.tube.promise import Kept, Promise
+from ipoa_mission.forecast.tube.measured import not_measured
+from ipoa_mission.forecast.tube.promise import Kept, Promise
+from ipoa_mission.mission.items import Mission
 
 NEAR = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above the ground", "bounds": "inside {}"}
 
 
-def check_clearance(mission: Mission, scenario: Scenario, promise: Promise | None) -> Iterator[Finding]:
+def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
     """On the way a limit that too few flights keep is an error; before and after it, and at a place that the scenario
     itself puts too near for the tube, a warning.
 
     Something that too many flights would touch is an error anywhere.
     """
-    if promise is None:
-        return
+    scenario = promise.flight.scenario
     if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.speed)):
         yield Finding("wind-not-measured", Severity.WARNING, None, why)
     if promise.confidence is not None and (why := mission.autopilot.not_measured(mission.firmware_version)):

@@ -17,19 +17,15 @@ from numpy.typing import NDArray
 
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.way_home import HEIGHT_STEP
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.stops import Stops, stops_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import return_ways
 from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.course import Course
-from ipoa_mission.tube.promise import PredictedFlight
 from ipoa_mission.world.airspace import nearest_of
 
-LOOK_EVERY_S = 0.2  # between the places at which the vehicle may be when it is ordered home [s]
 GROUND_EVERY = 3.0  # over the ground the way home is looked at from places so far apart [m]
 ROUNDING = 0.02  # [m]
-STANDS = 0.1  # [m/s]
 MOST_PIECES = 800  # that a path is cut into
 MOST_LOOKS = 200  # at the ground
 MOST_TRIES = 6  # return altitudes
@@ -46,20 +42,11 @@ class Broken:
     check: Check
 
 
-@dataclass(frozen=True, eq=False)
-class Stops:
-    """Where the vehicle is (n, 3) ordered home, on its way to items `seqs` (n,), and where it stands then."""
-
-    places: Points
-    stands: Points
-    seqs: NDArray[np.intp]
-
-
-def check_failsafe_return(mission: Mission, flight: PredictedFlight) -> Iterator[Finding]:
+def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     """A warning where the vehicle, ordered home, would come nearer to something than the scenario allows."""
-    if len((stops := stops_of(mission, flight)).seqs) < 2:
+    if len((stops := stops_of(forecast)).seqs) < 2:
         return
-    broken = list(_once(broken_returns(mission, flight.scenario, stops)))
+    broken = list(_once(broken_returns(forecast, stops)))
     for going, verb, order in ((False, "brakes and climbs", "RTL or pause"), (True, "flies home", "RTL")):
         some = [one for one in broken if (one.part == RETURNS) is going]
         if some:
@@ -70,35 +57,17 @@ def check_failsafe_return(mission: Mission, flight: PredictedFlight) -> Iterator
                 Severity.WARNING,
                 worst.seq,
                 message,
-                _remedy(mission, flight.scenario, stops, some) if going else None,
+                _remedy(forecast, stops, some) if going else None,
             )
 
 
-def stops_of(mission: Mission, flight: PredictedFlight) -> Stops:
-    """Where it is and then stands, between the end of the take-off and the last waypoint."""
-    (begin, end), course = flight.way, flight.course
-    times = np.append(np.arange(begin, end, LOOK_EVERY_S), end)
-    then = np.minimum(times + mission.autopilot.guidance.brakes_after, end)
-    before, places, stands, after = (
-        _along(course, at) for at in (then - LOOK_EVERY_S, times, then, then + LOOK_EVERY_S)
-    )
-    velocity = (after - before) / (2 * LOOK_EVERY_S)
-    speed = np.hypot(*velocity[:, :2].T)
-    if mission.autopilot.guidance.climb_ends_at_once:
-        velocity[:, 2] = 0.0  # it stops its climb by itself, within half a meter
-    accel = np.gradient(speed, LOOK_EVERY_S) if len(speed) > 1 else np.zeros(1)
-    way = mission.autopilot.braking_distance(mission.parameters, speed, accel)
-    stands += velocity * (way / np.maximum(speed, STANDS))[:, None]
-    seqs = np.array([visit.seq for visit in flight.route.visits])
-    return Stops(places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)])
-
-
 def broken_returns(
-    mission: Mission, scenario: Scenario, stops: Stops, parts: Collection[int] = (BRAKES, CLIMBS, RETURNS)
+    forecast: Forecast, stops: Stops, parts: Collection[int] = (BRAKES, CLIMBS, RETURNS)
 ) -> Iterator[Broken]:
     """What breaks a limit in `parts` of the returns from the way to each item, one of each, not always the worst."""
-    for ways in return_ways(mission, scenario.frame, stops.stands):
-        sheets = _Sheets(stops, ways[:, 1:], mission.autopilot.guidance.climbs_coming_back)
+    scenario = forecast.world
+    for ways in forecast.returns_from(stops.stands):
+        sheets = _Sheets(stops, ways[:, 1:], forecast.mission.autopilot.guidance.climbs_coming_back)
         yield from sheets.near_obstacles(scenario, parts)
         yield from sheets.near_the_ground(scenario, parts)
 
@@ -191,15 +160,16 @@ def _once(broken: Iterable[Broken]) -> Iterator[Broken]:
             yield one
 
 
-def _remedy(mission: Mission, scenario: Scenario, stops: Stops, broken: list[Broken]) -> str | None:
+def _remedy(forecast: Forecast, stops: Stops, broken: list[Broken]) -> str | None:
     """A return altitude, a multiple of five meters, at which the way home is clear from everywhere."""
+    mission, scenario = forecast.mission, forecast.world
     by = mission.autopilot.book.return_height
     height, tops = 0.0, {body.name: float(body.bounds[1, 2]) for body in scenario.airspace.obstacles}
     for _ in range(MOST_TRIES):
         wanted = max(_height_over(one.check, tops) for one in broken)
         height = max(height + HEIGHT_STEP, HEIGHT_STEP * math.ceil(wanted / HEIGHT_STEP))
-        higher = mission.with_parameters({by.name: by.spelled(height)})
-        if not (broken := list(broken_returns(higher, scenario, stops, (RETURNS,)))):
+        higher = Forecast(mission.with_parameters({by.name: by.spelled(height)}), scenario)
+        if not (broken := list(broken_returns(higher, stops, (RETURNS,)))):
             highest = scenario.airspace.bounds.upper[2]
             beyond = f" (above the upper bound of {highest:g} m)" if height > highest else ""
             set_to = f"{by.name} = {by.spelled(height):.0f}{beyond}"
@@ -210,10 +180,6 @@ def _remedy(mission: Mission, scenario: Scenario, stops: Stops, broken: list[Bro
 def _height_over(check: Check, tops: dict[str, float]) -> float:
     place = check.nearest.place[2]
     return tops[check.nearest.what] + check.required if check.limit == "obstacles" else place - check.slack
-
-
-def _along(course: Course, times: Vector) -> Points:
-    return np.column_stack([np.interp(times, course.times, axis) for axis in course.points.T])
 
 
 def _items_in_words(broken: list[Broken]) -> str:

@@ -6,16 +6,18 @@ import numpy as np
 import shapely
 
 from ipoa_mission.checks.finding import Finding, Severity, error
-from ipoa_mission.items import FenceCircle, FencePolygon, Mission
-from ipoa_mission.itinerary.legs import Leg, Phase
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.legs import Phase
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 CIRCLE_SEGMENTS = 90  # a quarter: the polygon lies within 4e-5 radii of the circle
 TOUCH = 0.05  # [m] by which a leg may cross the fence's edge
 
 
-def check_fence(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+def check_fence(forecast: Forecast) -> Iterator[Finding]:
     """Findings about the fence itself, then about what lies outside of it."""
+    mission, frame = forecast.mission, forecast.frame
     wrong = {n: words for n, part in enumerate(mission.fence) if (words := _wrong(part, frame))}
     yield from (Finding("fence-shape", Severity.ERROR, None, f"fence[{n}]: {words}") for n, words in wrong.items())
     if wrong or not mission.fence:
@@ -29,7 +31,7 @@ def check_fence(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> I
             yield Finding(
                 "outside-fence", Severity.ERROR, None, f"rally[{n}]: expected inside the fence, but it lies outside"
             )
-    yield from _legs(mission, legs, allowed)
+    yield from _legs(forecast, allowed)
 
 
 def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
@@ -63,10 +65,10 @@ def _area(part: FencePolygon | FenceCircle, frame: LocalFrame) -> shapely.Geomet
     return shapely.Polygon(frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2])
 
 
-def _legs(mission: Mission, legs: tuple[Leg, ...], allowed: shapely.Geometry) -> Iterator[Finding]:
+def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
     wide = allowed.buffer(TOUCH)
     reported: set[int] = set()
-    for leg in legs:
+    for leg in forecast.legs:
         start, end = (wide.covers(shapely.Point(leg.points[n, :2])) for n in (0, -1))
         if leg.seq in reported or (end and wide.covers(shapely.LineString(leg.points[:, :2]))):
             continue
@@ -78,4 +80,4 @@ def _legs(mission: Mission, legs: tuple[Leg, ...], allowed: shapely.Geometry) ->
         else:
             continue
         reported.add(leg.seq)
-        yield error("outside-fence", leg.seq, mission.items[leg.seq - 1], message)
+        yield error("outside-fence", leg.seq, forecast.mission.items[leg.seq - 1], message)

@@ -1,8 +1,8 @@
 """What a check has to say about an item."""
 
-from ipoa_mission.commands import command_name
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.items import Item
+from ipoa_mission.mission.commands import command_name
+from ipoa_mission.mission.items import Item
 
 __all__ = ["Finding", "Severity", "error", "warning"]
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
 from ipoa_mission.checks.positions import out_of_range
-from ipoa_mission.commands import (
+from ipoa_mission.mission.commands import (
     ENDINGS,
     FLOWN_TO,
     HOLDING,
@@ -16,9 +16,9 @@ from ipoa_mission.commands import (
     command_name,
     plain_frame,
 )
-from ipoa_mission.items import Item, Mission
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.firmware import to_wire, values_of
+from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.firmware import Firmware
 from ipoa_mission.vehicles.kinds import NO_AIRCRAFT

@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipoa_mission.checks.finding import Finding, Severity
-from ipoa_mission.commands import Command, command_name
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg, Phase
+from ipoa_mission.forecast.itinerary.legs import Phase
+from ipoa_mission.mission.commands import Command, command_name
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.slow_landing import SlowStretch
-from ipoa_mission.world.frame import LocalFrame
 
 if TYPE_CHECKING:
-    from ipoa_mission.scenario import Scenario
+    from ipoa_mission.forecast.forecast import Forecast
 
 DEEP = 5.0  # ground that is lower than home by less than this makes no long landing [m]
 HOME_AGREES = 0.5  # ground at home may differ from home's altitude by so much [m]
@@ -44,13 +42,13 @@ class Landing:
         )
 
 
-def landings(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iterator[Landing]:
+def landings(forecast: "Forecast") -> Iterator[Landing]:
     """Where a mission comes down, at its end and at its rally points, each place once."""
-    reported = set[tuple[int, float]]()
-    for leg in legs:
+    mission, reported = forecast.mission, set[tuple[int, float]]()
+    for leg in forecast.legs:
         if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
             continue
-        height = frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
+        height = forecast.frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
         if (leg.seq, round(height, 1)) not in reported:
             reported.add((leg.seq, round(height, 1)))
             item = mission.items[leg.seq - 1]
@@ -61,8 +59,9 @@ def landings(mission: Mission, frame: LocalFrame, legs: tuple[Leg, ...]) -> Iter
             yield Landing(leg.seq, item.command, east, north, height, counted)
 
 
-def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) -> Iterator[Finding]:
+def check_ground(forecast: "Forecast") -> Iterator[Finding]:
     """Warnings where the vehicle touches down too fast, comes down slowly from far up, or stands at another height."""
+    mission, scenario = forecast.mission, forecast.world
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
     if abs(at_home) > HOME_AGREES:
         yield Finding(
@@ -76,7 +75,7 @@ def check_ground(mission: Mission, scenario: "Scenario", legs: tuple[Leg, ...]) 
     stretch = mission.autopilot.slow_stretch(mission.parameters)
     if stretch is None:
         return
-    for landing in landings(mission, scenario.frame, legs):
+    for landing in landings(forecast):
         if stretch.is_fast(landing.counted):
             wanted = in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
             hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.commands import command_name
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.legs import Leg, Phase
+from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.geometry import Vector
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg, Phase
-from ipoa_mission.tube.measured import law_of
-from ipoa_mission.vehicles.own_fence import Limit, OwnFence
+from ipoa_mission.mission.commands import command_name
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.world.frame import Geodetic
 
 STRAYS = 0.01  # the share of flights that may get farther than is said here
@@ -46,7 +46,7 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
 
 
 def _beyond(
-    mission: Mission, limit: Limit, reached: list[tuple[Leg, float]], where: str, stray: float
+    mission: Mission, limit: FenceLimit, reached: list[tuple[Leg, float]], where: str, stray: float
 ) -> Iterator[str]:
     """What is said where a flight that strays so far from a leg [m] comes to a limit; `stray` below 0: a least one."""
     sign = math.copysign(1.0, stray)

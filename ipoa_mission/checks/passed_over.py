@@ -9,19 +9,18 @@ import numpy as np
 import shapely
 
 from ipoa_mission.checks.finding import Finding, error
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.forecast.forecast import Forecast
 
 
-def check_passed_over(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...]) -> Iterator[Finding]:
+def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
     """An error for each leg that comes nearer than an obstacle may be, and than the path may leave its legs."""
+    scenario = forecast.world
     things = [thing for thing in scenario.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
     if not things:
         return
     tree = shapely.STRtree([thing.shape for thing in things])
     required = scenario.limits.obstacle_distance + scenario.route.tolerance
-    for leg in legs:
+    for leg in forecast.legs:
         way = shapely.LineString(leg.points[:, :2])
         near = [things[i] for i in tree.query(way, "dwithin", required + leg.stray)]
         if near:
@@ -30,4 +29,4 @@ def check_passed_over(mission: Mission, scenario: Scenario, legs: tuple[Leg, ...
             others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
             where = f"passes {aside:.1f} m from" if aside > 0 else "crosses"
             words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
-            yield error("map-not-understood", leg.seq, mission.items[leg.seq - 1], words, first.remedy)
+            yield error("map-not-understood", leg.seq, forecast.mission.items[leg.seq - 1], words, first.remedy)

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from pyproj import Geod
 
 from ipoa_mission.checks.finding import Finding, Severity, error, warning
-from ipoa_mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.itinerary.program import is_as_high_as_now, is_here
+from ipoa_mission.forecast.itinerary.program import is_as_high_as_now, is_here
+from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.world.frame import Geodetic
 
 FAR, TOO_FAR = 10_000.0, 100_000.0  # [m] from home

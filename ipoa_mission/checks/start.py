@@ -1,19 +1,15 @@
 """A flight that does not begin where its mission was made for: from another place, or with a later item."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ipoa_mission.checks.finding import Severity
-from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import Item, Mission, takeoff
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.items import Item, Mission, takeoff
 from ipoa_mission.world.frame import Geodetic, apart
-
-if TYPE_CHECKING:
-    from ipoa_mission.scenario import Scenario
 
 #: So far from the mission's home a vehicle is at it: less than positioning by satellite is worth [m].
 AT_HOME = 1.5
@@ -49,12 +45,13 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     return replace(mission, home=home, items=begins + mission.items[first:])
 
 
-def check_start(mission: Mission, first: int, there: Geodetic, scenario: "Scenario | None") -> tuple[str, ...]:
+def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, ...]:
     """Whether a vehicle that stands `there` may begin with item `first` (index into the items); remarks for the user.
 
     Raises:
         NotAtStart: the way from there is not clear, or nobody knows and it is far from the mission's home.
     """
+    mission, scenario = forecast.given, forecast.scenario
     aside = apart(there, mission.home)
     if aside <= AT_HOME and first == 0:
         return ()
@@ -73,7 +70,7 @@ def check_start(mission: Mission, first: int, there: Geodetic, scenario: "Scenar
     ground = float(scenario.airspace.ground(place[None, :])[0])
     home = Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude + ground)
     begun = Forecast(begun_at(mission, first, home), scenario)
-    errors = [f for f in check_airspace(begun.mission, scenario, begun.legs) if f.severity is Severity.ERROR]
+    errors = [f for f in check_airspace(begun) if f.severity is Severity.ERROR]
     if errors:
         raise NotAtStart(
             f"{where}; from there: {errors[0].message}",

@@ -9,24 +9,24 @@ from collections.abc import Iterable, Iterator
 from itertools import takewhile
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg
+from ipoa_mission.forecast.itinerary.legs import Leg
+from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.room import with_room
 
 HEIGHT_STEP, HIGHEST = 5, 500  # [m] above home
 TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
 SAG = 0.3  # the predicted way home is up to so much lower than it is set [m]
 
 
-def remedy(mission: Mission, scenario: Scenario) -> str:
+def remedy(forecast: Forecast) -> str:
     """What a user can do about a way home that leads through something, in one line.
 
     It names the lowest of every five metres of return altitude within the bounds at which the way home keeps the
     required clearance, if one does: near home an autopilot does not climb to it.
     """
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
+    mission, scenario = forecast.mission, forecast.world
     by = mission.autopilot.book.return_height
     roomy = with_room(scenario, TIGHT_PLACES)
     for altitude in heights_to_try(scenario):

@@ -12,11 +12,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 
 if TYPE_CHECKING:
-    from ipoa_mission.energy.flight import Consumption
-    from ipoa_mission.items import Mission
-    from ipoa_mission.scenario import Scenario
-    from ipoa_mission.timing.estimate import Estimate
-    from ipoa_mission.timing.prediction import Track
+    from ipoa_mission.forecast.timing.estimate import Estimate
 
 
 def check(
@@ -30,6 +26,9 @@ def check(
     sarif: Annotated[
         Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings as SARIF, for CI.")
     ] = None,
+    endings: Annotated[
+        bool, typer.Option("--endings", help="What RTL, LAND and the like would do from every second of the flight.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
@@ -38,31 +37,34 @@ def check(
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
-    from ipoa_mission.checks.check import Severity, check_mission
+    from ipoa_mission.checks.check import Severity
+    from ipoa_mission.checks.check import check as check_forecast
     from ipoa_mission.checks.firmware import is_too_long
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.sarif import sarif as sarif_log
-    from ipoa_mission.cli.reading import read_with_parameters, read_world
+    from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.forecast.forecast import Forecast
 
-    mission, remarks = read_with_parameters(
-        file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
-    )
-    air = flown_by.air
+    given, air = read_given(file, flown_by), flown_by.air
     if air is not None and scenario is None:
         raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
-    world, forecast, promise = read_world(scenario, air), None, None
-    if world is not None and not (refusals(mission) or is_too_long(mission)):
-        forecast = Forecast(mission, world)
-        promise = forecast.promise_if_known
-    findings = check_mission(mission, world, forecast, ignore or ())
+    if endings and scenario is None:
+        raise BadInput("--endings: expected with --scenario", hint="what an ending keeps depends on what stands there")
+    world = read_world(scenario, air)
+    forecast = Forecast(given.mission, world)
+    findings = check_forecast(forecast, ignore or (), given.findings)
+    mission, is_flown = forecast.given, not (refusals(forecast.given) or is_too_long(forecast.given))
+    promise = forecast.promise_if_known if world is not None and is_flown else None
     if sarif is not None:
         write_atomically(sarif, sarif_log(file, findings))
-    version = mission.firmware_version
-    if version is None and world is not None and world.vehicle.autopilot is mission.autopilot:
-        version = world.vehicle.version
+    ways: tuple[Any, ...] = ()
+    if endings and promise is not None:
+        from ipoa_mission.cli.ending import endings_as_json, endings_of, failsafes_of, tell_endings
+
+        ways = endings_of(forecast), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
-    remarks = tuple(remark for remark in remarks if remark not in messages) + (() if world is None else world.remarks)
+    remarks = tuple(remark for remark in given.remarks if remark not in messages)
+    remarks += () if world is None else world.remarks
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [picked(finding, "code", "severity", "seq", "message", "hint") for finding in findings]
@@ -71,7 +73,9 @@ def check(
             from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
 
             about = {"clearance": clearance_as_json(promise) or None, "passed_over": passed_over_as_json(world)}
-        about["firmware"] = mission.autopilot.facts(version)
+        if endings:
+            about |= endings_as_json(*ways) if ways else {"endings": None, "failsafes": None}
+        about["firmware"] = mission.autopilot.facts(mission.firmware_version)
         tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))
@@ -80,8 +84,10 @@ def check(
             from ipoa_mission.cli.summary import promised
 
             tell(*promised(promise))
+        if endings:
+            tell_endings(*ways) if ways else tell("endings: nothing is known of them, as of the flight")
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
-        tell(f"{file}: {counts} for {mission.autopilot.checked_for(version)}")
+        tell(f"{file}: {counts} for {mission.autopilot.checked_for(mission.firmware_version)}")
     if errors:
         raise typer.Exit(1)
 
@@ -98,21 +104,17 @@ def estimate(
     from ipoa_mission.checks.finding import Severity
     from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.cli.reading import read_with_parameters, read_world
-    from ipoa_mission.commands import short_name
+    from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.forecast.forecast import Forecast
+    from ipoa_mission.mission.commands import short_name
 
-    mission, remarks = read_with_parameters(
-        file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
-    )
-    world = read_world(scenario, flown_by.air)
-    if wrong := refusals(mission):
+    given = read_given(file, flown_by)
+    forecast = Forecast(given.mission, read_world(scenario, flown_by.air), flown_by.air)
+    if wrong := refusals(given.mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
-    remarks += tuple(f.message for f in check_firmware(mission) if f.severity is Severity.ERROR)
-    forecast = Forecast(mission, world, flown_by.air)
-    mission, prediction = forecast.mission, forecast.estimate
-    remarks += prediction.remarks
-    energy = _energy(mission, world, prediction.track)
+    refused = (f.message for f in check_firmware(given.mission) if f.severity is Severity.ERROR)
+    mission, prediction, energy = forecast.mission, forecast.estimate, forecast.energy
+    remarks = (*given.remarks, *refused, *prediction.remarks)
     if as_json:
         energy_wh = None if energy is None else round(energy.energy_wh, 3)
         firmware = mission.autopilot.facts(mission.firmware_version)
@@ -145,15 +147,6 @@ def estimate(
     )
 
 
-def _energy(mission: "Mission", world: "Scenario | None", track: "Track") -> "Consumption | None":
-    """What the flight takes, as far as the scenario and what was learned of the vehicle know it."""
-    if (world is None and mission.vehicle is None) or len(track.times) < 2:
-        return None
-    from ipoa_mission.scenario.budget import flight_energy
-
-    return flight_energy(world, track.times, track.points, track.speeds, mission.vehicle)
-
-
 def route_in_words(estimate: "Estimate") -> list[str]:
     """How the route compares with the lower bound of its time; nothing where there is no route."""
     route = estimate.route
@@ -169,7 +162,7 @@ def route_in_words(estimate: "Estimate") -> list[str]:
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     """An estimate for machines; items are numbered as in the file, where home is 0."""
     from ipoa_mission.flight.summary import route_summary
-    from ipoa_mission.timing.qgroundcontrol import COUNTS
+    from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
 
     items = [
         picked(item, "seq", "done_s", "low_s", "high_s", "reason") | {"missed": picked(item.missed, "share", "cost_s")}

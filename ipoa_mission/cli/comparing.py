@@ -16,9 +16,9 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flown_clearance import FlownClearance
-    from ipoa_mission.items import Mission
-    from ipoa_mission.link.flight_log import LoggedFlight
     from ipoa_mission.link.logbook import FlightRecord
+    from ipoa_mission.logs.flight_log import LoggedFlight
+    from ipoa_mission.mission.items import Mission
     from ipoa_mission.report.compare import ComparedFlight
     from ipoa_mission.scenario import Scenario
 
@@ -65,8 +65,8 @@ def compare(
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.flown_clearance import flown_clearance
     from ipoa_mission.flight.landed import landed_elsewhere
-    from ipoa_mission.learn.vehicle_file import read_vehicle
-    from ipoa_mission.link.flight_log import read_flights
+    from ipoa_mission.logs.flight_log import read_flights
+    from ipoa_mission.logs.learn.vehicle_file import read_vehicle
     from ipoa_mission.report.compare import compare_logged
     from ipoa_mission.wind import CALM
 
@@ -95,13 +95,12 @@ def compare(
         flight = flown.flights[n - 1]
         held = compare_logged(flight, mission, given, learned, air or CALM) if flight.in_mission else None
         record = flight.record() if held is None else held.record
-        clearance = None if world is None else flown_clearance(record, world, None if held is None else held.mission)
+        flown_mission = None if held is None else held.forecast.mission
+        clearance = None if world is None else flown_clearance(record, world, flown_mission)
         rows.append(_Row(n, flight, record, held, clearance))
     if picture is not None and rows[0].held is not None:
         _draw(rows[0].held, picture, (file or log).stem)
-    landed = (
-        words for row in rows if row.held for words in landed_elsewhere(row.held.mission, row.record, air or CALM)
-    )
+    landed = (words for row in rows if row.held for words in landed_elsewhere(row.held.forecast, row.record))
     remarks = [*beside, *flown.remarks, *_remarks(rows, log, world), *landed]
     beyond = flown.autopilot.beyond_the_model(flown.version)
     on = f"{flown.autopilot} {flown.version}".strip()
@@ -130,20 +129,22 @@ def compare(
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
     """The mission in a file, for the autopilot of the log; what a plan says of itself may differ if nobody insists."""
-    from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.cli.reading import read_given
 
-    mission, remarks = read_with_parameters(file, None if may_differ and file.suffix.lower() == ".plan" else autopilot)
+    states = may_differ and file.suffix.lower() == ".plan"
+    given = read_given(file, FlownByOptions(), None if states else autopilot)
+    mission = given.mission
     if mission.autopilot is not autopilot:
         raise BadInput(
             f"{file}: expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}",
             hint=f"--autopilot {autopilot}, if that is what was flown",
         )
-    return mission, remarks
+    return mission, given.remarks
 
 
 def _no_mission(log: Path) -> str:
     """Why a log does not tell which mission was flown."""
-    from ipoa_mission.link.logged import log_format
+    from ipoa_mission.logs.logged import log_format
 
     written = log_format(log.suffix)
     if written is not None:
@@ -181,9 +182,9 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
     except ImportError:
         hint = "pip install 'ipoa-mission[pictures]'"
         raise MissionError("--picture needs matplotlib, which is not installed", hint=hint) from None
-    flown_path = flown_track(one.mission, one.record)
+    flown_path = flown_track(one.forecast.mission, one.record)
     points = None if flown_path is None else flown_path.points
-    write_picture(draw_comparison(one.comparison, one.estimate.track.points, points, title), picture)
+    write_picture(draw_comparison(one.comparison, one.forecast.estimate.track.points, points, title), picture)
 
 
 def _as_json(row: _Row) -> dict[str, Any]:
@@ -272,7 +273,7 @@ def _cells(row: _Row) -> tuple[str, ...]:
         return (*about, "", "", _seconds(row.record.total_s), "", "", clearance, how)
     held = row.held.comparison
     errors = (f"{error:+.1%}" if math.isfinite(error) else "" for error in (held.total_error, held.route_error))
-    items = f"{len(row.record.item_reached_s)} of {len(row.held.mission.items)}"
+    items = f"{len(row.record.item_reached_s)} of {len(row.held.forecast.mission.items)}"
     times = (f"{held.estimated_total_s:.1f}", _seconds(held.flown_total_s))
     return (*about, items, *times, *errors, clearance, "")
 

@@ -8,11 +8,11 @@ from ipoa_mission.centimeters import down
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
-from ipoa_mission.commands import command_name
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.summary import passed_over_as_json
+from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.mission.commands import command_name
 
 
 def flight_as_json(estimate: Estimate, record: FlightRecord) -> dict[str, Any]:

@@ -25,7 +25,6 @@ from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flight import Flight
-    from ipoa_mission.items import Mission
     from ipoa_mission.simulator.faults import Faults
 
 
@@ -88,11 +87,11 @@ def fly(
     from ipoa_mission.files import unused
     from ipoa_mission.flight.landed import landed_at_rally, landed_elsewhere
     from ipoa_mission.flight.written import not_as_written
-    from ipoa_mission.simulator.fly import fly as fly_here
+    from ipoa_mission.simulator.fly import fly_forecast as fly_here
 
     is_planned = source.suffix.lower() == ".toml"
     if not is_planned:
-        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer, "--planner": search.planner})
+        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer})
     faults = worse.faults()
     _expect_together(link, faults, begin != 1 or set_params)
     expect_folder(out)
@@ -104,7 +103,6 @@ def fly(
         job = planned(plan(scenario, search.seed, air))
     else:
         job = read_job(source, flown_by)
-    _expect_sent(worse.nak_at, job.mission)
     make_folder(out)
     planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
     remarks: tuple[str, ...] = ()
@@ -112,7 +110,7 @@ def fly(
     log = on_link.log or (usual if link is None else unused(usual))
     if link is None:
         with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
-            record = fly_here(job.mission, {}, search.seed, faults, log, flying=bar, wind=job.wind)
+            record = fly_here(job.forecast, search.seed, faults, log, flying=bar)
     else:
         begun_with(job, begin)  # or there is no such item: that is told before anybody is called
         with no_flight_yet(), connect_to(link, on_link, log) as there:
@@ -120,7 +118,7 @@ def fly(
                 job = read_job(source, flown_by, there.autopilot)
             job = begun_with(job, begin)
             remarks, record = RealFlight(job, there, begin - 1, on_link.anyway, set_params).fly()
-    remarks += landed_at_rally(job.mission, record) + landed_elsewhere(job.mission, record, job.wind)
+    remarks += landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
     written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)
@@ -148,16 +146,8 @@ def _expect_together(link: str | None, faults: "Faults", is_for_a_vehicle: bool)
         raise BadInput(
             "--from, --set-params: expected with --link", hint="the built-in autopilot begins at the first item"
         )
-    if link is not None and not (faults.is_none and faults.nak_at is None):
-        raise BadInput("--link: expected without --loss, --duplicate, --delay, --reorder and --nak-at")
-
-
-def _expect_sent(nak_at: int | None, mission: "Mission") -> None:
-    """That the item to be refused is one that is sent."""
-    from ipoa_mission.mission.firmware import to_wire
-
-    if nak_at is not None and nak_at >= (sent := len(to_wire(mission))):
-        raise BadInput(f"--nak-at: expected a number from 0 to {sent - 1}, not {nak_at}: {sent} items are sent")
+    if link is not None and not faults.is_none:
+        raise BadInput("--link: expected without --loss, --duplicate, --delay and --reorder")
 
 
 def _write(flight: "Flight", folder: Path, as_json: bool) -> list[Path]:

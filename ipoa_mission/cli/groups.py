@@ -16,7 +16,6 @@ from ipoa_mission.cli.options import (
     KeyOption,
     ParameterFileOption,
     ParameterOption,
-    Planner,
     SeedOption,
     SystemOption,
     bad_link_option,
@@ -69,12 +68,6 @@ class SearchOptions:
             help="Search by this: ipoa, poa, adaptive-pelican, or one that is installed.",
         ),
     ] = None
-    planner: Annotated[
-        Planner | None, typer.Option("--planner", help="How to seek: paper is the algorithm as printed.")
-    ] = None
-    polish: Annotated[bool, typer.Option("--polish/--no-polish", metavar="", help="Refine the best paths found.")] = (
-        True
-    )
 
 
 @dataclass
@@ -91,14 +84,6 @@ class FlownByOptions:
             "--wind",
             metavar="M/S@DEG",
             help="A steady wind: its speed, and where it blows from, like 6@270 (from the west).",
-        ),
-    ] = None
-    wind_profile: Annotated[
-        str | None,
-        typer.Option(
-            "--wind-profile",
-            metavar="EXPONENT@M",
-            help="How the wind grows with height: by a power law up to the gradient height, like 0.14@60.",
         ),
     ] = None
     vehicle: Annotated[
@@ -121,7 +106,7 @@ class FlownByOptions:
     @cached_property
     def air(self) -> "Wind | None":
         """The wind, if one was given; BadInput as `read_wind_option`."""
-        return read_wind_option(self.wind, self.wind_profile)
+        return read_wind_option(self.wind)
 
 
 @dataclass
@@ -175,15 +160,9 @@ class FaultOptions:
     reorder: Annotated[
         float, bad_link_option("--reorder", metavar="SHARE", min=0, max=1, help="Of frames held back.")
     ] = 0.0
-    nak_at: Annotated[
-        int | None,
-        bad_link_option(
-            "--nak-at", metavar="N", min=0, help="Refuse item N as it is sent: from 0, which on ArduPilot is home."
-        ),
-    ] = None
 
     def faults(self) -> "Faults":
         """The same for the simulator."""
         from ipoa_mission.simulator.faults import Faults
 
-        return Faults(self.loss, self.duplicate, self.delay, self.reorder, nak_at=self.nak_at)
+        return Faults(self.loss, self.duplicate, self.delay, self.reorder)

@@ -5,35 +5,48 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.check import check
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
-from ipoa_mission.cli.reading import read_with_parameters
+from ipoa_mission.cli.reading import read_given
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.flight.flight import Flight, plan_flight
-from ipoa_mission.items import Mission
-from ipoa_mission.learn.vehicle_file import read_vehicle
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.known_parameters import expect_own
-from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.wind import Wind
 
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Job:
-    """A mission ready to fly; `remarks` are what its user should know, `flight` is where it was planned here."""
+    """A mission ready to fly; `remarks` are what its user should know, `flight` is where it was planned here.
+
+    `begun` is the forecast where it begins with another item than the first.
+    """
 
     name: str
-    mission: Mission
-    estimate: Estimate
+    forecast: Forecast
     remarks: tuple[str, ...]
     flight: Flight | None = None
-    wind: Wind = CALM
+    begun: Forecast | None = None
+
+    @property
+    def mission(self) -> Mission:
+        """What is flown."""
+        return self.forecast.mission
+
+    @property
+    def estimate(self) -> Estimate:
+        """How long that takes, from the item with which it begins."""
+        return (self.begun or self.forecast).estimate
 
 
 def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None) -> Job:
@@ -43,36 +56,31 @@ def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None
         BadInput: the file is wrong.
         Unsafe: the mission fails a check.
     """
-    mission, remarks = read_with_parameters(
-        source, flown_by.autopilot or autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
-    )
-    log.info("%s: %d items for %s", source, len(mission.items), mission.autopilot)
-    warnings = refuse_errors(check_mission(mission))
+    given = read_given(source, flown_by, autopilot)
+    forecast, mission = Forecast(given.mission, wind=flown_by.air), given.mission
+    warnings = refuse_errors(check(forecast, read=given.findings))
     refuse_unsound(mission)
-    remarks += tuple(finding.message for finding in warnings)
-    air = flown_by.air or CALM
-    return Job(source.stem, mission, estimate(mission, wind=air), remarks, wind=air)
+    total_s = forecast.estimate.total_s
+    log.info("%s: %d items for %s, estimated %.1f s", source, len(mission.items), mission.autopilot, total_s)
+    return Job(source.stem, forecast, (*given.remarks, *(finding.message for finding in warnings)))
 
 
 def planned(flight: Flight) -> Job:
     """The job of a flight that was planned here."""
-    return Job(flight.name, flight.mission, flight.estimate, flight.remarks, flight, flight.scenario.wind.air())
+    return Job(flight.name, flight.forecast, flight.remarks, flight)
 
 
 def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
     """`plan_flight` with a bar that shows how far it is."""
     with left_behind("nothing was written"), progress_bar("planning") as show:
-        return plan_flight(scenario, seed, wind, show)
+        return plan_flight(scenario, wind=wind, seed=seed, progress=show)
 
 
 def adapt_scenario(path: Path, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:
     """The scenario in a file, with what the command line says in its place."""
-    optimizer, planner, autopilot, vehicle = search.optimizer, search.planner, flown_by.autopilot, flown_by.vehicle
+    optimizer, autopilot, vehicle = search.optimizer, flown_by.autopilot, flown_by.vehicle
     scenario = read_scenario(path)
     changes: dict[str, Any] = {}
-    planning = ({"planner": planner} if planner else {}) | ({} if search.polish else {"polish": False})
-    if planning:
-        changes["planning"] = scenario.planning.model_copy(update=planning)
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
     changed: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}

@@ -12,11 +12,11 @@ from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
 
 if TYPE_CHECKING:
-    from ipoa_mission.learn.evidence import Evidence
-    from ipoa_mission.learn.judge import LeftOut
+    from ipoa_mission.logs.learn.evidence import Evidence
+    from ipoa_mission.logs.learn.judge import LeftOut
     from ipoa_mission.vehicles.learned import LearnedVehicle
 
-MISSIONS = (".plan", ".waypoints", ".mission")
+MISSIONS = (".plan", ".waypoints")
 
 
 def learn(
@@ -42,15 +42,14 @@ def learn(
 
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.files import write_atomically
-    from ipoa_mission.learn.fit import UNSURE, fit
-    from ipoa_mission.learn.judge import energy_error, left_out, median_errors
-    from ipoa_mission.learn.vehicle_file import write_vehicle
+    from ipoa_mission.logs.learn.fit import UNSURE, fit
+    from ipoa_mission.logs.learn.judge import energy_error, left_out, median_errors
+    from ipoa_mission.logs.learn.vehicle_file import write_vehicle
 
     expect_free([out], force, ask=not as_json)
     flights, remarks, version = _gathered(files)
-    leashed = version.startswith("3.")
-    judged = left_out(flights, leashed)
-    vehicle = replace(fit(flights, leashed), version=version)
+    judged = left_out(flights)
+    vehicle = replace(fit(flights), version=version)
     before, after = median_errors(judged)
     if before > 0 and not after < before:
         words = f"the flights left out are timed no better by what the others tell: {after:.1%} off, not {before:.1%}"
@@ -78,7 +77,7 @@ def learn(
 
 def _gathered(files: list[Path]) -> tuple[list["Evidence"], list[str], str]:
     """All flights that can be learned from, remarks, and the firmware's version."""
-    from ipoa_mission.learn.evidence import flights_in
+    from ipoa_mission.logs.learn.evidence import flights_in
     from ipoa_mission.mission.files import read_mission
 
     flights: list[Evidence] = []
@@ -98,7 +97,7 @@ def _gathered(files: list[Path]) -> tuple[list["Evidence"], list[str], str]:
             kinds.add((autopilot.name, version))
     if not flights:
         raise MissionError("; ".join(remarks) or "no flight to learn from")
-    if len({autopilot for autopilot, _ in kinds}) > 1 or len({v.startswith("3.") for _, v in kinds}) > 1:
+    if len({autopilot for autopilot, _ in kinds}) > 1:
         flown = " and ".join(f"{autopilot} {version}".strip() for autopilot, version in sorted(kinds))
         raise BadInput(f"expected logs of one vehicle, not of {flown}")
     return flights, remarks, max(version for _, version in kinds)
@@ -116,7 +115,7 @@ def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
 
 
 def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str]:
-    from ipoa_mission.learn.vehicle_file import NUMBERS, UNITS
+    from ipoa_mission.logs.learn.vehicle_file import NUMBERS, UNITS
 
     for name in NUMBERS:
         learned = getattr(vehicle, name)

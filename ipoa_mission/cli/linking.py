@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.groups import LinkOptions
+from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
 from ipoa_mission.cli.overwriting import expect_free
@@ -32,15 +32,20 @@ def upload(
 
     Example: `ipoa-mission upload campus.plan --link udpin:127.0.0.1:14550`
     """
-    from ipoa_mission.cli.reading import read_with_parameters
+    from ipoa_mission.checks.unsafe import refuse_errors
+    from ipoa_mission.cli.reading import read_given
     from ipoa_mission.flight.procedure import upload_mission
 
-    mission, beside = read_with_parameters(file, autopilot)
+    flown_by = FlownByOptions(autopilot=autopilot)
+    given = read_given(file, flown_by)
     usual = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, usual) as vehicle:
         if not states_firmware(file, autopilot):
-            mission, beside = read_with_parameters(file, vehicle.autopilot)
-        remarks = (*beside, *upload_mission(vehicle, mission, anyway=on_link.anyway, stages=stages_shown))
+            given = read_given(file, flown_by, vehicle.autopilot)
+        if not on_link.anyway:
+            refuse_errors(given.findings)
+        mission = given.mission
+        remarks = (*given.remarks, *upload_mission(vehicle, mission, anyway=on_link.anyway, stages=stages_shown))
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
     about = counts | {"remarks": list(remarks), "written": on_link.written(usual)}

@@ -39,6 +39,12 @@ class StandsOptions:
     ] = None
     param: ParameterOption = None
     param_file: ParameterFileOption = None
+    nak_at: Annotated[
+        int | None,
+        bad_link_option(
+            "--nak-at", metavar="N", min=0, help="Refuse item N as it is sent: from 0, which on ArduPilot is home."
+        ),
+    ] = None
 
 
 def mock(
@@ -110,7 +116,7 @@ def mock(
                 place,
                 there.parameters,
                 cold=True,
-                nak_at=worse.nak_at,
+                nak_at=one.nak_at,
                 version=version,
                 conditions=Conditions(there.wind, there.ground, there.vehicle),
             ),

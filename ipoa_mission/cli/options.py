@@ -32,13 +32,6 @@ class Backend(StrEnum):
     MAVSDK = "mavsdk"
 
 
-class Planner(StrEnum):
-    """How a path is sought."""
-
-    DEFAULT = "default"
-    PAPER = "paper"
-
-
 def optimizers_like(beginning: str) -> list[str]:
     """The optimizers whose names begin so, for a shell that completes."""
     from ipoa_mission.optimize.registry import optimizer_names
@@ -154,10 +147,8 @@ JsonOption: TypeAlias = Annotated[
 ]
 
 
-def read_wind_option(given: str | None, profile: str | None = None) -> "Wind | None":
+def read_wind_option(given: str | None) -> "Wind | None":
     """The wind as it was given: a speed [m/s], an @, and the direction that it comes from [deg]; None: none was.
-
-    Its `profile` is an exponent, an @, and the gradient height [m].
 
     Raises:
         BadInput: what is not such a pair of numbers.
@@ -165,29 +156,17 @@ def read_wind_option(given: str | None, profile: str | None = None) -> "Wind | N
     from ipoa_mission.wind import Wind
 
     if given is None:
-        if profile is not None:
-            raise BadInput(f"--wind-profile {profile}: expected a --wind that it belongs to")
         return None
-    speed, from_deg = _pair(given)
-    if not (0 <= speed < math.inf and abs(from_deg) <= 360):
+    one, _, other = given.partition("@")
+    try:
+        speed, from_deg = float(one), float(other)
+        if not (0 <= speed < math.inf and abs(from_deg) <= 360):
+            raise ValueError
+    except ValueError:
         raise BadInput(
             f"--wind {given}: expected a speed in m/s and where it blows from, in degrees up to 360, like 6@270"
-        )
-    if profile is None:
-        return Wind(speed, from_deg)
-    exponent, height = _pair(profile)
-    if not (0 <= exponent < math.inf and 0 < height < math.inf):
-        raise BadInput(f"--wind-profile {profile}: expected an exponent and the gradient height in m, like 0.14@60")
-    return Wind(speed, from_deg, exponent, height)
-
-
-def _pair(text: str) -> tuple[float, float]:
-    """Two numbers with an @ between; NaN where they are none."""
-    one, _, other = text.partition("@")
-    try:
-        return float(one), float(other)
-    except ValueError:
-        return math.nan, math.nan
+        ) from None
+    return Wind(speed, from_deg)
 
 
 def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:

@@ -1,49 +1,53 @@
 """Mission files that a user named, and what is said of the parameters that lie beside them."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ipoa_mission.items import Mission
-from ipoa_mission.learn.vehicle_file import read_vehicle
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.cli.groups import FlownByOptions
+from ipoa_mission.finding import Finding
+from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.mission.files import read_mission_file
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.parameter_file import beside
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
 SHOWN = 6  # parameters in a note
 
 
-def read_with_parameters(
-    file: Path,
-    autopilot: Autopilot | None = None,
-    parameters: Mapping[str, float] | None = None,
-    vehicle: Path | None = None,
-    version: "Version | None" = None,
-) -> tuple[Mission, tuple[str, ...]]:
-    """The mission in a file, on a vehicle that has `parameters` too, and remarks for the user.
+@dataclass(frozen=True)
+class Given:
+    """The mission in a file, on the vehicle that the command line asks for; `findings` are those of reading the file.
 
-    `vehicle`: the file of what was learned of it; `version` of its firmware.
+    `remarks` are for the user: the findings in words, and which parameters lay beside it.
+    """
+
+    mission: Mission
+    findings: tuple[Finding, ...]
+    remarks: tuple[str, ...]
+
+
+def read_given(file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None) -> Given:
+    """Read a mission file; `autopilot` flies it where nobody says another.
 
     Raises:
         BadInput: the file, or the parameters beside it, cannot be read, or there is no such version.
     """
-    mission = read_mission(file, autopilot)
-    if version is not None:
-        mission = replace(mission, firmware_version=mission.autopilot.tables.expect(version))
-    remarks = tuple(finding.message for finding in mission.findings)
+    read = read_mission_file(file, flown_by.autopilot or autopilot)
+    mission, remarks = read.mission, tuple(finding.message for finding in read.findings)
+    if flown_by.version is not None:
+        mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
     if mission.parameters:
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
         more = len(mission.parameters) - SHOWN
         remarks += (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
-    if vehicle is not None:
-        mission = replace(mission, vehicle=read_vehicle(vehicle, mission.autopilot))
-    return mission.with_parameters(parameters or {}), remarks
+    if flown_by.vehicle is not None:
+        mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
+    return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks)
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | None":

@@ -1,5 +1,6 @@
 """A flight on a vehicle at the other end of a link, from the first look at it until it stands again."""
 
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -9,10 +10,12 @@ from ipoa_mission.cli.flown import flight_as_json
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.procedure import fly_mission
+from ipoa_mission.flight.procedure import fly_forecast
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.timing.estimate import estimate
+
+log = logging.getLogger(__name__)
 
 
 @contextmanager
@@ -31,8 +34,11 @@ def begun_with(job: Job, item: int) -> Job:
     Raises:
         BadInput: there is no such item, or it has no place to fly to.
     """
-    begun = begun_at(job.mission, item - 1)
-    return job if item == 1 else replace(job, estimate=estimate(begun, wind=job.wind))
+    begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)
+    if item == 1:
+        return job
+    log.info("%s: from item %d on estimated %.1f s", job.name, item, begun.estimate.total_s)
+    return replace(job, begun=begun)
 
 
 @dataclass
@@ -53,12 +59,10 @@ class RealFlight:
             MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
         """
         job, vehicle = self.job, self.vehicle
-        scenario = job.flight.scenario if job.flight else None
         try:
-            record = fly_mission(
+            record = fly_forecast(
                 vehicle,
-                job.mission,
-                scenario,
+                job.forecast,
                 first=self.first,
                 anyway=self.anyway,
                 set_params=self.set_params,

@@ -35,26 +35,24 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.cli.reading import read_with_parameters, read_world
+    from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.errors import MissionError
-    from ipoa_mission.exports.table import mission_table, shown
     from ipoa_mission.forecast.forecast import Forecast
+    from ipoa_mission.report.exports.table import rows_of, shown
 
-    mission, remarks = read_with_parameters(
-        file, flown_by.autopilot, flown_by.parameters, flown_by.vehicle, flown_by.version
-    )
-    air = flown_by.air
-    world = read_world(scenario, air)
-    rows, errors = mission_table(mission, world), refusals(mission)
+    given = read_given(file, flown_by)
+    forecast = Forecast(given.mission, read_world(scenario, flown_by.air), flown_by.air)
+    mission = forecast.mission
+    rows, errors = rows_of(forecast), refusals(mission)
     done: dict[int, float] = {}
     try:
         if not errors:
-            timed = Forecast(mission, world, air).estimate
+            timed = forecast.estimate
             done = {item.seq: item.done_s for item in timed.items}
         total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:
         total = f"no time: {error}"
-    remarks += tuple(errors)
+    remarks = (*given.remarks, *errors)
     if as_json:
         tell_json([asdict(row) | {"done_s": done.get(row.seq)} for row in rows])
         return
@@ -106,9 +104,9 @@ def export(
     """
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.reading import read_world
-    from ipoa_mission.exports import export_text
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.mission.files import mission_text, read_mission, write_mission
+    from ipoa_mission.mission.files import mission_text, read_mission_file, write_mission
+    from ipoa_mission.report.exports import forecast_text
 
     if target == Path("-") and form is None:
         raise BadInput("-: expected --format with it", hint="like --format kml")
@@ -116,19 +114,21 @@ def export(
     if suffix not in (suffixes := [f".{one}" for one in Form]):
         raise BadInput(f'{target}: expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"')
     is_mission = suffix in (".plan", ".waypoints")
-    mission, world = read_mission(file, autopilot), read_world(scenario)
+    read = read_mission_file(file, autopilot)
+    forecast = Forecast(read.mission, read_world(scenario))
     if target == Path("-"):
         if as_json:
             raise BadInput("--json: expected a file to write, not standard output")
-        text = mission_text(mission, suffix) if is_mission else export_text(mission, suffix, file.stem, world)
+        mission = read.mission
+        text = mission_text(mission, suffix, read) if is_mission else forecast_text(forecast, suffix, file.stem)
         sys.stdout.write(text)
         return
     expect_free([target], force, ask=not as_json)
     remarks: tuple[str, ...] = ()
     if is_mission:
-        remarks = write_mission(Forecast(mission, world).mission, target, suffix)
+        remarks = write_mission(forecast.mission, target, suffix, read)
     else:
-        write_atomically(target, export_text(mission, suffix, target.stem, world))
+        write_atomically(target, forecast_text(forecast, suffix, target.stem))
     if as_json:
         tell_json({"written": str(target), "remarks": list(remarks)})
     else:

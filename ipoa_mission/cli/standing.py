@@ -6,7 +6,6 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.tube.flown_in import ground_of
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
@@ -50,4 +49,4 @@ def stands(
     own = world.vehicle if flies is world.vehicle.autopilot else None
     values = flies.book.overridden(world.vehicle.parameters, parameters) if own else parameters
     learned = own.learned if own else None
-    return Stands(flies, world.home.geodetic(), values, world.wind.air(), ground_of(world), learned)
+    return Stands(flies, world.home.geodetic(), values, world.wind.air(), world.ground, learned)

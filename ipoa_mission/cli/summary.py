@@ -5,8 +5,8 @@ from pathlib import Path
 
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
-from ipoa_mission.tube.promise import Promise
 
 
 def tell_planned(flight: Flight, written: Iterable[Path]) -> None:

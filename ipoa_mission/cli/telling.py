@@ -14,6 +14,8 @@ from ipoa_mission.errors import MissionError
 #: What a terminal obeys instead of showing it: control characters, and those that turn the direction of writing.
 _OBEYED = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
 OFF_A_TERMINAL = 80  # characters
+BETWEEN = 2  # columns of a table lie so many characters apart
+FOLDED = 7  # and no column of words is narrower
 
 
 def shown(text: str) -> str:
@@ -48,25 +50,35 @@ def picked(thing: object, *names: str, digits: int = 3) -> dict[str, Any]:
 def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
     """Print a table: words to the left, numbers to the right; a column in which nothing stands is left out.
 
-    A line break in the name of a column puts its unit below it. A table is as wide as its terminal at most, elsewhere
-    as COLUMNS says, or 80 characters; what does not fit is folded, the last column first, and never cut.
+    A line break in the name of a column puts its unit below it. A table is as wide as its terminal, elsewhere as
+    COLUMNS says, or 80 characters; what does not fit is folded, names after all other words. It is wider where only
+    that keeps its numbers whole: a figure that was cut reads as another one.
     """
     from rich.align import Align
     from rich.box import SIMPLE_HEAD
+    from rich.cells import cell_len
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     kept = [i for i in range(len(columns)) if any(row[i] for row in rows)]
+    widths = {i: max(map(cell_len, [*columns[i].split("\n"), *(row[i] for row in rows)])) for i in kept}
+    numbers = {i for i in kept if all(row[i][-1:].isdigit() or not row[i] for row in rows)}
+    names = {i for i in kept if i not in numbers and not any(" " in row[i] for row in rows)}
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else _columns())
+
+    def needed(whole: set[int]) -> int:
+        return BETWEEN * len(kept) + sum(widths[i] if i in whole else min(widths[i], FOLDED) for i in kept)
+
+    whole = numbers | names if needed(numbers | names) <= console.width else numbers
+    console.width = max(console.width, needed(whole))
     table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
     for i in kept:
-        numbers = all(row[i][-1:].isdigit() or not row[i] for row in rows)
-        side: Literal["left", "right"] = "right" if numbers else "left"
-        whole = numbers or not any(" " in row[i] for row in rows)  # no name is broken where a column of words is left
-        table.add_column(Align(columns[i], side, vertical="bottom"), justify=side, no_wrap=whole, overflow="fold")
+        side: Literal["left", "right"] = "right" if i in numbers else "left"
+        heading = Align(columns[i], side, vertical="bottom")
+        table.add_column(heading, justify=side, no_wrap=i in whole, overflow="fold")
     for row in rows:
         table.add_row(*(Text(shown(row[i])) for i in kept))
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else _columns())
     with console.capture() as drawn:
         console.print(table)
     tell(title, "")

@@ -18,9 +18,9 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.procedure import Stage
-    from ipoa_mission.items import Mission
     from ipoa_mission.link.dialogue import Patience
     from ipoa_mission.link.vehicle import Vehicle
+    from ipoa_mission.mission.items import Mission
     from ipoa_mission.progress import Progress
 
 log = logging.getLogger(__name__)
@@ -55,7 +55,15 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
         from ipoa_mission.link.connect import connect
 
         log_to, patience = options.log or usual_log, patience_of(timeout)
-        vehicle = connect(link, options.system, log_to, signer, patience, anyway=options.anyway, reading=reading)
+        vehicle = connect(
+            link,
+            system=options.system,
+            log=log_to,
+            signer=signer,
+            patience=patience,
+            anyway=options.anyway,
+            reading=reading,
+        )
         if timeout is not None:
             vehicle.give_up_after(timeout - (time.monotonic() - began))
     log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, options.backend)

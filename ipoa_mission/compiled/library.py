@@ -20,10 +20,11 @@ from ipoa_mission.files import copies
 PACKAGE = Path(__file__).parent.parent
 #: What is compiled, and what it takes constants from.
 SOURCES = (
+    "compiled/__init__.py",
     "compiled/native.py",
-    "commands.py",
+    "compiled/records.py",
+    "mission/commands.py",
     "vehicles/*/dynamics/*.py",
-    "vehicles/arducopter/compiled.py",
     "vehicles/*/book.py",
     "vehicles/*/limits.py",
     "vehicles/parameters.py",

@@ -9,15 +9,15 @@ from ipoa_mission.checks.ground import landings, touches_down
 from ipoa_mission.checks.own_fence import breaches
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
-from ipoa_mission.commands import Frame, plain_frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import Mission
 from ipoa_mission.link.departure import LIMITS
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.set_up import own_values
 from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.commands import Frame, plain_frame
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic, apart
 
@@ -79,19 +79,18 @@ class FastLanding(MissionError):
     """With the parameters that it has the vehicle would touch down fast, and with the mission's it would not."""
 
 
-def expect_slow_landing(mission: Mission, vehicle: Vehicle) -> None:
+def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
     """Refuse a vehicle that would touch down fast because it has not the parameters that the mission was made for.
 
     Raises:
         FastLanding: naming the place, the ground there, and how fast.
     """
+    mission = forecast.mission
     planned = mission.autopilot.slow_stretch(mission.parameters)
-    if mission.autopilot is not vehicle.autopilot or planned is None or mission.ground.is_level:
+    if mission.autopilot is not vehicle.autopilot or planned is None or forecast.ground.is_level:
         return
     own = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by))
-
-    forecast = Forecast(mission)
-    for landing in landings(mission, forecast.frame, forecast.legs):
+    for landing in landings(forecast):
         if own is not None and own.is_fast(landing.counted) and not planned.is_fast(landing.counted):
             raise FastLanding(
                 f"{landing.words}: with the vehicle's own parameters, {touches_down(own, landing)}",
@@ -123,13 +122,26 @@ def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
         raise TimeUp(f"{late}: {hinders}" if hinders else str(late), late.hint) from None
 
 
-def expect_fit(mission: Mission, vehicle: Vehicle, anyway: bool = False) -> tuple[str, ...]:
-    """Check a mission as this vehicle would meet it; what comes back are remarks for the user. Nothing is sent.
+def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tuple[str, ...]:
+    """Check a mission as this vehicle would meet it. Nothing is sent.
+
+    Args:
+        vehicle: at the other end of a link, as `connect` finds it.
+        mission: what it is to fly.
+        anyway: what fails a check is among the remarks.
+
+    Returns:
+        Remarks for the user.
 
     Raises:
-        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or be broken off, and `anyway` does not say to
-            send it all the same.
+        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or be broken off.
         MissionError: it was made for another autopilot.
+
+    Example:
+        >>> from ipoa_mission import connect, expect_fit, read_mission
+        >>> with connect("udpin:127.0.0.1:14550") as vehicle:
+        ...     expect_fit(vehicle, read_mission("missions/sitl.plan"))
+        ()
     """
     if mission.autopilot is not vehicle.autopilot and not anyway:
         raise MissionError(

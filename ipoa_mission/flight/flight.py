@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.check import check
 from ipoa_mission.checks.finding import Finding
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 from ipoa_mission.flight.summary import (
@@ -25,8 +24,12 @@ from ipoa_mission.flight.summary import (
     route_summary,
 )
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import Mission
-from ipoa_mission.mission.landing_ground import KEY, digest, landing_ground
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
+from ipoa_mission.forecast.tube.promise import Promise
+from ipoa_mission.mission.about_file import KEY, digest
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.parameter_file import beside, write_with_parameters
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
@@ -35,12 +38,11 @@ from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
+from ipoa_mission.routing.returns import raised_returns, with_clear_returns
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
-from ipoa_mission.timing.estimate import Estimate
-from ipoa_mission.timing.qgroundcontrol import COUNTS
-from ipoa_mission.tube.promise import Promise
+from ipoa_mission.scenario.budget import expect_to_come_home
+from ipoa_mission.vehicles.energy.flight import Consumption
 from ipoa_mission.wind import Wind
 
 if TYPE_CHECKING:
@@ -51,24 +53,29 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, repr=False)
 class Flight:
-    """A planned flight, ready to be flown.
+    """A planned flight, ready to be flown; `plan_flight` makes it.
 
-    `options` are the ways to choose waypoints and what each would come to; `proof` is of the legs between waypoints,
-    `promise` of the flights;
-    `findings` are warnings; `energy` is None without an airframe; `remarks` are what the user should know, the warnings
-    first.
+    Attributes:
+        plan: the path.
+        options: the ways to choose waypoints, and what each would come to.
+        forecast: how it is expected to be flown.
+        findings: warnings of the check.
+        remarks: what the user should know, the warnings first.
     """
 
-    scenario: Scenario
     plan: Plan
     options: tuple[Option, ...]
     forecast: Forecast
     findings: tuple[Finding, ...]
-    energy: Consumption | None
     remarks: tuple[str, ...]
 
     def __repr__(self) -> str:
         return f"<Flight {self.name}: {len(self.mission.items)} items, {self.estimate.total_s:.1f} s>"
+
+    @property
+    def scenario(self) -> Scenario:
+        """In whose world it was planned, in the wind that was asked for."""
+        return self.forecast.world
 
     @property
     def mission(self) -> Mission:
@@ -89,6 +96,11 @@ class Flight:
     def estimate(self) -> Estimate:
         """How long it takes."""
         return self.forecast.estimate
+
+    @property
+    def energy(self) -> Consumption | None:
+        """What it takes; None without an airframe."""
+        return self.forecast.energy
 
     @property
     def name(self) -> str:
@@ -124,7 +136,7 @@ class Flight:
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
         scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
-        ground, parameters = landing_ground(self.mission), dict(self.mission.parameters)
+        ground, parameters = landing_height(self.mission), dict(self.mission.parameters)
         return {
             "name": scenario.name,
             "version": version("ipoa-mission"),
@@ -155,36 +167,42 @@ class Flight:
     def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
         """Write the page that shows it, and how it was flown if that is known.
 
+        Args:
+            path: of an HTML file.
+            record: how it was flown.
+
         Raises:
             BadInput: the file cannot be written.
         """
         from ipoa_mission.report.page import Subject, page_html
 
-        subject = Subject(
-            self.scenario,
-            self.plan,
-            self.mission,
-            self.estimate,
-            self.remarks,
-            self.proof,
-            self.promise,
-            self.energy,
-            self.findings,
-        )
+        subject = Subject(self.forecast, self.plan, self.remarks, self.findings)
         write_atomically(Path(path), page_html(subject, record))
 
 
-def plan_flight(scenario: Scenario, seed: int = 0, wind: Wind | None = None, progress: Progress = silent) -> Flight:
+def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent) -> Flight:
     """Plan a path, choose waypoints, prove, check and time the mission, and see that the battery lasts.
 
-    `wind`, if given, goes before the scenario's own. It counts for the choice of the route, for the tube and the times.
-    The same scenario, seed and wind give the same flight. `progress` is told the share done and some words.
+    Args:
+        scenario: places, world, vehicle and limits.
+        seed: what the random numbers begin with; the same scenario, seed and wind give the same flight.
+        wind: goes before the scenario's own. It counts for the choice of the route, for the tube and the times.
+        progress: told the share done and some words.
+
+    Returns:
+        The flight, whose `write` makes the files.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
         NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
         NotEnoughBattery: it would not come home with its reserve.
+
+    Example:
+        >>> from ipoa_mission import plan_flight, read_scenario
+        >>> flight = plan_flight(read_scenario("missions/sitl.toml"), seed=7)
+        >>> flight.proof.holds, [path.name for path in flight.write(".")]
+        (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json'])
     """
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         return _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
@@ -194,13 +212,13 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     plan, options, forecast = plan_with_room(scenario, seed, progress)
+    if scenario.safety.returns == "planned":
+        forecast = with_clear_returns(forecast)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    findings = refuse_errors(check_mission(mission, scenario, forecast))
-    track = forecast.estimate.track
-    energy = flight_energy(scenario, track.times, track.points, track.speeds)
-    expect_to_come_home(scenario, energy)
+    findings = refuse_errors(check(forecast))
+    expect_to_come_home(scenario, forecast.energy)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
-    planned = (*climb_for_way_home(mission), *slowed_for_ground(mission, scenario))
+    planned = (*climb_for_way_home(mission), *slowed_for_ground(forecast), *raised_returns(forecast))
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
-    return Flight(scenario, plan, options, forecast, findings, energy, remarks)
+    return Flight(plan, options, forecast, findings, remarks)

@@ -8,8 +8,8 @@ import numpy as np
 from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart

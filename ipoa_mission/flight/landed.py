@@ -5,12 +5,11 @@ A simulator's ground may be as high as home everywhere.
 
 import math
 
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.itinerary import rally_places
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.mission.landing_ground import landing_ground, landing_on
-from ipoa_mission.timing.estimate import estimate
-from ipoa_mission.wind import Wind
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 NOTICED = 1.0  # [m]
@@ -32,18 +31,19 @@ def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
     return (f"it landed at rally point {nearest + 1}, {math.hypot(*here):.0f} m {bearing:.0f}° from home",)
 
 
-def landed_elsewhere(mission: Mission, record: FlightRecord, wind: Wind) -> tuple[str, ...]:
+def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...]:
     """Words about a landing that was higher or lower than the ground is there, and how long that is estimated to take.
 
-    `wind` is that of the estimate. Nothing where the flight did not land or came down where it should.
+    Nothing where the flight did not land or came down where it should.
     """
-    expected = landing_ground(mission)
+    mission = forecast.mission
+    expected = landing_height(mission)
     if expected is None or not record.completed or not record.path:
         return ()
     landed = round(record.path[-1].height, 1) + 0.0
     if abs(landed - expected) < NOTICED:
         return ()
-    other = estimate(landing_on(mission, landed), wind=wind).total_s
+    other = Forecast(landing_on(mission, landed), wind=forecast.wind).estimate.total_s
     return (
         f"it landed {landed:.1f} m above home, but the ground there is {abs(expected - landed):.1f} m "
         f"{'higher' if expected > landed else 'lower'}: a simulator whose ground is level? `mock --scenario` has the "

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.start import NotAtStart, check_start
 from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.set_up import OtherValue, idle_fence, other_values
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic
 
@@ -52,7 +53,7 @@ def upload_mission(
 ) -> tuple[str, ...]:
     """Check a mission as this very vehicle would meet it, upload it and verify each list.
 
-    Parameters:
+    Args:
         vehicle: at the other end of a link, as `connect` finds it.
         mission: for this vehicle's autopilot, unless `anyway`.
         anyway: what fails a check is among the remarks, and the mission is sent all the same.
@@ -66,8 +67,10 @@ def upload_mission(
         MissionError: it was made for another autopilot; or it is not on the vehicle, as `Vehicle.upload` says.
 
     Example:
-        with connect("udpin:127.0.0.1:14550") as vehicle:
-            print(*upload_mission(vehicle, read_mission("campus.plan")), sep="\n")
+        >>> from ipoa_mission import connect, read_mission, upload_mission
+        >>> with connect("udpin:127.0.0.1:14550") as vehicle:
+        ...     upload_mission(vehicle, read_mission("missions/sitl.plan"))
+        ()
     """
     remarks, others, lacking = _put(vehicle, mission, anyway, stages)
     return (*remarks, *map(str, others), *lacking)
@@ -78,7 +81,7 @@ def _put(
 ) -> tuple[tuple[str, ...], tuple[OtherValue, ...], tuple[str, ...]]:
     """As `upload_mission`, with the parameters apart that the vehicle has otherwise, or lacks."""
     with stages(Stage.CHECK):
-        remarks = expect_fit(mission, vehicle, anyway)
+        remarks = expect_fit(vehicle, mission, anyway)
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):
@@ -101,7 +104,7 @@ def fly_mission(
 ) -> FlightRecord:
     """Upload a mission, make the vehicle ready, arm it, start it, and watch it until it stands again.
 
-    Parameters:
+    Args:
         vehicle: on the ground and disarmed.
         mission: for its autopilot, unless `anyway`.
         scenario: in whose world the way from where the vehicle stands is looked at.
@@ -120,30 +123,50 @@ def fly_mission(
         MissionError: as `upload_mission` and `Vehicle.start`, or the vehicle was lost.
 
     Example:
-        with connect("udpin:127.0.0.1:14550") as vehicle:
-            record = fly_mission(vehicle, flight.mission, flight.scenario)
+        >>> from ipoa_mission import connect, fly_mission, read_mission, read_scenario
+        >>> with connect("udpin:127.0.0.1:14550") as vehicle:
+        ...     fly_mission(vehicle, read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml")).completed
+        True
     """
-    load_mission(vehicle, mission, anyway=anyway, set_params=set_params, stages=stages, remark=remark)
-    return begin_mission(vehicle, mission, scenario, first=first, anyway=anyway, stages=stages, remark=remark)
+    forecast = Forecast(mission, scenario)
+    return fly_forecast(
+        vehicle, forecast, first=first, anyway=anyway, set_params=set_params, stages=stages, remark=remark
+    )
+
+
+def fly_forecast(
+    vehicle: Vehicle,
+    forecast: Forecast,
+    *,
+    first: int = 0,
+    anyway: bool = False,
+    set_params: bool = False,
+    stages: Stages = unseen,
+    remark: Remark = unheard,
+) -> FlightRecord:
+    """As `fly_mission`, of a mission whose flight is forecast already."""
+    load_mission(vehicle, forecast, anyway=anyway, set_params=set_params, stages=stages, remark=remark)
+    return begin_mission(vehicle, forecast, first=first, anyway=anyway, stages=stages, remark=remark)
 
 
 def load_mission(
     vehicle: Vehicle,
-    mission: Mission,
+    forecast: Forecast,
     *,
     anyway: bool = False,
     set_params: bool = False,
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> None:
-    """The first half of `fly_mission`: all until the mission is on a vehicle that stands and knows where it is."""
+    """The first half of `fly_forecast`: all until the mission is on a vehicle that stands and knows where it is."""
+    mission = forecast.given
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
         await_home(vehicle, show)
     if set_params:
         _set_parameters(vehicle, mission, remark)
     elif not anyway:
-        expect_slow_landing(mission, vehicle)
+        expect_slow_landing(vehicle, forecast)
     remarks, others, lacking = _put(vehicle, mission, anyway, stages)
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
@@ -151,19 +174,18 @@ def load_mission(
 
 def begin_mission(
     vehicle: Vehicle,
-    mission: Mission,
-    scenario: "Scenario | None" = None,
+    forecast: Forecast,
     *,
     first: int = 0,
     anyway: bool = False,
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> FlightRecord:
-    """The second half of `fly_mission`: the vehicle is made ready, armed, started and watched."""
+    """The second half of `fly_forecast`: the vehicle is made ready, armed, started and watched."""
 
     def permit(there: Geodetic) -> None:
         try:
-            told = check_start(mission, first, there, scenario)
+            told = check_start(forecast, first, there)
         except NotAtStart as elsewhere:
             if not anyway:
                 elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"

@@ -8,11 +8,11 @@ from ipoa_mission.centimeters import down, up
 from ipoa_mission.maps.passed import count_passed_over
 
 if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what plans
+    from ipoa_mission.forecast.timing.estimate import Estimate
+    from ipoa_mission.forecast.tube.promise import Kept, Promise
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.routing.assemble import Option
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.timing.estimate import Estimate
-    from ipoa_mission.tube.promise import Kept, Promise
 
 MILLIMETRES = 1000
 

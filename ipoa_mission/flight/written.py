@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.mission.landing_ground import digest, written_with
+from ipoa_mission.mission.about_file import digest, written_with
 
 PAGE_MARK = '<meta name="generator" content="ipoa-mission">'
 

@@ -1,39 +1,91 @@
 """The flight of a mission as it is expected: made once, and handed on to all who judge, draw, time or fly it."""
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import Leg, Phase, flown_legs, join
-from ipoa_mission.tube.flown_in import flown_in
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
+from ipoa_mission.forecast.itinerary.legs import Leg, Phase, flown_legs, join, return_ways
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.landing_ground import known_ground, landing_over
+from ipoa_mission.vehicles.known_parameters import expect_known
+from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 
 if TYPE_CHECKING:  # what times a flight, or proves it, is imported where it is asked for
-    from ipoa_mission.itinerary.itinerary import Itinerary
+    from ipoa_mission.forecast.timing.estimate import Estimate
+    from ipoa_mission.forecast.timing.prediction import Prediction
+    from ipoa_mission.forecast.tube.promise import Promise
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.timing.estimate import Estimate
-    from ipoa_mission.timing.prediction import Prediction
-    from ipoa_mission.tube.promise import Promise
+    from ipoa_mission.vehicles.energy.flight import Consumption
 
 
 class Forecast:
     """One mission's flight, in the world of a scenario if there is one; each answer is worked out when first asked.
 
-    `mission` is then the mission as it is flown there: over the scenario's ground, on a vehicle with those of its
-    parameters that the mission does not name itself. `wind`, if given, goes before the scenario's own.
+    Args:
+        mission: what is flown.
+        scenario: the world that it is flown in.
+        wind: goes before the scenario's own.
+        left_out: items to which no leg leads, and none away from them.
+
+    Attributes:
+        given: the mission as it was handed in, of the scenario's firmware version where it names none.
 
     Raises:
         BadInput: the mission is of another place than the scenario.
+
+    Example:
+        >>> from ipoa_mission import Forecast, read_mission, read_scenario
+        >>> forecast = Forecast(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml"))
+        >>> forecast.proof.holds, len(forecast.estimate.items) == len(forecast.mission.items)
+        (True, True)
     """
 
-    def __init__(self, mission: Mission, scenario: "Scenario | None" = None, wind: Wind | None = None) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        scenario: "Scenario | None" = None,
+        wind: Wind | None = None,
+        left_out: frozenset[int] = frozenset(),
+    ) -> None:
+        self.left_out = left_out
         self.scenario = scenario if scenario is None or wind is None else scenario.in_wind(wind)
-        self.mission = mission if scenario is None else flown_in(mission, scenario)
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
+        is_same = scenario is not None and mission.autopilot is scenario.vehicle.autopilot
+        if scenario is not None and is_same and mission.firmware_version is None:
+            mission = replace(mission, firmware_version=scenario.vehicle.version)
+        self.given = mission
+
+    @cached_property
+    def mission(self) -> Mission:
+        """The mission as it is flown there: on a vehicle with those of the scenario's parameters that it does not name.
+
+        What was learned of the vehicle comes with the mission, else with the scenario.
+
+        Raises:
+            BadInput: the mission is of another place than the scenario.
+        """
+        if self.scenario is None:
+            return self.given
+        vehicle = self.scenario.vehicle
+        self.scenario.expect_here(self.given.home)
+        flown = self.given.assuming(vehicle.autopilot_parameters())
+        return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.scenario.ground)
+
+    @property
+    def world(self) -> "Scenario":
+        """The scenario in whose world it is flown, for those who ask nothing where there is none."""
+        assert self.scenario is not None, "what is kept depends on a world"
+        return self.scenario
 
     @cached_property
     def frame(self) -> LocalFrame:
@@ -41,16 +93,17 @@ class Forecast:
         return LocalFrame(self.mission.home) if self.scenario is None else self.scenario.frame
 
     @cached_property
-    def ground(self) -> Ground | None:
-        """The ground below it, where that is known."""
-        if self.scenario is not None:
-            return self.scenario.airspace.ground
-        return None if self.mission.ground.is_level else self.mission.ground
+    def ground(self) -> Ground:
+        """How high the ground is, as a vehicle counts; level where nothing is known of it."""
+        return known_ground(self.mission) if self.scenario is None else self.scenario.ground
 
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
         """The legs between its places, from the take-off to the landing, and the ways home to other rally points."""
-        return flown_legs(self.mission, self.frame, self.ground)
+        over = self.ground if self.scenario is None else self.scenario.airspace.ground
+        legs = flown_legs(self.mission, self.frame, None if over.is_level else over)
+        after = {min((leg.seq for leg in legs if leg.seq > seq), default=seq) for seq in self.left_out}
+        return tuple(leg for leg in legs if leg.seq not in after | self.left_out)
 
     @property
     def cruise(self) -> list[Leg]:
@@ -62,38 +115,64 @@ class Forecast:
         """The legs on which it returns, to home and to the rally points."""
         return [leg for leg in self.legs if leg.phase is Phase.RETURN]
 
+    def returns_from(self, places: Points) -> NDArray[np.float64]:
+        """On which ways it returns from places (n, 3): them, over them, over each goal, (goals, n, 3, 3) [m]."""
+        return return_ways(self.mission, self.frame, places)
+
     @cached_property
-    def flight(self) -> "tuple[Itinerary, Prediction]":
-        """What the vehicle meets, and when and where, if it knows where it is.
+    def itinerary(self) -> Itinerary:
+        """What the vehicle meets, one visit after the other.
+
+        Raises:
+            BadInput: a jump leads nowhere or never ends.
+        """
+        return itinerary(self.mission, self.ground)
+
+    def predicted(self, sure: bool, fast: bool | None = None) -> "Prediction":
+        """When and where it meets all that; not `sure` where it is, as PX4 is not: in the mean of its flights.
+
+        `fast` runs the same arithmetic compiled (True), plain (False), or, by default, as is quicker.
 
         Raises:
             BadInput: the mission has no end, or a parameter has no sense.
             MissionError: the vehicle does not get on, or it has no model.
         """
-        from ipoa_mission.timing.estimate import predict
+        from ipoa_mission.forecast.timing.flight_model import FlightModel
 
-        return predict(self.mission, self.wind, sure=True)
+        if self.mission.other_vehicle:
+            words = f"the mission is for {self.mission.other_vehicle}, and only multicopters have a time model"
+            raise MissionError(words)
+        model = self.mission.autopilot.part(FlightModel)
+        return model.predicted(self.itinerary, self.mission, self.wind, fast, sure)
 
-    def quick(self, sure: bool) -> "tuple[Itinerary, Prediction]":
-        """The same by compiled code; not `sure` where it is: in the mean of its flights. Raises as `flight` does."""
-        from ipoa_mission.timing.estimate import predict
+    def timed(self, fast: bool | None = None) -> "Estimate":
+        """The `estimate`, by arithmetic as in `predicted`."""
+        from ipoa_mission.forecast.timing.estimate import times_of
 
-        return predict(self.mission, self.wind, fast=True, sure=sure)
+        return times_of(self.mission, self.itinerary, self.predicted(sure=False, fast=fast))
 
     @cached_property
     def estimate(self) -> "Estimate":
-        """How long it takes, item by item, in the mean of its flights; raises as `flight` does."""
-        from ipoa_mission.timing.estimate import estimate
+        """How long it takes, item by item, in the mean of its flights; raises as `predicted` does."""
+        return self.timed()
 
-        return estimate(self.mission, wind=self.wind)
+    @cached_property
+    def energy(self) -> "Consumption | None":
+        """What it takes; None where neither airframe nor hover power is known, and raises as `predicted` does."""
+        track = self.estimate.track
+        if len(track.times) < 2 or (self.scenario is None and self.mission.vehicle is None):
+            return None
+        from ipoa_mission.scenario.budget import flight_energy
+
+        return flight_energy(self.scenario, track.times, track.points, track.speeds, self.mission.vehicle)
 
     @cached_property
     def promise(self) -> "Promise":
-        """What its flights keep of the scenario's limits; raises as `flight` does."""
-        from ipoa_mission.tube.promise import PredictedFlight, promise_of
+        """What its flights keep of the scenario's limits; raises as `predicted` does."""
+        from ipoa_mission.forecast.tube.promise import PredictedFlight, promise_of
 
-        assert self.scenario is not None, "what is promised depends on a world"
-        return promise_of(PredictedFlight(*self.flight, self.mission.autopilot, self.scenario))
+        prediction = self.predicted(sure=True)
+        return promise_of(PredictedFlight(self.itinerary, prediction, self.mission.autopilot, self.world))
 
     @property
     def promise_if_known(self) -> "Promise | None":
@@ -108,6 +187,37 @@ class Forecast:
         """What its legs keep from the end of the take-off to the last waypoint."""
         from ipoa_mission.planning.proof import prove
 
-        assert self.scenario is not None, "what is kept depends on a world"
         points, stray = join(self.cruise)
-        return prove(points, self.scenario, stray)
+        return prove(points, self.world, stray)
+
+
+def estimate(
+    mission: Mission, parameters: Parameters = NO_PARAMETERS, wind: Wind = CALM, *, fast: bool | None = None
+) -> "Estimate":
+    """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
+
+    Args:
+        mission: what is flown.
+        parameters: the vehicle's, which go before those that the mission carries, and these before the autopilot's
+            defaults.
+        wind: in which it is flown.
+        fast: run the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
+            mission), plain (False), or, left out, compiled only where that is ready and quicker. The result is the
+            same.
+
+    Returns:
+        The whole time and that of each item.
+
+    Raises:
+        BadInput: the mission has no end, or a parameter has no sense or is none of this autopilot's.
+        MissionError: the vehicle does not get on, as against a wind stronger than it can fly; or it is no multicopter.
+
+    Example:
+        >>> from ipoa_mission import Wind, estimate, read_mission
+        >>> mission = read_mission("missions/sitl.plan")
+        >>> calm, slower = estimate(mission), estimate(mission, {"MPC_XY_VEL_MAX": 4.0}, Wind(4.0, from_deg=270.0))
+        >>> slower.total_s > calm.total_s
+        True
+    """
+    expect_known(parameters, mission.autopilot)
+    return Forecast(mission.with_parameters(parameters), wind=wind).timed(fast)

@@ -22,6 +22,7 @@ PRESENCE_S, OTHERS_S = 10.0, 1.2
 
 def connect(
     link: Any,
+    *,
     system: int | None = None,
     log: str | Path | None = None,
     signer: Signer | None = None,
@@ -30,10 +31,21 @@ def connect(
     anyway: bool = False,
     reading: bool = False,
 ) -> Vehicle:
-    """Open a link and find the vehicle on it; every frame goes to `log`. `fast`: use ArduPilot's mission file.
+    """Open a link and find the vehicle on it.
 
-    `link` is a connection string, an open connection of pymavlink's mavutil, or a System of MAVSDK's, which stay open.
-    `reading`: any vehicle will do, and nothing can be changed on one that is no multicopter.
+    Args:
+        link: a connection string, an open connection of pymavlink's mavutil, or a System of MAVSDK's; what is open
+            stays open when the vehicle is closed.
+        system: the vehicle's system id, where there are several.
+        log: a `.tlog` to be written, with every frame.
+        signer: signs what is said, and believes what is signed.
+        patience: how long answers are waited for.
+        fast: use ArduPilot's mission file.
+        anyway: take the first of several vehicles with this system id.
+        reading: any vehicle will do, and nothing can be changed on one that is no multicopter.
+
+    Returns:
+        The vehicle; `close` it, or use it with `with`.
 
     Raises:
         BadInput, LinkDown: the link cannot be opened.
@@ -41,7 +53,13 @@ def connect(
         SignsOtherwise: there is one, and what it says is not believed.
         NotFlown: it is no multicopter of ArduPilot or PX4; nothing but our presence was told to it.
         MissionError: there are several, and `system` does not say which.
-        Contested: there are two with this system id; `anyway` takes the first.
+        Contested: there are two with this system id.
+
+    Example:
+        >>> from ipoa_mission import connect
+        >>> with connect("udpin:127.0.0.1:14550") as vehicle:
+        ...     print(vehicle.system, vehicle.autopilot)
+        1 px4
     """
     if hasattr(link, "get_system_id"):
         from ipoa_mission.link.mavsdk_backend import borrow

@@ -10,7 +10,6 @@ from functools import partial
 from typing import TypeVar
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell, TimeUp
 from ipoa_mission.link.events import words_of
 from ipoa_mission.link.item_payloads import Payloads
@@ -29,6 +28,7 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
+from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
 T = TypeVar("T")

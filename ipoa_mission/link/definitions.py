@@ -119,10 +119,17 @@ _NUMBERS = {definition.name: definition.number for definition in DEFINITIONS.val
 
 
 def add_dialect(dialect: str | ModuleType) -> None:
-    """Understand the messages of another dialect too: one of pymavlink's by its name, or a module that it generated.
+    """Understand the messages of another dialect too.
+
+    Args:
+        dialect: one of pymavlink's by its name, or a module that it generated.
 
     Raises:
         BadInput: there is no such dialect, or it has another message under a number that is in use.
+
+    Example:
+        >>> from ipoa_mission import add_dialect
+        >>> add_dialect("storm32")
     """
     module = _dialect(dialect) if isinstance(dialect, str) else dialect
     new = {one.number: one for one in _definitions(module)}

@@ -7,7 +7,6 @@ unless it may be in the air.
 
 from dataclasses import dataclass
 
-from ipoa_mission.commands import Command, Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Remark, TimeUp, until, wait
 from ipoa_mission.link.hold import SHOWN_S, change_mode
@@ -16,6 +15,7 @@ from ipoa_mission.link.messages import CommandLong, CommandResult, Current
 from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
 from ipoa_mission.link.state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
+from ipoa_mission.mission.commands import Command, Order
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
-from ipoa_mission.link.messages import FileTransfer, MissionType
+from ipoa_mission.link.messages import FileTransfer, Message, MissionType
 from ipoa_mission.progress import Progress, count, silent
 
 MISSION_FILE = "@MISSION/mission.dat"
@@ -71,18 +71,38 @@ def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
     Raises:
         NoAnswer.
     """
-    path, asked = LIST_FILES[kind], set[int]()
+    asked: set[int] = set()
     for seconds in CHECKSUM_S:
-        question = FileMessage(next(numbers) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=path.encode())
-        asked.add((question.sequence + 1) & 0xFFFF)
-        yield Remark(question.pack())
+        yield Remark(checksum_question(kind, numbers, asked))
         heard = yield Pause(seconds)
         while heard is not None:
-            answer = unpack(heard) if isinstance(heard, FileTransfer) else None
-            if answer is not None and answer.sequence in asked and answer.request == Opcode.CALC_FILE_CRC32:
-                return int.from_bytes(answer.data[:4], "little") if answer.opcode == Opcode.ACK else None
+            if (answer := _answer_in(heard, asked)) is not None:
+                return _checksum(answer)
             heard = yield None
-    raise NoAnswer(f"the vehicle does not answer when asked to sum up {path}")
+    raise NoAnswer(f"the vehicle does not answer when asked to sum up {LIST_FILES[kind]}")
+
+
+def checksum_question(kind: int, numbers: Iterator[int], asked: set[int]) -> FileTransfer:
+    """The question for the checksum of a list, with the next of the `numbers`; its answer's goes into `asked`."""
+    question = FileMessage(next(numbers) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=LIST_FILES[kind].encode())
+    asked.add((question.sequence + 1) & 0xFFFF)
+    return question.pack()
+
+
+def checksum_in(heard: Message, asked: set[int]) -> int | None:
+    """The checksum in a message that answers a question `asked`; None: it does not, or there is none."""
+    answer = _answer_in(heard, asked)
+    return None if answer is None else _checksum(answer)
+
+
+def _answer_in(heard: Message, asked: set[int]) -> FileMessage | None:
+    answer = unpack(heard) if isinstance(heard, FileTransfer) else None
+    is_ours = answer is not None and answer.sequence in asked and answer.request == Opcode.CALC_FILE_CRC32
+    return answer if is_ours else None
+
+
+def _checksum(answer: FileMessage) -> int | None:
+    return int.from_bytes(answer.data[:4], "little") if answer.opcode == Opcode.ACK else None
 
 
 def file_checksum(data: bytes) -> int:

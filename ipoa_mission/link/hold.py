@@ -1,11 +1,11 @@
 """What a flying vehicle is told besides its mission: pause, resume, return to launch; and any change of mode."""
 
-from ipoa_mission.commands import Command, Order
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, until
 from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandAck, CommandResult, Message
 from ipoa_mission.link.orders import CommandRefused, command
 from ipoa_mission.link.state import NotReady, VehicleState
+from ipoa_mission.mission.commands import Command, Order
 
 #: How long a vehicle may take to show its mode [s].
 SHOWN_S = 5.0

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from ipoa_mission.items import Item
 from ipoa_mission.link.item_payloads import Payloads, pack_items
 from ipoa_mission.link.messages import Message, Request
+from ipoa_mission.mission.items import Item
 
 
 @dataclass

@@ -13,7 +13,7 @@ Way: TypeAlias = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
-class Layout(Generic[M]):
+class MessageLayout(Generic[M]):
     """One message on the wire: its MAVLink name, and the two ways between `M` and MAVLink's fields."""
 
     name: str
@@ -31,7 +31,7 @@ class Value:
     read: Way = lambda raw: raw
 
 
-def plain(name: str, kind: type[M], also: Fields | None = None, /, **placed: str | Value) -> Layout[M]:
+def plain(name: str, kind: type[M], also: Fields | None = None, /, **placed: str | Value) -> MessageLayout[M]:
     """A message whose values MAVLink holds as they are, but for those `placed` under another name, or as a `Value`.
 
     `also` are fields that are always written alike.
@@ -55,4 +55,4 @@ def plain(name: str, kind: type[M], also: Fields | None = None, /, **placed: str
     def read(raw: Any) -> M:
         return kind(*[from_wire(get(raw)) for get, from_wire in readers])
 
-    return Layout(name, kind, write, read)
+    return MessageLayout(name, kind, write, read)

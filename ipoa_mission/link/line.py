@@ -18,7 +18,7 @@ from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, 
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.item_frames import ItemFrames
 from ipoa_mission.link.item_run import ItemRun
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Firmware, Heartbeat, Message
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.routes import CLAIM_S, Routes
 from ipoa_mission.link.tlog import TlogWriter
 
@@ -149,7 +149,7 @@ class Line:
         now = self.channel.now()
         if now >= self._next_heartbeat:
             self._next_heartbeat = now + HEARTBEAT_S
-            self.send(Heartbeat(MAV_TYPE_GCS, Firmware.INVALID))
+            self.send(Heartbeat(MAV_TYPE_GCS, MavAutopilot.INVALID))
 
     def _hear(self, data: bytes, peer: Peer) -> list[Heard]:
         """What bytes of a peer say to us."""
@@ -225,7 +225,7 @@ class Line:
             if is_signed(one.raw):
                 self._signing.add(name)
             return True
-        if isinstance(one.message, Heartbeat) and one.message.autopilot != Firmware.INVALID:
+        if isinstance(one.message, Heartbeat) and one.message.autopilot != MavAutopilot.INVALID:
             first, last = self._rivals.get(name, (now, now))
             self._rivals[name] = (first if now - last < CLAIM_S else now, now)
             if not self._is_warned and self.contested(one.system):

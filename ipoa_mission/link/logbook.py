@@ -4,11 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ipoa_mission.commands import LAST_NAV, Command
-from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
+from ipoa_mission.link.holding import Lookout
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
+from ipoa_mission.mission.commands import LAST_NAV, Command
+from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, apart
@@ -42,9 +43,16 @@ class Sample:
 class FlightRecord:
     """A flight as it was flown. Time zero: the vehicle was armed.
 
-    `item_reached_s` maps an index into `Mission.items` to the time when that item was done: said so, or flown past. A
-    LAND or RTL that ends the mission is done when the motors stop. `completed`: it landed and was disarmed in the
-    mission, at its end; else `why_not` says what is missing. `armed` and `in_air` are as last told.
+    Attributes:
+        item_reached_s: an index into `Mission.items` -> when that item was done: said so, or flown past [s]. A LAND or
+            RTL that ends the mission is done when the motors stop.
+        total_s: how long it lasted [s].
+        path: where it was, and when.
+        messages: what the vehicle said.
+        completed: it landed and was disarmed in the mission, at its end.
+        why_not: what is missing for that.
+        armed: as last told.
+        in_air: as last told.
     """
 
     item_reached_s: dict[int, float]
@@ -63,7 +71,7 @@ def brings_down(command: int) -> bool:
 
 
 @dataclass
-class _Flight:
+class _Recording:
     """What one flight has come to so far; times since arming [s]."""
 
     zero: float
@@ -93,7 +101,7 @@ class Logbook:
         self._texts: list[str] = []
         self._clock = 0.0
         self._current = self._first
-        self._flight: _Flight | None = None
+        self._flight: _Recording | None = None
         self.armed = False
 
     @property
@@ -115,6 +123,18 @@ class Logbook:
     def disarmed_s(self) -> float | None:
         """When the flight was over [s]; None while it is not."""
         return self._flight.disarmed_s if self._flight else None
+
+    @property
+    def clock_s(self) -> float:
+        """The vehicle's clock, since it was switched on [s]."""
+        return self._clock
+
+    @property
+    def modes(self) -> frozenset[int]:
+        """Those in which the vehicle flies its mission; to return at its end it may leave the mission's own."""
+        returns = bool(self._items) and self._items[self._final].command == Command.NAV_RETURN_TO_LAUNCH
+        modes = self._autopilot.modes
+        return frozenset({modes.mission}) | (modes.returns if returns else frozenset())
 
     @property
     def is_flown(self) -> bool:
@@ -153,7 +173,7 @@ class Logbook:
 
     def record(self) -> FlightRecord:
         """The flight so far."""
-        flight = self._flight if self._flight and self._flight.confirmed else _Flight(self._clock, self._first)
+        flight = self._flight if self._flight and self._flight.confirmed else _Recording(self._clock, self._first)
         reached = {index: t for index, t in sorted(flight.reached.items()) if 0 <= index < len(self._items)}
         why_not = self._why_not(flight)
         if self.lands:
@@ -173,7 +193,7 @@ class Logbook:
     def _begin(self) -> None:
         self.armed = True
         self._texts.clear()
-        self._flight = _Flight(self._clock, self._current, current=self._current)
+        self._flight = _Recording(self._clock, self._current, current=self._current)
 
     def _note_heartbeat(self, heartbeat: Heartbeat) -> None:
         if heartbeat.armed and not self.armed:
@@ -190,7 +210,7 @@ class Logbook:
         elif since > CONFIRMED_S:
             self.armed, self._flight = False, None
 
-    def _turn_to(self, flight: _Flight, seq: int) -> None:
+    def _turn_to(self, flight: _Recording, seq: int) -> None:
         """The vehicle is at item `seq`: what lies before is done."""
         if flight.current < seq < self._first + len(self._items):
             for index in range(flight.current - self._first, seq - self._first):
@@ -201,20 +221,19 @@ class Logbook:
         speed = math.hypot(*at.velocity)
         return Sample(at.time_s - zero, at.latitude_deg, at.longitude_deg, at.altitude, at.height, speed)
 
-    def _why_not(self, flight: _Flight) -> str:
+    def _why_not(self, flight: _Recording) -> str:
         """Why the flight is not complete; nothing if it is."""
         if not self.lands:
             return "the mission ends in the air"
         if flight.disarmed_s is None:
             return "the vehicle is not down and disarmed"
         last = self._items[self._final]
+        mode = "" if flight.mode is None else f", in {self._autopilot.modes.name(flight.mode)}"
         if not (self.is_flown or flight.current >= self._final + self._first):
-            return f"it was disarmed at item {flight.current + 1 - self._first} of {len(self._items)}"
-        allowed = {self._autopilot.modes.mission}
-        if last.command == Command.NAV_RETURN_TO_LAUNCH:
-            allowed |= self._autopilot.modes.returns
-        if flight.mode not in allowed:
-            return "it left its mission before the landing"
+            item = f"item {flight.current + 1 - self._first} of {len(self._items)}"
+            return f"it was disarmed at {item}" if flight.mode in self.modes else f"it was disarmed at {item}{mode}"
+        if flight.mode not in self.modes:
+            return f"it left its mission before the landing{mode}"
         if last.command == Command.NAV_LAND and last.has_position and flight.path:
             end = flight.path[-1]
             aside = apart(
@@ -225,10 +244,10 @@ class Logbook:
         return ""
 
 
-def watch(logbook: Logbook, progress: Progress = silent) -> Dialogue[FlightRecord]:
+def watch(logbook: Logbook, progress: Progress = silent, lookout: Lookout | None = None) -> Dialogue[FlightRecord]:
     """Listen until the flight is over: disarmed, or, for a mission that does not land, flown.
 
-    The logbook hears the same messages first. `progress` is told of items done.
+    The logbook hears the same messages first. `progress` is told of items done; `lookout` looks at the mission.
 
     Raises:
         NoAnswer: the vehicle is not heard any more.
@@ -241,5 +260,7 @@ def watch(logbook: Logbook, progress: Progress = silent) -> Dialogue[FlightRecor
             count(progress, done, logbook.total, "item ")
         if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
+        if lookout is not None:
+            yield from lookout.look(heard, logbook.clock_s)
         heard = yield Pause(LOST_S)
     raise NoAnswer(f"the vehicle has not been heard for {LOST_S:g} s, after item {done}")

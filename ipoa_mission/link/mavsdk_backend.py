@@ -15,7 +15,6 @@ from types import SimpleNamespace
 from typing import Any
 
 from ipoa_mission.errors import BadInput, MissionError, imported
-from ipoa_mission.items import Item
 from ipoa_mission.link import wire
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown
@@ -40,6 +39,7 @@ from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Uploa
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import default_autopilot, registered
 from ipoa_mission.vehicles.kind import Kind

@@ -7,7 +7,7 @@ A field that MAVLink does not scale keeps MAVLink's own name. Numbers that come 
 from dataclasses import dataclass
 from enum import IntEnum
 
-from ipoa_mission.items import Item
+from ipoa_mission.mission.items import Item
 
 CRITICAL, WARNING, INFO = 2, 4, 6  # MAV_SEVERITY; less is worse
 
@@ -54,7 +54,7 @@ class CommandResult(IntEnum):
     CANCELLED = 6
 
 
-class Firmware(IntEnum):
+class MavAutopilot(IntEnum):
     """MAV_AUTOPILOT, as far as it matters here."""
 
     GENERIC = 0

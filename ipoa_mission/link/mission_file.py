@@ -8,7 +8,6 @@ import struct
 from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp
 from ipoa_mission.link.file_transfer import (
     MISSION_FILE,
@@ -24,6 +23,7 @@ from ipoa_mission.link.mavftp import FileMessage
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.unbroken import READINGS, Unsettled
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
+from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
 MAGIC = 0x763D

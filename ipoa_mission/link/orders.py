@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from ipoa_mission.commands import Order
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
@@ -22,6 +21,7 @@ from ipoa_mission.link.messages import (
     SetCurrent,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
+from ipoa_mission.mission.commands import Order
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 

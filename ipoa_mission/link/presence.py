@@ -4,14 +4,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import cycle
 
-from ipoa_mission.commands import Order
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Carrier, Line
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Firmware, Heartbeat, Ping
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Heartbeat, MavAutopilot, Ping
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
+from ipoa_mission.mission.commands import Order
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.version import Version
 
@@ -81,7 +81,7 @@ def autopilots_in(heard: Iterable[Heard]) -> dict[int, Found]:
         for one in heard
         if isinstance(beat := one.message, Heartbeat)
         and one.component == AUTOPILOT_COMPONENT
-        and beat.autopilot != Firmware.INVALID
+        and beat.autopilot != MavAutopilot.INVALID
     }
 
 

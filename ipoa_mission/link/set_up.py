@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from ipoa_mission.items import Mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 

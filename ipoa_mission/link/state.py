@@ -1,5 +1,7 @@
 """What a vehicle has last said of itself: all that is known of it when something goes wrong."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
@@ -70,6 +72,15 @@ class VehicleState:
         """Raise NotFlown unless its last heartbeat was that of a vehicle whose flight the package knows."""
         if self.kind is not None and not self.kind.is_flown:
             raise NotFlown(self.kind)
+
+    @contextmanager
+    def told(self) -> Iterator[None]:
+        """What breaks off in here says what is known of the vehicle."""
+        try:
+            yield
+        except MissionError as error:
+            error.hint = f"when last heard, {self}"
+            raise
 
     @property
     def in_air(self) -> bool | None:

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from ipoa_mission.link import telemetry as t
-from ipoa_mission.link.layout import Layout, Value, plain
+from ipoa_mission.link.layout import MessageLayout, Value, plain
 
 
 def saturated(value: float, bits: int = 32) -> int:
@@ -46,7 +46,7 @@ _BATTERY = {"current_consumed": -1, "energy_consumed": -1, "temperature": 0x7FFF
 }
 _SENSORS = {name: f"onboard_control_sensors_{name}" for name in ("present", "enabled", "health")}
 
-LAYOUTS: tuple[Layout[Any], ...] = (
+LAYOUTS: tuple[MessageLayout[Any], ...] = (
     plain("AUTOPILOT_VERSION", t.AutopilotVersion),
     plain("PROTOCOL_VERSION", t.ProtocolVersion),
     plain("HOME_POSITION", t.HomePosition, {"q": [1.0, 0.0, 0.0, 0.0]}, **_PLACE, **_HIGH),

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.file_transfer import MISSION_FILE
 from ipoa_mission.link.mavftp import Opcode, unpack
 from ipoa_mission.link.messages import (
@@ -18,6 +17,7 @@ from ipoa_mission.link.messages import (
     WritePartialList,
 )
 from ipoa_mission.link.mission_file import unpack_mission
+from ipoa_mission.mission.items import Item
 
 Items = tuple[Item, ...]
 BURST_READ = 15  # a MAVFTP opcode that our own client does without

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import list_name, read_list
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer
 from ipoa_mission.link.file_transfer import list_checksum
 from ipoa_mission.link.item_payloads import unpack_items
+from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, silent
 
 READINGS = 5  # of a list that is changed, or seems to be, each time that it is read

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import (
     DOUBTFUL,
     MissionRefused,
@@ -22,6 +21,7 @@ from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_ite
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.link.unbroken import READINGS, Unsettled, read_unbroken
 from ipoa_mission.mission.firmware import Difference
+from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 
@@ -170,7 +170,7 @@ class MissionReports(VehicleTexts):
 
 
 @dataclass
-class Course:
+class UploadState:
     """How an upload is going."""
 
     attempt: int = 0
@@ -192,7 +192,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
         MissionRefused, NoAnswer, TimeUp: with what the vehicle holds now as the hint.
         ReadBackDiffers, Replaced, Unsettled, Unflyable, Cancelled.
     """
-    course = Course()
+    course = UploadState()
     try:
         try:
             yield from noting_texts(_store(job, course, progress), course.reports)
@@ -242,7 +242,7 @@ def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
         raise Replaced(job.kind, difference)
 
 
-def _give_in(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
+def _give_in(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
     """Leave a whole list behind, the old or the new one, and say which."""
     name = list_name(job.kind)
     if job.truncates:
@@ -272,7 +272,7 @@ def _holds(job: Upload) -> Dialogue[bool]:
     return job.difference(stored) is None
 
 
-def _store(job: Upload, course: Course, progress: Progress) -> Dialogue[None]:
+def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
     refused_before: MissionRefused | None = None
 
     def note(seq: int) -> None:

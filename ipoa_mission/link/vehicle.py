@@ -4,7 +4,6 @@ Each verb is one dialogue, held by `converse`; nothing here knows about bytes or
 """
 
 import itertools
-import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -15,17 +14,17 @@ from typing import Any, TypeVar
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.commands import LAST_NAV
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.items import Item, Mission
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import conversations, orders, unbroken
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.departure import LIMITS, Departure, depart, expect_on_ground, prepare, unsubscribe
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
 from ipoa_mission.link.file_transfer import FileRefused
 from ipoa_mission.link.hold import SHOWN_S, pause, resume, return_to_launch
-from ipoa_mission.link.holding import Holding, ReplacedSince, read_again
+from ipoa_mission.link.holding import Holding, Lookout, ReplacedSince, read_again
 from ipoa_mission.link.interrupt import noted_interrupts
+from ipoa_mission.link.leaving import Leaving
 from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
@@ -34,20 +33,28 @@ from ipoa_mission.link.presence import Found, await_booted
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
+from ipoa_mission.mission.commands import LAST_NAV
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
+from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
-log = logging.getLogger(__name__)
 T = TypeVar("T")
 STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 
 class Vehicle:
-    """One vehicle on a line; `close` it, or use it with `with`."""
+    """One vehicle on a line; `connect` finds it. `close` it, or use it with `with`.
+
+    Example:
+        >>> from ipoa_mission import connect
+        >>> with connect("udpin:127.0.0.1:14550") as vehicle:
+        ...     vehicle.home().altitude
+        488.0
+    """
 
     def __init__(
         self,
@@ -73,15 +80,17 @@ class Vehicle:
         self._mission: Mission | None = None
         self._holdings: dict[int, Holding] = {}
         self._logbook = Logbook((), self.autopilot)
+        self._leaving = Leaving(self.state)
         self._until = math.inf
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # not those of the last session
-
-    # --- missions ---------------------------------------------------------------------------------------------------
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
         """Put a mission on the vehicle, with its fence and rally points if it has some, and verify each list.
 
-        `checked`: first it is checked as this vehicle's firmware would meet it.
+        Args:
+            mission: for this vehicle's autopilot.
+            progress: told how far that is.
+            checked: whether it is checked first as this vehicle's firmware would meet it.
 
         Raises:
             NotFlown: the vehicle is no multicopter.
@@ -115,12 +124,15 @@ class Vehicle:
         self._expect(mission)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
-        """Put one list on the vehicle as it stands on the wire, and verify it."""
+        """Put one list, `items` of MAV_MISSION_TYPE `kind`, on the vehicle as it stands on the wire, and verify it."""
         with noted_interrupts(), self._in_time():
             self._await_ready()
             job = Upload(items, self.autopilot, kind, self._checksum_numbers())
             self._holdings.pop(kind, None)
-            list_id = self._upload_by_file(job, progress)
+            list_id = None
+            if self._fast and job.has_checksum and kind == MissionType.MISSION:
+                with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer says what is wrong
+                    list_id = self._tell(upload_by_file(job, progress))
             self._holdings[kind] = Holding(job, self._tell(upload(job, progress)) if list_id is None else list_id)
 
     def download(self, progress: Progress = silent) -> Mission:
@@ -139,20 +151,17 @@ class Vehicle:
         return replace(mission, fence=fence, rally=rally)
 
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
-        """One list as it stands on the wire."""
+        """The list of MAV_MISSION_TYPE `kind` as it stands on the wire."""
         with self._in_time():
             self._await_ready()
             return self._hold(unbroken.download(kind, progress, self._checksum_numbers()))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
         """Have the vehicle forget a list. 255: all three, one by one, because ArduPilot knows no "all"."""
-        kinds = LISTS if kind == MissionType.ALL else (kind,)
         with self._in_time():
-            for one in kinds:
+            for one in LISTS if kind == MissionType.ALL else (kind,):
                 self._holdings.pop(one, None)
                 self._tell(conversations.clear(one))
-
-    # --- flying -----------------------------------------------------------------------------------------------------
 
     def set_current(self, index: int) -> None:
         """Make item `index` of `Mission.items` the one to go on with; `state` tells whether the vehicle does."""
@@ -195,8 +204,11 @@ class Vehicle:
     ) -> None:
         """Bring a vehicle on the ground to where it can be armed and will begin with item `first` of `Mission.items`.
 
-        `progress` is told what is waited for. `permit` is told where the vehicle stands, and raises an error if no
-        flight may begin there; left out, that is `check_start` without a scenario.
+        Args:
+            first: the index of the item to begin with.
+            progress: told what is waited for.
+            permit: told where the vehicle stands, and raises an error if no flight may begin there; left out, that is
+                `check_start` without a scenario.
 
         Raises:
             NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
@@ -214,8 +226,7 @@ class Vehicle:
             self.line.expect_alone(self.system)
         with self._in_time():
             self._tell(prepare(self._departure, min(LIMITS.ready_s, self._patience.total_s)))
-        if permit is None and mission is not None:
-            permit = partial(check_start, mission, first, scenario=None)
+        permit = permit or (None if mission is None else partial(check_start, Forecast(mission), first))
         if permit is not None and (at := self.state.position) is not None:
             permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
 
@@ -230,20 +241,25 @@ class Vehicle:
                 disarmed again if it said that it was still on the ground.
         """
         self._until = math.inf
-        with self._known_state():
+        with self.state.told():
             self._tell(depart(self._departure))
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over; `progress` is told of items done.
 
+        A vehicle that leaves its mission in the air, and a mission that is replaced, are logged as warnings at once.
+
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
         """
-        with self._known_state():
-            self._hold(watch(self._logbook, progress))
+        holding = self._holdings.get(MissionType.MISSION)
+        with self.state.told(), self._leaving.watched(self._logbook.modes):
+            self._hold(watch(self._logbook, progress, None if holding is None else Lookout(holding)))
         with suppress(MissionError):  # the flight is over and known; a stream too many hurts nobody
             self._hold(unsubscribe())
-        self._read_after_flight()
+        if holding is not None:
+            with suppress(MissionError):  # it does not tell
+                self._hold(read_again(holding, self.state))
         return self.record()
 
     def record(self) -> FlightRecord:
@@ -257,6 +273,11 @@ class Vehicle:
         """What the vehicle has said of another mission since it was proved to hold ours, in words; else nothing."""
         holding = self._holdings.get(MissionType.MISSION)
         return "" if holding is None or not holding.changed else str(ReplacedSince(holding))
+
+    @property
+    def interrupted(self) -> str:
+        """How the vehicle, watched in the air, has left its mission, in words; nothing where it flies it."""
+        return self._leaving.words
 
     @property
     def mode(self) -> str:
@@ -277,7 +298,7 @@ class Vehicle:
         return {name: value.param_value for name, value in values.items()}
 
     def set_parameter(self, name: str, value: float) -> None:
-        """Give a parameter another value, and see that the vehicle took it.
+        """Give the parameter `name` another `value`, and see that the vehicle took it.
 
         Raises:
             NoAnswer: there is no such parameter.
@@ -296,7 +317,7 @@ class Vehicle:
         own_line(self.line).say(*payload_of(message))
 
     def messages(self, seconds: float, *names: str) -> list[Any]:
-        """What is heard from the vehicle in so many seconds, as pymavlink's messages; `names`: only those."""
+        """What is heard from the vehicle in so many `seconds`, as pymavlink's messages; `names`: only those."""
         from ipoa_mission.link.borrowed import messages_from, own_line
 
         return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
@@ -320,15 +341,8 @@ class Vehicle:
         """The sequence number of the first thing done: ArduPilot counts its home."""
         return self.autopilot.counts_home
 
-    def _read_after_flight(self) -> None:
-        """A mission without an id may have been replaced by one of the same length, which nothing tells of."""
-        holding = self._holdings.get(MissionType.MISSION)
-        if holding is not None and not holding.is_watched and not holding.changed:
-            with suppress(MissionError):  # it does not tell
-                self._hold(read_again(holding, self.state))
-
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
-        with self._in_time(), self._known_state():
+        with self._in_time(), self.state.told():
             self._tell(order(self.state))
 
     def _tell(self, dialogue: Dialogue[T]) -> T:
@@ -354,20 +368,9 @@ class Vehicle:
         self._logbook.note(message)
         self.state.note(message)
         for holding in self._holdings.values():
-            was_changed = bool(holding.changed)
-            holding.note(message)
-            if holding.changed and not was_changed and self._logbook.armed:
-                log.warning("%s", ReplacedSince(holding))
+            holding.note(message, self._logbook.armed)
+        self._leaving.note(message, self.line.now())
         self.overhearing(message)
-
-    @contextmanager
-    def _known_state(self) -> Iterator[None]:
-        """What breaks off in here says what is known of the vehicle."""
-        try:
-            yield
-        except MissionError as error:
-            error.hint = f"when last heard, {self.state}"
-            raise
 
     def _checksum_numbers(self) -> Iterator[int] | None:
         """Numbers for questions, where the vehicle keeps its lists as files, of which it makes a checksum."""
@@ -379,15 +382,6 @@ class Vehicle:
         if self._about is None:
             self._about = self._hold(orders.about()) or AutopilotVersion(0)
         return self._about
-
-    def _upload_by_file(self, job: Upload, progress: Progress) -> int | None:
-        """Try the fast path; the list's checksum. What goes wrong there is left to the ordinary transfer (None)."""
-        if not self._fast or not job.has_checksum or job.kind != MissionType.MISSION:
-            return None
-        try:
-            return self._tell(upload_by_file(job, progress))
-        except (FileRefused, NoAnswer, ReadBackDiffers):
-            return None
 
     def _expect(self, mission: Mission) -> None:
         armed = self._logbook.armed

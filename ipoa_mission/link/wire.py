@@ -6,12 +6,12 @@ degE7 is made here and nowhere else, with `round` (truncation moves six coordina
 import math
 from typing import Any
 
-from ipoa_mission.commands import SAME_FRAME, Frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry_wire
-from ipoa_mission.link.layout import Fields, Layout, Value, plain
+from ipoa_mission.link.layout import Fields, MessageLayout, Value, plain
+from ipoa_mission.mission.commands import SAME_FRAME, Frame
+from ipoa_mission.mission.items import Item
 
 INT32_MAX = 2**31 - 1  # "no value" in an integer coordinate
 GLOBAL_FRAMES = frozenset({*SAME_FRAME, *SAME_FRAME.values()})
@@ -108,12 +108,14 @@ def _clean(text: str | bytes) -> str:
 
 _ID = Value(("param_id",), lambda name: name.encode(), _clean)
 _TYPED = {"kind": "mission_type"}
-_LAYOUTS: tuple[Layout[Any], ...] = (
+_LAYOUTS: tuple[MessageLayout[Any], ...] = (
     plain("MISSION_COUNT", m.Count, **_TYPED),
-    Layout("MISSION_REQUEST", m.Request, _write_request, lambda raw: m.Request(raw.seq, raw.mission_type, legacy=True)),
-    Layout("MISSION_REQUEST_INT", m.Request, _write_request, lambda raw: m.Request(raw.seq, raw.mission_type)),
-    Layout("MISSION_ITEM", m.ItemAt, _write_item, _read_old_item),
-    Layout("MISSION_ITEM_INT", m.ItemAt, _write_item, _read_item),
+    MessageLayout(
+        "MISSION_REQUEST", m.Request, _write_request, lambda raw: m.Request(raw.seq, raw.mission_type, legacy=True)
+    ),
+    MessageLayout("MISSION_REQUEST_INT", m.Request, _write_request, lambda raw: m.Request(raw.seq, raw.mission_type)),
+    MessageLayout("MISSION_ITEM", m.ItemAt, _write_item, _read_old_item),
+    MessageLayout("MISSION_ITEM_INT", m.ItemAt, _write_item, _read_item),
     plain("MISSION_ACK", m.Ack, result="type", **_TYPED),
     plain("MISSION_REQUEST_LIST", m.RequestList, **_TYPED),
     plain("MISSION_CLEAR_ALL", m.ClearAll, **_TYPED),

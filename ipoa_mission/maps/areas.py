@@ -10,7 +10,7 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
-from ipoa_mission.maps.geozones import Limit, limits_of
+from ipoa_mission.maps.geozones import VerticalLimit, limits_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import polygons_of, to_plane
@@ -24,20 +24,20 @@ NAMED_RESTRICTIONS = (*RESTRICTIONS, "NO_RESTRICTION")
 
 
 @dataclass(frozen=True)
-class Zone:
+class MapArea:
     """A valid polygon in the local plane, east, north [m], what it is called, and its own limits if it has any."""
 
     name: str
     shape: Any
-    lower: Limit | None = None
-    upper: Limit | None = None
+    lower: VerticalLimit | None = None
+    upper: VerticalLimit | None = None
 
 
 @dataclass(frozen=True)
 class Zones:
     """The zones of a map, what of it is none, and remarks on what was mended."""
 
-    zones: tuple[Zone, ...]
+    zones: tuple[MapArea, ...]
     passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]
 
@@ -58,7 +58,7 @@ def find_zones(
         BadInput: naming file and place of a polygon without an area, or that there is none.
     """
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], frame)
-    mistakes, zones, remarks = Mistakes(), list[Zone](), list[str]()
+    mistakes, zones, remarks = Mistakes(), list[MapArea](), list[str]()
     passed = list[PassedOver]()
     for feature, shape, counted in zip(features, shapes, near, strict=True):
         restriction = feature.tags.get("restriction")
@@ -80,7 +80,7 @@ def find_zones(
                 continue
             mended = mistakes.attempt(polygons_of, part, feature.place)
             if mended is not None:
-                zones += [Zone(feature.name, polygon, *limits) for polygon in mended[0]]
+                zones += [MapArea(feature.name, polygon, *limits) for polygon in mended[0]]
                 if at_times and (time is None or periods_of(feature.tags) is None):
                     remarks.append(f"{feature.name}: active at times only, kept at all times")
                 remarks += [f"{feature.name}: mended ({mended[1]})"] if mended[1] else []
@@ -90,7 +90,7 @@ def find_zones(
     return Zones(tuple(zones), tuple(passed), tuple(remarks))
 
 
-def join_zones(zones: Sequence[Zone]) -> tuple[Any, tuple[Any, ...]]:
+def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
     """The polygon that the zones make together with those they touch: the one nearest to home, and the others.
 
     From one to the other no flight may go.

@@ -16,7 +16,7 @@ from scipy.ndimage import map_coordinates
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.geoid import undulation
-from ipoa_mission.maps.raster import Raster, open_raster
+from ipoa_mission.maps.raster import RasterFile, open_raster
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 
@@ -97,14 +97,14 @@ def _knots(low: float, high: float) -> Vector:
     return np.linspace(low, high, KNOTS, dtype=np.float64)
 
 
-def _pixels(raster: Raster, frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
+def _pixels(raster: RasterFile, frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
     """Column, row and altitude [m AMSL] of a lattice of places, (3, len(east), len(north))."""
     lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
     return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))
 
 
-def _posts(raster: Raster, frame: LocalFrame, first: "_First", heights: NDArray[np.float64]) -> NDArray[np.float64]:
+def _posts(raster: RasterFile, frame: LocalFrame, first: "_First", heights: NDArray[np.float64]) -> NDArray[np.float64]:
     """East, north, up of every post read, (3, rows, columns): at one place on Earth they are linear in height."""
     rows, columns = (begin + np.arange(count) for begin, count in zip(first, heights.shape, strict=True))
     knots = [_knots(each[0], each[-1]) for each in (rows, columns)]
@@ -158,7 +158,7 @@ def _raise_over_posts(
     return float(raised.max())
 
 
-def _post_distance(raster: Raster, frame: LocalFrame, area: NDArray[np.float64]) -> float:
+def _post_distance(raster: RasterFile, frame: LocalFrame, area: NDArray[np.float64]) -> float:
     """Distance between neighboring posts in the middle of the area, the shorter of both ways [m]."""
     column, row = (float(area[i].mean()) for i in (0, 1))
     places = raster.places(np.array([column, column + 1, column]), np.array([row, row, row + 1]))
@@ -167,7 +167,7 @@ def _post_distance(raster: Raster, frame: LocalFrame, area: NDArray[np.float64])
 
 
 def _above_sea(
-    heights: NDArray[np.float64], raster: Raster, first: "_First", rules: ElevationRules
+    heights: NDArray[np.float64], raster: RasterFile, first: "_First", rules: ElevationRules
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """Heights above mean sea level, and what was said about it."""
     counted = rules.heights or ("ellipsoidal" if raster.ellipsoidal else "amsl")

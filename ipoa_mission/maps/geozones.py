@@ -26,7 +26,7 @@ _EARTH = Geod(ellps="WGS84")
 
 
 @dataclass(frozen=True)
-class Limit:
+class VerticalLimit:
     """A lower or upper limit [m], above ground (`AGL`) or above mean sea level (`AMSL`)."""
 
     height: float
@@ -84,7 +84,7 @@ def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield key, str(layer[key])
 
 
-def limits_of(tags: Mapping[str, str], place: str) -> tuple[Limit | None, Limit | None]:
+def limits_of(tags: Mapping[str, str], place: str) -> tuple[VerticalLimit | None, VerticalLimit | None]:
     """Lower and upper limit; None where there is none, or where it is the ground itself.
 
     Raises:
@@ -96,7 +96,7 @@ def limits_of(tags: Mapping[str, str], place: str) -> tuple[Limit | None, Limit 
     return (None if lower is not None and lower.reference == "AGL" and lower.height <= 0 else lower), upper
 
 
-def _limit(tags: Mapping[str, str], side: str, place: str) -> Limit | None:
+def _limit(tags: Mapping[str, str], side: str, place: str) -> VerticalLimit | None:
     if side not in tags:
         return None
     unit, reference = tags.get("uom", "M").upper(), tags.get(f"{side}Reference", "AGL").upper()
@@ -108,7 +108,7 @@ def _limit(tags: Mapping[str, str], side: str, place: str) -> Limit | None:
         raise BadInput(f"{place}.{side}: expected a number in M or FT, not {tags[side]!r} in {unit!r}")
     if reference not in REFERENCES:
         raise BadInput(f"{place}.{side}Reference: expected AGL or AMSL, not {reference!r}")
-    return Limit(height * UNITS[unit], reference)
+    return VerticalLimit(height * UNITS[unit], reference)
 
 
 def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:

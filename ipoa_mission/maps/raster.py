@@ -25,7 +25,7 @@ FILL_REACH = 100  # pixels over which a missing height is filled from its neighb
 
 
 @dataclass(frozen=True, eq=False)
-class Raster:
+class RasterFile:
     """An open dataset. Pixel coordinates are those of posts: column 0, row 0 is the center of the first pixel."""
 
     path: Path
@@ -154,7 +154,7 @@ class Raster:
 
 
 @contextmanager
-def open_raster(path: Path, nodata: float | None) -> Iterator[Raster]:
+def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
     """An elevation raster, open while in use.
 
     Raises:
@@ -171,7 +171,7 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[Raster]:
         raise BadInput(f"{path}: expected an elevation model: {error}") from error
     try:
         with dataset:
-            yield Raster(path, dataset, nodata)
+            yield RasterFile(path, dataset, nodata)
     except (rasterio.errors.RasterioError, ProjError, UnicodeDecodeError) as error:
         raise BadInput(
             f"{path}: expected an elevation model, but it is damaged: {str(error).splitlines()[0]:.200}",

@@ -7,9 +7,9 @@ Fences have no height; rally points stand above home.
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.commands import Command, Frame, command_name
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import FenceCircle, FencePolygon, Item
+from ipoa_mission.mission.commands import Command, Frame, command_name
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item
 from ipoa_mission.world.frame import Geodetic
 
 #: Command -> whether the vehicle must stay inside.

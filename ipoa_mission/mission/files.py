@@ -1,78 +1,126 @@
 """Mission files of any kind: read by what is in them, written by the suffix."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.items import Mission
-from ipoa_mission.mission.document import parse_document
-from ipoa_mission.mission.landing_ground import over_known_ground
-from ipoa_mission.mission.parameter_file import beside, read_parameters
-from ipoa_mission.mission.plan_file import is_old_mission, parse_old_mission, parse_plan, plan_text, write_plan
-from ipoa_mission.mission.waypoints_file import FIRST_LINE, parse_waypoints, waypoints_text, write_waypoints
+from ipoa_mission.finding import Severity
+from ipoa_mission.mission.about_file import landing_height_beside
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.landing_ground import landing_height, landing_on
+from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.parameter_file import beside, read_parameters, write_with_parameters
+from ipoa_mission.mission.plan_file import parse_plan, plan_text
+from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.vehicles.known_parameters import firmware_of
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
-    """Read a `.plan`, a `.waypoints` or an old `.mission` file, whatever it is called, and NAME.params beside it.
+    """Read a mission file, whatever it is called, and NAME.params beside it.
 
-    Where it lands the ground is as high as NAME.json says, if that was written with this very file.
+    Where it lands the ground is as high as the file says, or NAME.json, if that was written with this very file.
 
-    `autopilot` goes before what a `.plan` says of itself; a `.waypoints` file says nothing: without it, it is for whom
-    its parameters are, else for PX4.
+    Args:
+        path: of a `.plan` or a `.waypoints` file.
+        autopilot: goes before what a `.plan` says of itself; a `.waypoints` file says nothing: without it, it is for
+            whom its parameters are, else for PX4.
+
+    Returns:
+        The mission; what the reading had to say besides is told by `check`.
+
+    Raises:
+        BadInput: the file cannot be read, is neither, or says two things of an item; the message names the place.
+
+    Example:
+        >>> from ipoa_mission import read_mission
+        >>> len(read_mission("missions/sitl.plan").items) > 2
+        True
+    """
+    file = read_mission_file(path, autopilot)
+    if wrong := [finding for finding in file.findings if finding.severity is Severity.ERROR]:
+        raise BadInput(f"{path}: {wrong[0].message}", hint=wrong[0].hint)
+    return file.mission
+
+
+def read_mission_file(path: str | Path, autopilot: Autopilot | None = None) -> MissionFile:
+    """Read a mission file as `read_mission` does, with what was odd in it.
+
+    Args:
+        path: of a `.plan` or a `.waypoints` file.
+        autopilot: as for `read_mission`.
+
+    Returns:
+        The mission, the findings of reading it, and the text.
 
     Raises:
         BadInput: the file cannot be read or is neither; the message names the place.
+
+    Example:
+        >>> from ipoa_mission import read_mission_file
+        >>> read_mission_file("missions/sitl.plan").findings
+        ()
     """
     lying = beside(Path(path))
     parameters = read_parameters(lying) if lying.is_file() else {}
     text = read_text(Path(path))
-    mission = _parsed(Path(path), text, autopilot, firmware_of(parameters) or default_autopilot())
-    mission = over_known_ground(mission, Path(path), text)
+    file = _parsed(Path(path), text, autopilot, firmware_of(parameters) or default_autopilot())
+    mission = file.mission
+    if landing_height(mission) is None and (height := landing_height_beside(Path(path), text)) is not None:
+        mission = landing_on(mission, height)
     try:
-        return mission.with_parameters(parameters)
+        return replace(file, mission=mission.with_parameters(parameters))
     except BadInput as error:
         raise BadInput(f"{lying}: {error}", hint=error.hint) from error
 
 
-def _parsed(path: Path, text: str, autopilot: Autopilot | None, unsaid: Autopilot) -> Mission:
+def _parsed(path: Path, text: str, autopilot: Autopilot | None, unsaid: Autopilot) -> MissionFile:
     beginning = text.lstrip()[: len(FIRST_LINE)]
     if beginning.startswith("{") or (path.suffix.lower() == ".plan" and not beginning.startswith("QGC WPL")):
-        document = parse_document(path, text)
-        if is_old_mission(document):
-            return parse_old_mission(document, autopilot)
         return parse_plan(path, text, autopilot)
     if beginning.startswith("QGC WPL") or path.suffix.lower() == ".waypoints":
         return parse_waypoints(path, text, autopilot or unsaid)
     raise BadInput(f"{path}: expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}")
 
 
-def write_mission(mission: Mission, path: str | Path, suffix: str | None = None) -> tuple[str, ...]:
-    """Write a `.plan` or a `.waypoints` file, by the suffix; returned in words: what it cannot hold, or a reader loses.
-
-    `suffix`, if given, goes before the path's own.
+def write_mission(
+    mission: Mission, path: str | Path, suffix: str | None = None, read_from: MissionFile | None = None
+) -> tuple[str, ...]:
+    """Write a `.plan` or a `.waypoints` file, by the suffix.
 
     The mission's parameters go beside it (NAME.params), where `read_mission` finds them.
 
+    Args:
+        mission: what is written.
+        path: of the file.
+        suffix: goes before the path's own.
+        read_from: a file of this kind; a mission that is still as it was read from it is written byte for byte so.
+
+    Returns:
+        In words: what the format cannot hold, or a reader loses.
+
     Raises:
         BadInput: another suffix, or the mission cannot be put into this format.
+
+    Example:
+        >>> from ipoa_mission import read_mission, write_mission
+        >>> write_mission(read_mission("missions/sitl.plan"), "again.plan")
+        ()
     """
-    path = Path(path)
-    match suffix or path.suffix.lower():
-        case ".plan":
-            write_plan(mission, path)
-            return ()
-        case ".waypoints":
-            return write_waypoints(mission, path)
-        case other:
-            raise BadInput(f'{path}: expected a name that ends in .plan or .waypoints, not in "{other}"')
+    suffix = suffix or Path(path).suffix.lower()
+    if suffix not in (".plan", ".waypoints"):
+        raise BadInput(f'{path}: expected a name that ends in .plan or .waypoints, not in "{suffix}"')
+    write_with_parameters(mission, {Path(path): mission_text(mission, suffix, read_from)})
+    return lost_in_waypoints(mission) if suffix == ".waypoints" else ()
 
 
-def mission_text(mission: Mission, suffix: str) -> str:
-    """The text of a `.plan` or a `.waypoints` file.
+def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = None) -> str:
+    """The text of a `.plan` or a `.waypoints` file; as for `write_mission`.
 
     Raises:
         BadInput: the mission cannot be put into this format.
     """
+    if read_from is not None and read_from.suffix == suffix and read_from.still_holds(mission):
+        return read_from.source
     return plan_text(mission) if suffix == ".plan" else waypoints_text(mission)

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item, Mission
+from ipoa_mission.mission.commands import Command, Frame, command_name, plain_frame
+from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.firmware import Firmware
 from ipoa_mission.vehicles.version import Version

@@ -1,77 +1,56 @@
-"""The ground where a mission lands: a `.plan` of ours holds it, NAME.json has it of the files written with it.
+"""The ground where a mission lands, as far as the mission itself knows it."""
 
-Ground stations pass over what a `.plan` says of it, and leave it out where they write the file anew.
-"""
-
-import json
 import math
 from dataclasses import replace
-from hashlib import sha256
-from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.commands import Command
-from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text
-from ipoa_mission.items import Mission
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from ipoa_mission.world.ground import Ground, HighPlace
+from ipoa_mission.world.ground import LEVEL, Ground, HighPlace
 
-KEY = "landing_ground_m"
 SAME_PLACE = 0.1  # [m]
-LARGEST = 10_000_000  # of a NAME.json; a larger one is somebody's map [bytes]
 
 
-def digest(text: str) -> str:
-    """What NAME.json remembers of a file that was written with it."""
-    return sha256(text.encode()).hexdigest()
-
-
-def written_with(about: Path) -> dict[str, str]:
-    """The digests of the files that NAME.json was written with, by name; none if it is not one of ours."""
-    return _digests(_read(about))
-
-
-def landing_ground(mission: Mission) -> float | None:
+def landing_height(mission: Mission) -> float | None:
     """How high above home the ground is where it lands [m]; None where it does not land, or nothing is known of it."""
-    place = landing_place(mission)
-    return None if place is None or mission.ground.is_level else mission.ground.at(*place)
+    told = mission.landing_ground
+    place = None if told is None else landing_place(mission)
+    if told is None or place is None:
+        return None
+    away = math.dist(place, _local(mission, told.latitude_deg, told.longitude_deg))
+    return told.altitude if away <= SAME_PLACE else None
 
 
 def told_in_plan(mission: Mission) -> dict[str, float]:
     """What a `.plan` says of it: where it lands, and how high above home the ground is there; nothing where level."""
-    height, place = landing_ground(mission), landing_place(mission)
+    height, place = landing_height(mission), landing_place(mission)
     if not height or place is None:
         return {}
     there = LocalFrame(mission.home).geodetic(np.array([*place, 0.0]))
     return {"aboveHome": height, "latitude": round(there.latitude_deg, 9), "longitude": round(there.longitude_deg, 9)}
 
 
-def over_told_ground(mission: Mission, above_home: float, latitude: float, longitude: float) -> Mission:
-    """The mission over the ground that its `.plan` tells, unless it now lands elsewhere."""
-    place = landing_place(mission)
-    there = LocalFrame(mission.home).local(Geodetic(latitude, longitude, mission.home.altitude))
-    if place is None or math.dist(place, (float(there[0]), float(there[1]))) > SAME_PLACE:
-        return mission
-    return landing_on(mission, above_home)
-
-
-def over_known_ground(mission: Mission, path: Path, text: str) -> Mission:
-    """The mission that a file at `path` holds, over the ground that NAME.json knows of it, if that is of this text."""
-    if not mission.ground.is_level:
-        return mission
-    told = _read(path.with_suffix(".json"))
-    height = told.get(KEY)
-    if not isinstance(height, float) or not math.isfinite(height) or _digests(told).get(path.name) != digest(text):
-        return mission
-    return landing_on(mission, height)
+def known_ground(mission: Mission) -> Ground:
+    """The ground so high where the mission lands, and as high as home elsewhere."""
+    height, place = landing_height(mission), landing_place(mission)
+    return LEVEL if height is None or place is None else Ground(HighPlace(place, height))
 
 
 def landing_on(mission: Mission, height: float) -> Mission:
-    """The mission where the ground is so high above home [m] where it lands, and as high as home elsewhere."""
+    """The mission where the ground is so high above home [m] where it lands."""
     place = landing_place(mission)
-    return mission if place is None else replace(mission, ground=Ground(HighPlace(place, height)))
+    if place is None:
+        return mission
+    there = LocalFrame(mission.home).geodetic(np.array([*place, 0.0]))
+    return replace(mission, landing_ground=Geodetic(there.latitude_deg, there.longitude_deg, height))
+
+
+def landing_over(mission: Mission, ground: Ground) -> Mission:
+    """The mission with what `ground` says of where it lands, which is nothing if that is level."""
+    place = None if ground.is_level else landing_place(mission)
+    return replace(mission, landing_ground=None) if place is None else landing_on(mission, ground.at(*place))
 
 
 def landing_place(mission: Mission) -> tuple[float, float] | None:
@@ -99,16 +78,3 @@ def _last_place(mission: Mission, index: int) -> tuple[float, float] | None:
 def _local(mission: Mission, latitude: float, longitude: float) -> tuple[float, float]:
     east, north, _ = LocalFrame(mission.home).local(Geodetic(latitude, longitude, mission.home.altitude))
     return float(east), float(north)
-
-
-def _read(about: Path) -> dict[str, object]:
-    try:
-        told = json.loads(read_text(about)) if about.is_file() and about.stat().st_size < LARGEST else {}
-    except (BadInput, OSError, ValueError, RecursionError):
-        return {}
-    return told if isinstance(told, dict) else {}
-
-
-def _digests(told: dict[str, object]) -> dict[str, str]:
-    digests = told.get("sha256")
-    return digests if isinstance(digests, dict) else {}

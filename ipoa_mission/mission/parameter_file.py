@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_together
-from ipoa_mission.items import Mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.parameters import REAL32, SINGLE_MAX, Parameters
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
@@ -20,7 +20,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id
 SEPARATOR = re.compile(r"[,\s]+")
 
 
-def read_parameters(path: Path) -> Parameters:
+def read_parameters(path: str | Path) -> Parameters:
     """The parameters of a `.parm` or `.params` file by name; comments (`#`) and blank lines are passed over.
 
     A parameter that stands twice has its last value, as it would have in the vehicle.
@@ -29,7 +29,7 @@ def read_parameters(path: Path) -> Parameters:
         BadInput: the message names the line, as in `quad.parm: line 3: expected a name and a value, not "WPNAV"`.
     """
     parameters: dict[str, float] = {}
-    for number, line in enumerate(read_text(path).splitlines(), start=1):
+    for number, line in enumerate(read_text(Path(path)).splitlines(), start=1):
         text = line.split("#", 1)[0].strip()
         if text:
             name, value = _name_and_value(text, f"{path}: line {number}")

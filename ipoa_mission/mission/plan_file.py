@@ -12,14 +12,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.commands import FLOWN_TO, Command, Frame, command_name
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.finding import Severity
-from ipoa_mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, command_name
 from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
-from ipoa_mission.mission.landing_ground import over_told_ground, told_in_plan
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.landing_ground import told_in_plan
+from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.scan_items import lay_out
 from ipoa_mission.mission.structure_scan import height_scanned
@@ -34,13 +35,18 @@ CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and params[6
 
 
 def write_plan(mission: Mission, path: str | Path) -> None:
-    """Write a mission with its fence and rally points; the same mission gives the same bytes.
+    """Write a mission with its fence and rally points as a `.plan`; the same mission gives the same bytes.
 
-    Its parameters go beside it (NAME.params).
+    Args:
+        mission: what is written; its parameters go beside it (NAME.params).
+        path: of the file.
 
     Raises:
-        BadInput: the file cannot be written, or the mission holds what no `.plan` can: a place that is no number, a
-            jump to nowhere.
+        BadInput: the file cannot be written, or the mission holds a place that is no number, or a jump to nowhere.
+
+    Example:
+        >>> from ipoa_mission import read_mission, write_plan
+        >>> write_plan(read_mission("missions/sitl.waypoints"), "from-waypoints.plan")
     """
     write_with_parameters(mission, {Path(path): plan_text(mission)})
 
@@ -51,24 +57,24 @@ def plan_text(mission: Mission) -> str:
     Raises:
         BadInput: the mission holds what no `.plan` can.
     """
-    return _unchanged(mission) or json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
+    return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
 
 
-def read_plan(path: Path, autopilot: Autopilot | None = None) -> Mission:
+def read_plan(path: str | Path, autopilot: Autopilot | None = None) -> MissionFile:
     """Read a mission as QGroundControl, MAVSDK or we write it; surveys and corridor scans become their waypoints.
 
-    `autopilot`, if given, goes before the file's `firmwareType`. What is wrong with the file but harms nothing is in
-    `findings`: a home without altitude, a fence without version; and as an error, which `check` shows and which stops
-    an upload: an `Altitude` that is not the one in `params`.
+    `autopilot`, if given, goes before the file's `firmwareType` and `vehicleType`. What is wrong with the file but
+    harms nothing is in `findings`: a home without altitude, a fence without version; and as an error, which `check`
+    shows and which stops an upload: an `Altitude` that is not the one in `params`.
 
     Raises:
         BadInput: the message names the place, as in `campus.plan: mission.items[3].params: expected 7 numbers, not 6`.
     """
-    return parse_plan(path, read_text(path), autopilot)
+    return parse_plan(Path(path), read_text(Path(path)), autopilot)
 
 
-def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mission:
-    """The mission in the text of a `.plan` file; `path` is for messages.
+def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
+    """What the text of a `.plan` file holds; `path` is for messages.
 
     Raises:
         BadInput: as `read_plan`.
@@ -80,9 +86,11 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     mission = plan["mission"]
     if version := mission.get("version"):
         version.whole("2", 2, 2)
-    autopilot = autopilot or autopilot_in(mission["firmwareType"])
     speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
+    vehicle_type = QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255)
+    autopilot = autopilot or autopilot_in(mission["firmwareType"], vehicle_type)
     home, listed = _home(mission["plannedHomePosition"]), _entries(mission["items"])
+    ground = plan.get(LANDING_GROUND)
     read = Mission(
         home=home,
         items=settle_frames(_items(listed), autopilot),
@@ -90,27 +98,14 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in metres per second"),
         fence=_fence(plan.get("geoFence")),
         rally=_rally(plan.get("rallyPoints")),
-        vehicle_type=QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255),
-        findings=tuple(plan.findings),
-        source=text,
+        vehicle_type=vehicle_type,
+        landing_ground=None if ground is None else _landing_ground(ground),
         scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
     )
-    ground = plan.get(LANDING_GROUND)
-    if ground is None:
-        return read
-    numbers = (ground[name].number("a number") for name in ("aboveHome", "latitude", "longitude"))
-    return over_told_ground(read, *numbers)
+    return MissionFile(read, tuple(plan.findings), text, ".plan")
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
-
-
-def _unchanged(mission: Mission) -> str | None:
-    """The text that the mission was read from, where it says all of it still."""
-    if not mission.source.lstrip().startswith("{"):
-        return None
-    again = replace(parse_plan(Path(), mission.source, mission.autopilot), parameters=mission.parameters)
-    return mission.source if repr(again) == repr(mission) else None  # by repr: a null param is NaN
 
 
 def _plan(mission: Mission) -> dict[str, Any]:
@@ -130,9 +125,8 @@ def _plan(mission: Mission) -> dict[str, Any]:
         header |= {"cruiseSpeed": _tidy(mission.cruise_speed), "hoverSpeed": _tidy(mission.cruise_speed)}
     circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
     polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
-    ground = told_in_plan(mission)
     return {
-        **({LANDING_GROUND: ground} if ground else {}),
+        **({LANDING_GROUND: ground} if (ground := told_in_plan(mission)) else {}),
         "fileType": "Plan",
         "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
         "groundStation": "QGroundControl",
@@ -204,14 +198,15 @@ def _tidy(value: float) -> float | int | None:
 # --- reading ----------------------------------------------------------------------------------------------------
 
 
-def autopilot_in(node: Node) -> Autopilot:
-    """The autopilot that a MAV_AUTOPILOT number stands for.
+def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
+    """The autopilot that a MAV_AUTOPILOT number stands for, on this class of vehicle if one is registered for it.
 
     Raises:
         BadInput: it is none that is known.
     """
-    for autopilot in registered():
-        if not isinstance(node.value, bool) and node.value == autopilot.mav_autopilot:
+    if not isinstance(node.value, bool):
+        of_firmware = [one for one in registered() if one.mav_autopilot == node.value]
+        for autopilot in sorted(of_firmware, key=lambda one: mav_type not in one.mav_types):
             return autopilot
     numbers = sorted({(one.mav_autopilot, one.firmware_name) for one in registered()})
     known = " or ".join(f"{number} ({name})" for number, name in numbers)
@@ -368,31 +363,14 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
     return tuple(Geodetic(_degrees(lat), _degrees(lon), alt.number("an altitude in metres")) for lat, lon, alt in nodes)
 
 
+def _landing_ground(node: Node) -> Geodetic:
+    above, latitude, longitude = (node[name].number("a number") for name in ("aboveHome", "latitude", "longitude"))
+    return Geodetic(latitude, longitude, above)
+
+
 def _degrees(node: Node, limit: int = 180) -> float:
     """Degrees that MAVLink can carry; a latitude beyond 90 is left to the check of the mission."""
     degrees = node.number(expected := f"degrees from -{limit} to {limit}")
     if abs(degrees) > limit:
         raise node.wrong(expected)
     return degrees
-
-
-def is_old_mission(document: Node) -> bool:
-    """Whether a JSON document is such a file: it says neither its type nor has it a mission apart."""
-    return isinstance(document.value, dict) and "MAV_AUTOPILOT" in document.value and "items" in document.value
-
-
-def parse_old_mission(document: Node, autopilot: Autopilot | None = None) -> Mission:
-    """The mission in such a document; a jump counts the items from 1, as in the file.
-
-    Raises:
-        BadInput: the message names the place.
-    """
-    autopilot = autopilot or autopilot_in(document["MAV_AUTOPILOT"])
-    latitude, longitude, altitude = (
-        node.number("a number") for node in document["plannedHomePosition"]["coordinate"].array(3, "numbers")
-    )
-    items = [read_item(node).item for node in document["items"].array()]
-    if (complex_items := document.get("complexItems")) and complex_items.value:
-        complex_items.note("surveys of this format are not read")
-    home = Geodetic(latitude, longitude, altitude)
-    return Mission(home, settle_frames(items, autopilot), autopilot, findings=tuple(document.findings))

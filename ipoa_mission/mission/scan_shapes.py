@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ipoa_mission.commands import Command, Frame
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Item
+from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.document import Node
+from ipoa_mission.mission.items import Item
 from ipoa_mission.world.sphere import SphericalPlane
 
 FARTHEST = 100_000.0  # any length of a scan [m]

@@ -8,11 +8,11 @@ import math
 
 import numpy as np
 
-from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Item, waypoint
+from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.document import Node
+from ipoa_mission.mission.items import Item, waypoint
 from ipoa_mission.mission.scan_shapes import corners_of, length_of, plane_about, trigger
 from ipoa_mission.world.frame import Geodetic
 

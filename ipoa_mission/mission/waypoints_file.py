@@ -12,18 +12,19 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.items import Item, Mission
+from ipoa_mission.mission.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
 from ipoa_mission.mission.firmware import home_item, settle_frames
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.world.frame import Geodetic
 
-FIRST_LINE = "QGC WPL 110"
+SUFFIX, FIRST_LINE = ".waypoints", "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
 NO_COMMAND = 0  # what Mission Planner gives a home that it does not know
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
@@ -33,16 +34,25 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | r
 
 
 def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
-    """Write home and items; what the format cannot hold, or a reader loses, is returned in words to be told.
+    """Write home and items as a `.waypoints` file; the same mission gives the same bytes.
 
-    The mission's parameters go beside it (NAME.params).
+    Args:
+        mission: what is written; its parameters go beside it (NAME.params).
+        path: of the file.
+
+    Returns:
+        In words: what the format cannot hold, or a reader loses.
 
     Raises:
         BadInput: the file cannot be written, or an altitude is above terrain or no number.
+
+    Example:
+        >>> from ipoa_mission import read_mission, write_waypoints
+        >>> write_waypoints(read_mission("missions/sitl.plan"), "again.waypoints")
+        ('QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there',)
     """
     write_with_parameters(mission, {Path(path): waypoints_text(mission)})
-    takes_off = any(item.command in TAKEOFFS for item in mission.items)
-    return (*left_out(mission), *([TAKEOFF_LOST] if takes_off else []))
+    return lost_in_waypoints(mission)
 
 
 def waypoints_text(mission: Mission) -> str:
@@ -51,7 +61,19 @@ def waypoints_text(mission: Mission) -> str:
     Raises:
         BadInput: an altitude is above terrain or no number.
     """
-    return _unchanged(mission) or _waypoints(mission)
+    items = settle_frames(mission.items, mission.autopilot)
+    for number, item in enumerate((home_item(mission.home), *items)):
+        _check(number, item)
+    if not mission.autopilot.firmware().nan_holds:
+        items = tuple(map(_without_nan, items))
+    lines = [FIRST_LINE, *(_line(seq, item) for seq, item in enumerate((home_item(mission.home), *items)))]
+    return "\n".join(lines) + "\n"
+
+
+def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
+    """What a `.waypoints` file cannot hold, or QGroundControl loses of it, in words."""
+    takes_off = any(item.command in TAKEOFFS for item in mission.items)
+    return (*left_out(mission), *([TAKEOFF_LOST] if takes_off else []))
 
 
 def left_out(mission: Mission) -> tuple[str, ...]:
@@ -60,7 +82,7 @@ def left_out(mission: Mission) -> tuple[str, ...]:
     return tuple(f"{name} cannot be held by a .waypoints file" for name, what in parts.items() if what)
 
 
-def read_waypoints(path: Path, autopilot: Autopilot | None = None) -> Mission:
+def read_waypoints(path: str | Path, autopilot: Autopilot | None = None) -> MissionFile:
     """Read home and items; CRLF, blank lines and `#` comments are let pass.
 
     Read and noted in `findings`: numbers that leave some out (items are numbered by their lines, as MAVProxy does), a
@@ -69,11 +91,11 @@ def read_waypoints(path: Path, autopilot: Autopilot | None = None) -> Mission:
     Raises:
         BadInput: the message names line and field, as in `a.waypoints: line 4: latitude: expected a number, not "x"`.
     """
-    return parse_waypoints(path, read_text(path), autopilot)
+    return parse_waypoints(Path(path), read_text(Path(path)), autopilot)
 
 
-def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> Mission:
-    """The mission in the text of a `.waypoints` file; `path` is for messages.
+def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
+    """What is in the text of a `.waypoints` file; `path` is for messages.
 
     Raises:
         BadInput: as `read_waypoints`.
@@ -99,10 +121,10 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
         home = replace(home, latitude_deg=places[0].latitude_deg, longitude_deg=places[0].longitude_deg)
         message = "home: 0, 0 stands for no place: the first place of the mission is taken for it"
         findings.append(Finding("file-home", Severity.WARNING, 0, message))
-    return Mission(home, items, autopilot, findings=tuple(findings), source=text)
+    return MissionFile(Mission(home, items, autopilot), tuple(findings), text, SUFFIX)
 
 
-def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) -> Mission:
+def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) -> MissionFile:
     """A fence or rally points that were saved as waypoints; item 0 may be a home."""
     items = items[1:] if items[0].command == Command.NAV_WAYPOINT else items
     is_rally = items[0].command == Command.NAV_RALLY_POINT
@@ -110,32 +132,13 @@ def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) 
     what = "rally points" if is_rally else "a geofence"
     finding = Finding("file-other-list", Severity.WARNING, None, f"the file holds {what} and no mission")
     try:
-        if is_rally:
-            return Mission(home, (), autopilot, rally=rally_from_wire(items), findings=(finding,), source=text)
-        return Mission(home, (), autopilot, fence=fence_from_wire(items), findings=(finding,), source=text)
+        fence, rally = ((), rally_from_wire(items)) if is_rally else (fence_from_wire(items), ())
     except MissionError as error:
         raise BadInput(f"{path}: {error}") from None
+    return MissionFile(Mission(home, (), autopilot, fence=fence, rally=rally), (finding,), text, SUFFIX)
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
-
-
-def _unchanged(mission: Mission) -> str | None:
-    """The text that the mission was read from, where it says all of it still."""
-    if not mission.source.startswith(FIRST_LINE):
-        return None
-    again = replace(parse_waypoints(Path(), mission.source, mission.autopilot), parameters=mission.parameters)
-    return mission.source if repr(again) == repr(mission) else None  # by repr: a param may be NaN
-
-
-def _waypoints(mission: Mission) -> str:
-    items = settle_frames(mission.items, mission.autopilot)
-    for number, item in enumerate((home_item(mission.home), *items)):
-        _check(number, item)
-    if not mission.autopilot.firmware().nan_holds:
-        items = tuple(map(_without_nan, items))
-    lines = [FIRST_LINE, *(_line(seq, item) for seq, item in enumerate((home_item(mission.home), *items)))]
-    return "\n".join(lines) + "\n"
 
 
 def _check(number: int, item: Item) -> None:

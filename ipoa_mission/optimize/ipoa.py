@@ -22,35 +22,66 @@ from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction, Mem
 class IPOA:
     """POA with a chaotic and refracted start, an inertia weight, Levy flights and a t-distributed mutation.
 
-    Constants are those of Table 2 where it has them; k n of eq. (20) and the range of eq. (29) are not given there.
+    Defaults are those of Table 2 where it has them; k n of eq. (20) and the range of eq. (29) are not given there.
+
+    Attributes:
+        population: pelicans, N.
+        iterations: T.
+        radius: R of (16).
+        chaos: a of (18).
+        refraction: k n of (20); 1 is plain opposition.
+        beta: of the Levy flight, (25).
+        freedom_least: nu at the first iteration, (29): Cauchy.
+        freedom_most: nu at the last: all but Gauss.
+        chaotic_start: (18)-(21); off: a uniform start.
+        inertia: (22), (23); off: omega is 1.
+        levy: (24)-(27); off: POA's own exploitation.
+        mutation: (28)-(30); off: no third batch.
+        reading: what s of (27) multiplies.
+        weight: omega of (22).
+        prey: a member of the population, or the best one.
+        mutated: (30) for each, for the best only; (28) around each.
+        rand: what rand of (23) is drawn for; the authors of POA: a pelican.
+        steps: what s of (27) and t(nu) of (30) are drawn for.
+        share: of s that is taken: 0.01 is usual in cuckoo search and Harris hawks.
+
+    Example:
+        >>> IPOA(iterations=200, mutation=False).population
+        30
     """
 
     population: Members = 30
     iterations: Count = 1000
-    radius: Amount = 0.2  # R of (16)
-    chaos: Annotated[float, Between(0.01, 1)] = 0.7  # a of (18)
-    refraction: Annotated[float, Between(0.01)] = 1.0  # k n of (20): 1 is plain opposition
-    beta: Annotated[float, Between(0.3, 1.99)] = 1.5  # of the Levy flight, (25)
-    freedom_least: Annotated[float, Between(0.1)] = 1.0  # nu at the first iteration, (29): Cauchy
-    freedom_most: Annotated[float, Between(0.1)] = 30.0  # nu at the last: all but Gauss
+    radius: Amount = 0.2
+    chaos: Annotated[float, Between(0.01, 1)] = 0.7
+    refraction: Annotated[float, Between(0.01)] = 1.0
+    beta: Annotated[float, Between(0.3, 1.99)] = 1.5
+    freedom_least: Annotated[float, Between(0.1)] = 1.0
+    freedom_most: Annotated[float, Between(0.1)] = 30.0
 
-    # The strategies
-    chaotic_start: bool = True  # (18)-(21); off: a uniform start
-    inertia: bool = True  # (22), (23); off: omega is 1
-    levy: bool = True  # (24)-(27); off: POA's own exploitation
-    mutation: bool = True  # (28)-(30); off: no third batch
+    chaotic_start: bool = True
+    inertia: bool = True
+    levy: bool = True
+    mutation: bool = True
 
-    # The readings
-    reading: Literal["step", "literal", "survivor"] = "step"  # what s of (27) multiplies
-    weight: Literal["exp(t/T)", "exp(t/T-1)", "exp(t/T)-1"] = "exp(t/T)"  # omega of (22)
+    reading: Literal["step", "literal", "survivor"] = "step"
+    weight: Literal["exp(t/T)", "exp(t/T-1)", "exp(t/T)-1"] = "exp(t/T)"
     prey: Literal["member", "best"] = "member"
-    mutated: Literal["each", "best", "own"] = "each"  # (30) for each, for the best only; (28) around each
-    rand: Literal["pelican", "dimension"] = "pelican"  # what rand of (23) is drawn for; the authors of POA: a pelican
-    steps: Literal["pelican", "dimension"] = "dimension"  # what s of (27) and t(nu) of (30) are drawn for
-    share: Fraction = 1.0  # of s that is taken: 0.01 is usual in cuckoo search and Harris hawks
+    mutated: Literal["each", "best", "own"] = "each"
+    rand: Literal["pelican", "dimension"] = "pelican"
+    steps: Literal["pelican", "dimension"] = "dimension"
+    share: Fraction = 1.0
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield 2 N candidates (N without the chaotic start), then two or three batches an iteration."""
+        """Yield 2 N candidates (N without the chaotic start), then two or three batches an iteration.
+
+        Args:
+            box: the space that is searched.
+            rng: where the random numbers come from.
+
+        Returns:
+            A generator of candidates (n, D), which is sent costs (n,).
+        """
         n, d = self.population, box.dimension
         rands, steps = (1 if drawn_for == "pelican" else d for drawn_for in (self.rand, self.steps))
         if self.chaotic_start:

@@ -22,7 +22,16 @@ SEARCH_EVALUATIONS = 30_000  # about as many as the paper gives a search
 
 @dataclass(frozen=True)
 class Box:
-    """The search space: lower and upper bound of each variable, (D,) each."""
+    """The space that is searched: a range for each of its D variables.
+
+    Attributes:
+        lower: least values, (D,).
+        upper: greatest values, (D,).
+
+    Example:
+        >>> Box(np.zeros(3), np.ones(3)).clip(np.array([0.5, -2.0, 7.0]))
+        array([0.5, 0. , 1. ])
+    """
 
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
@@ -33,7 +42,15 @@ class Box:
         return len(self.lower)
 
     def sample(self, n: int, rng: np.random.Generator) -> Candidates:
-        """`n` candidates drawn uniformly, (n, D): the paper's eq. (13)."""
+        """Candidates drawn uniformly: the paper's eq. (13).
+
+        Args:
+            n: how many.
+            rng: where the random numbers come from.
+
+        Returns:
+            The candidates, (n, D).
+        """
         return self.lower + rng.random((n, self.dimension)) * (self.upper - self.lower)
 
     def clip(self, x: Candidates) -> Candidates:
@@ -42,10 +59,28 @@ class Box:
 
 
 class Optimizer(Protocol):
-    """An algorithm with its settings. `search` is a generator: it yields candidates (n, D) and is sent costs (n,)."""
+    """An algorithm with its settings: whatever has such a `search`.
+
+    Example:
+        >>> class Once:
+        ...     def search(self, box, rng):
+        ...         yield box.sample(100, rng)
+        >>> box, rng = Box(-np.ones(2), np.ones(2)), np.random.default_rng(1)
+        >>> found = minimize(lambda x: (x**2).sum(axis=1), box, Once(), rng)
+        >>> len(found.x), int(found.evaluations[-1])
+        (2, 100)
+    """
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield batches until the algorithm's own number of iterations is done."""
+        """Yield candidates (n, D) and be sent their costs (n,), until the algorithm's own number of iterations is done.
+
+        Args:
+            box: the space that is searched.
+            rng: where the random numbers come from.
+
+        Returns:
+            A generator.
+        """
         ...
 
 
@@ -67,12 +102,29 @@ def minimize(
     box: Box,
     optimizer: Optimizer,
     rng: np.random.Generator,
+    *,
     budget: int | None = None,
     progress: Progress = silent,
 ) -> Optimum:
-    """Run `optimizer` on `cost` inside `box`; stop before the batch that would exceed `budget` evaluations.
+    """Run an optimizer on a cost; stop before the batch that would exceed the budget.
 
-    `progress` is told the evaluations and the best cost after each batch; without a budget its share is a guess.
+    Args:
+        cost: takes many candidates at once, (n, D), and returns a cost for each, (n,).
+        box: the space that is searched.
+        optimizer: the algorithm with its settings.
+        rng: where the random numbers come from.
+        budget: how many evaluations there may be; left out, as many as the optimizer makes.
+        progress: told the share done, a guess without a budget, and the best cost, after each batch.
+
+    Returns:
+        The best candidate `x` (D,), its `cost`, and the best cost known (`history`) after so many `evaluations`.
+
+    Example:
+        >>> from ipoa_mission import IPOA, Box, minimize
+        >>> box = Box(np.full(4, -5.0), np.full(4, 5.0))
+        >>> best = minimize(lambda x: (x**2).sum(axis=1), box, IPOA(iterations=50), np.random.default_rng(7))
+        >>> bool(best.cost < 1e-3)
+        True
     """
     search = optimizer.search(box, rng)
     best_x, best = np.full(box.dimension, np.nan), np.inf

@@ -13,7 +13,7 @@ from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.function_tables import FLOOR, mean_log_error, off_the_print
 from ipoa_mission.paper.map_tables import mean_over_maps
 from ipoa_mission.paper.maps import MAPS
-from ipoa_mission.paper.rows import Row, mean_evaluations, results, runs_of, settings_text
+from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of, settings_text
 from ipoa_mission.paper.series import ABLATION, BEYOND, EQUAL
 from ipoa_mission.paper.statistics import Samples, against, counted, places, ranking, told_apart
 from ipoa_mission.paper.tables import Table, number
@@ -21,7 +21,7 @@ from ipoa_mission.paper.tables import Table, number
 OURS = BEYOND[0]
 
 
-def table_equal(rows: Sequence[Row]) -> Table:
+def table_equal(rows: Sequence[TrialRow]) -> Table:
     """The six at the same number of evaluations: what is left of the places when nobody is given more."""
     settings = {name: settings_text(**wanted) for name, wanted in EQUAL.items()}
 
@@ -45,7 +45,7 @@ def table_equal(rows: Sequence[Row]) -> Table:
     )
 
 
-def table_ablation(rows: Sequence[Row]) -> Table:
+def table_ablation(rows: Sequence[TrialRow]) -> Table:
     """IPOA on CEC2022 with each strategy off and each other reading, one at a time."""
     return Table(
         f"Ablation and readings: IPOA on CEC2022, D = 20, {runs_of(rows)} runs.",
@@ -67,7 +67,7 @@ def table_ablation(rows: Sequence[Row]) -> Table:
     )
 
 
-def table_maps_ablation(rows: Sequence[Row]) -> Table:
+def table_maps_ablation(rows: Sequence[TrialRow]) -> Table:
     """The same on the maps, by cost."""
     return Table(
         f"Ablation and readings on the maps: mean cost of IPOA, {runs_of(rows)} runs, absolute coordinates.",
@@ -85,7 +85,7 @@ def table_maps_ablation(rows: Sequence[Row]) -> Table:
     )
 
 
-def _against_the_first(rows: Sequence[Row], wanted: dict[str, object], cases: Sequence[str]) -> list[str]:
+def _against_the_first(rows: Sequence[TrialRow], wanted: dict[str, object], cases: Sequence[str]) -> list[str]:
     """On how many cases IPOA so set is better, the same and worse than by default; then its mean on each."""
     ours, first = (
         [results(rows, case, "ipoa", settings=settings) for case in cases]
@@ -95,7 +95,7 @@ def _against_the_first(rows: Sequence[Row], wanted: dict[str, object], cases: Se
     return [counted(signs) if wanted else "-", *(number(costs.mean()) for costs in ours)]
 
 
-def table_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
+def table_beyond(rows: Sequence[TrialRow], paper: Sequence[TrialRow]) -> Table:
     """Mean error of the rivals beyond the paper, beside the paper's six."""
     everyone = [*rows, *paper]
     names = [*BEYOND, *published.ALGORITHMS]
@@ -117,7 +117,7 @@ def table_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
     )
 
 
-def table_maps_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
+def table_maps_beyond(rows: Sequence[TrialRow], paper: Sequence[TrialRow]) -> Table:
     """Mean cost on each map: rivals beyond the paper beside the paper's six."""
     everyone = [*rows, *paper]
     names = [*BEYOND, *published.ALGORITHMS]
@@ -131,7 +131,7 @@ def table_maps_beyond(rows: Sequence[Row], paper: Sequence[Row]) -> Table:
     )
 
 
-def ours_against(rows: Sequence[Row], paper: Sequence[Row]) -> dict[str, list[str]]:
+def ours_against(rows: Sequence[TrialRow], paper: Sequence[TrialRow]) -> dict[str, list[str]]:
     """For each rival, function by function: is our variant told to be better (+), worse (-), or neither (=)?"""
     everyone = [*rows, *paper]
 
@@ -141,7 +141,7 @@ def ours_against(rows: Sequence[Row], paper: Sequence[Row]) -> dict[str, list[st
     return _each_told_apart(of, OURS, (*BEYOND[1:], "ipoa"), FUNCTIONS)
 
 
-def ours_against_on_maps(rows: Sequence[Row]) -> dict[str, list[str]]:
+def ours_against_on_maps(rows: Sequence[TrialRow]) -> dict[str, list[str]]:
     """The same by cost on the maps; `rows` are those of the paper's six and of the rivals."""
     return _each_told_apart(lambda name, case: results(rows, case, name), OURS, (*BEYOND[1:], "ipoa"), list(MAPS))
 

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.commands import Command
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.optimize.search import Optimum
 from ipoa_mission.paper.maps import path_problem
 from ipoa_mission.paper.problem import Measures, Problem
@@ -22,7 +23,6 @@ from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.timing.estimate import estimate
 
 #: The scenario: in a wheel beside this file, in the repository where all missions are.
 PLACES = (Path(__file__).with_name("campus.toml"), Path(__file__).parents[2] / "missions" / "paper" / "campus.toml")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
 from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.paper.published import ALGORITHMS
-from ipoa_mission.paper.rows import Row, results
+from ipoa_mission.paper.rows import TrialRow, results
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import palette
@@ -62,7 +62,7 @@ def figure_5() -> str:
     return draw_svg(figure)
 
 
-def figure_7(rows: Sequence[Row]) -> str:
+def figure_7(rows: Sequence[TrialRow]) -> str:
     """Convergence at D = 20: the best cost known, averaged over the runs, by the share of the evaluations spent."""
     figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
@@ -81,7 +81,7 @@ def figure_7(rows: Sequence[Row]) -> str:
     return draw_svg(figure)
 
 
-def figure_8(rows: Sequence[Row]) -> str:
+def figure_8(rows: Sequence[TrialRow]) -> str:
     """Box plots of the cost at D = 10."""
     figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
@@ -133,7 +133,7 @@ def draw_svg(figure: Any) -> str:
     return text.getvalue()
 
 
-def paths_on_maps(rows: Sequence[Row], scenarios: dict[str, Scenario]) -> str:
+def paths_on_maps(rows: Sequence[TrialRow], scenarios: dict[str, Scenario]) -> str:
     """For each map, from above and from the front, the path of each algorithm: of its runs the one that costs least."""
     figure, panels = panels_of(len(scenarios), 2, 11, 4.6 * len(scenarios))
     for (case, scenario), above, front in zip(scenarios.items(), panels[::2], panels[1::2], strict=True):

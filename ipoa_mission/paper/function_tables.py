@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.paper import published
 from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.paper.rows import Row, mean_evaluations, results, runs_of
+from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of
 from ipoa_mission.paper.statistics import against, holm, places, rank_sum, ranking
 from ipoa_mission.paper.tables import Table, beside_print, factor, number
 
@@ -19,13 +19,13 @@ _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {
 }
 
 
-def mean_log_error(rows: Sequence[Row], algorithm: str, settings: str = "{}") -> float:
+def mean_log_error(rows: Sequence[TrialRow], algorithm: str, settings: str = "{}") -> float:
     """log10 of the mean error, averaged over the twelve functions: how near the optimum a method comes."""
     means = [max(results(rows, function, algorithm, settings=settings).mean(), FLOOR) for function in FUNCTIONS]
     return float(np.mean(np.log10(means)))
 
 
-def off_the_print(rows: Sequence[Row], algorithm: str = "ipoa", settings: str = "{}") -> float:
+def off_the_print(rows: Sequence[TrialRow], algorithm: str = "ipoa", settings: str = "{}") -> float:
     """Mean of |ln(our mean error / the printed one)| over the functions: 0 is a match, 0.69 a factor of two."""
     k = published.ALGORITHMS.index(algorithm)
     ratios = [
@@ -35,7 +35,7 @@ def off_the_print(rows: Sequence[Row], algorithm: str = "ipoa", settings: str = 
     return float(np.mean(np.abs(np.log(ratios))))
 
 
-def firsts(rows: Sequence[Row]) -> int:
+def firsts(rows: Sequence[TrialRow]) -> int:
     """In how many of the 36 bests, means and SDs IPOA is first."""
     return sum(
         places([of(results(rows, f, name)) for name in published.ALGORITHMS])[0] == 1
@@ -49,7 +49,7 @@ def printed_firsts() -> int:
     return sum(places(published.TABLE_3[f][metric])[0] == 1 for f in FUNCTIONS for metric in _METRICS)
 
 
-def table_3(rows: Sequence[Row]) -> Table:
+def table_3(rows: Sequence[TrialRow]) -> Table:
     """Best, mean and SD on CEC2022 at D = 20: ours and its place, the printed value and its place, their ratio."""
     lines = []
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
@@ -86,7 +86,7 @@ def widest_sd(printed: dict[str, published.Numbers], k: int) -> float:
     return float(np.sqrt(30) * (printed["mean"][k] - printed["best"][k]))
 
 
-def table_4(rows: Sequence[Row]) -> Table:
+def table_4(rows: Sequence[TrialRow]) -> Table:
     """Rank-sum tests of IPOA against each rival: ours, corrected by Holm over all sixty, and the printed p."""
     rivals = published.RIVALS_OF_TABLE_4
     raw = [rank_sum(results(rows, f, "ipoa"), results(rows, f, rival)) for rival in rivals for f in FUNCTIONS]
@@ -110,7 +110,7 @@ def table_4(rows: Sequence[Row]) -> Table:
     )
 
 
-def ipoa_against(rows: Sequence[Row]) -> dict[str, list[str]]:
+def ipoa_against(rows: Sequence[TrialRow]) -> dict[str, list[str]]:
     """For each rival of Table 4, function by function: is IPOA told to be better (+), worse (-), or neither (=)?"""
     return against(lambda name, f: results(rows, f, name), "ipoa", published.RIVALS_OF_TABLE_4, FUNCTIONS)
 
@@ -161,7 +161,7 @@ def contradictions() -> Table:
     )
 
 
-def dimension_of_the_print(rows_20: Sequence[Row], rows_10: Sequence[Row]) -> Table:
+def dimension_of_the_print(rows_20: Sequence[TrialRow], rows_10: Sequence[TrialRow]) -> Table:
     """To which dimension the printed means lie nearer, function by function, over the six algorithms."""
     lines = []
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):

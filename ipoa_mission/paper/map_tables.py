@@ -9,7 +9,7 @@ import numpy as np
 
 from ipoa_mission.paper import published
 from ipoa_mission.paper.maps import MAPS, WEIGHTS
-from ipoa_mission.paper.rows import Row, results, runs_of
+from ipoa_mission.paper.rows import TrialRow, results, runs_of
 from ipoa_mission.paper.statistics import against, counted, places, ranking
 from ipoa_mission.paper.tables import Table, beside_print, number, per_cent
 
@@ -17,7 +17,7 @@ _MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Tu
 
 
 def mean_over_maps(
-    rows: Sequence[Row],
+    rows: Sequence[TrialRow],
     algorithm: str,
     measure: str | None = None,
     settings: str = "{}",
@@ -27,7 +27,7 @@ def mean_over_maps(
     return float(np.mean([results(rows, case, algorithm, measure, settings).mean() for case in cases]))
 
 
-def table_5(rows: Sequence[Row]) -> Table:
+def table_5(rows: Sequence[TrialRow]) -> Table:
     """Best, mean and SD of the cost under three sets of weights, ours and printed, each with its place."""
     lines = []
     for experiment, weights in WEIGHTS.items():
@@ -48,17 +48,17 @@ def table_5(rows: Sequence[Row]) -> Table:
     )
 
 
-def table_6(rows: Sequence[Row]) -> Table:
+def table_6(rows: Sequence[TrialRow]) -> Table:
     """Length, iterations to convergence, turn and distance to obstacles on the five maps with eight obstacles."""
     return _flights("Table 6", rows, {k: (f"map-8-{k}", printed) for k, printed in published.TABLE_6.items()})
 
 
-def table_7(rows: Sequence[Row]) -> Table:
+def table_7(rows: Sequence[TrialRow]) -> Table:
     """The same on the maps with six and ten obstacles."""
     return _flights("Table 7", rows, {k: (f"map-{k}-1", printed) for k, printed in published.TABLE_7.items()})
 
 
-def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[str, published.Numbers]]]) -> Table:
+def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, dict[str, published.Numbers]]]) -> Table:
     lines = []
     for case, printed in maps.values():
         for measure, label in _MEASURES.items():
@@ -99,17 +99,17 @@ def _flights(title: str, rows: Sequence[Row], maps: dict[int, tuple[str, dict[st
     )
 
 
-def on_length(rows: Sequence[Row], cases: Sequence[str]) -> dict[str, list[str]]:
+def on_length(rows: Sequence[TrialRow], cases: Sequence[str]) -> dict[str, list[str]]:
     """For each rival, map by map: are IPOA's paths told to be shorter (+), longer (-), or neither (=)?"""
     return against(lambda name, case: results(rows, case, name, "distance"), "ipoa", published.ALGORITHMS[1:], cases)
 
 
-def _ranked_by_length(rows: Sequence[Row], cases: Sequence[str]) -> str:
+def _ranked_by_length(rows: Sequence[TrialRow], cases: Sequence[str]) -> str:
     means = [[results(rows, case, name, "distance").mean() for name in published.ALGORITHMS] for case in cases]
     return ranking(published.ALGORITHMS, np.array(means))
 
 
-def table_8(rows: Sequence[Row]) -> Table:
+def table_8(rows: Sequence[TrialRow]) -> Table:
     """The campus: length, turn, distance to obstacles and flight time, ours and printed, each with its place."""
     measured = {row.trial.algorithm for row in rows}
     names = [*published.ALGORITHMS, *sorted(measured.difference(published.ALGORITHMS))]
@@ -149,7 +149,7 @@ def table_8(rows: Sequence[Row]) -> Table:
     )
 
 
-def _known(rows: Sequence[Row], algorithm: str, measure: str) -> list[float]:
+def _known(rows: Sequence[TrialRow], algorithm: str, measure: str) -> list[float]:
     """A measure of all runs that have it."""
     values = [row.measures[measure] for row in rows if row.trial.algorithm == algorithm and measure in row.measures]
     return [value for value in values if not isinstance(value, list)]

@@ -12,7 +12,7 @@ from ipoa_mission.paper.campus import campus_scenario
 from ipoa_mission.paper.executors import open_executor
 from ipoa_mission.paper.maps import map_scenario
 from ipoa_mission.paper.page import page
-from ipoa_mission.paper.rows import Row, Rows
+from ipoa_mission.paper.rows import Rows, TrialRow
 from ipoa_mission.paper.runs import measure
 from ipoa_mission.paper.series import (
     CAMPUS,
@@ -31,23 +31,23 @@ from ipoa_mission.progress import Progress, silent
 
 
 @dataclass(frozen=True)
-class Item:
+class Artifact:
     """A table or figure: the series it needs, and how it is made of their rows (a table, or SVG text)."""
 
     needs: Sequence[Series]
     make: Callable[[Rows], Table | str]
 
 
-def _of(make: Callable[..., Table | str], *needs: Series) -> Item:
+def _of(make: Callable[..., Table | str], *needs: Series) -> Artifact:
     """An item that is made of the rows of these series, one after the other."""
-    return Item(needs, lambda rows: make(*(rows[series.name] for series in needs)))
+    return Artifact(needs, lambda rows: make(*(rows[series.name] for series in needs)))
 
 
-def _paths(*cases: str) -> Callable[[Sequence[Row]], str]:
+def _paths(*cases: str) -> Callable[[Sequence[TrialRow]], str]:
     return lambda rows: figures.paths_on_maps(rows, {case: map_scenario(case) for case in cases})
 
 
-ITEMS: dict[str, Item] = {
+ITEMS: dict[str, Artifact] = {
     "table-3": _of(function_tables.table_3, CEC_D20),
     "table-4": _of(function_tables.table_4, CEC_D20),
     "figure-3": _of(figures.figure_3),

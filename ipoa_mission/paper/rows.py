@@ -39,7 +39,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Row:
+class TrialRow:
     """A trial and what came of it. `history` is the best cost at `CHECKPOINTS`; `measures` is what else was asked."""
 
     trial: Trial
@@ -53,16 +53,16 @@ class Row:
 
 
 #: The rows of every series, by its name.
-Rows: TypeAlias = Mapping[str, Sequence[Row]]
+Rows: TypeAlias = Mapping[str, Sequence[TrialRow]]
 
 
-def runs_of(rows: Sequence[Row]) -> int:
+def runs_of(rows: Sequence[TrialRow]) -> int:
     """How many runs of each the rows hold."""
     return 1 + max(row.trial.run for row in rows)
 
 
 def results(
-    rows: Sequence[Row], case: str, algorithm: str, measure: str | None = None, settings: str = "{}"
+    rows: Sequence[TrialRow], case: str, algorithm: str, measure: str | None = None, settings: str = "{}"
 ) -> NDArray[np.float64]:
     """The cost of every run on a case, or one of its measures, in the order of the runs, (runs,).
 
@@ -76,7 +76,7 @@ def results(
     return np.array([value for _, value in sorted(values)], dtype=np.float64)
 
 
-def mean_evaluations(rows: Sequence[Row], algorithm: str) -> float:
+def mean_evaluations(rows: Sequence[TrialRow], algorithm: str) -> float:
     """How many evaluations a run of it spent."""
     return float(np.mean([row.evaluations for row in rows if row.trial.algorithm == algorithm]))
 
@@ -86,10 +86,10 @@ def settings_text(**settings: object) -> str:
     return json.dumps(settings, sort_keys=True)
 
 
-_COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(Row) if f.name != "trial"]
+_COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(TrialRow) if f.name != "trial"]
 
 
-def read_rows(path: Path) -> list[Row]:
+def read_rows(path: Path) -> list[TrialRow]:
     """All rows of a file of runs; none if it is not there. A last line that was cut off is no row.
 
     Raises:
@@ -105,19 +105,19 @@ def read_rows(path: Path) -> list[Row]:
     return list(_rows(path, lines[1:]))
 
 
-def _rows(path: Path, lines: Sequence[str]) -> Iterator[Row]:
+def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
     for number, cells in enumerate(csv.reader(lines), start=2):
         try:
             problem, case, dimension, algorithm, settings, budget, run, cost, spent, seconds, history, *rest = cells
             measures, day, versions = rest
             trial = Trial(problem, case, int(dimension), algorithm, settings, int(budget), int(run))
             curve = tuple(float(h) for h in history.split())
-            yield Row(trial, float(cost), int(spent), float(seconds), curve, json.loads(measures), day, versions)
+            yield TrialRow(trial, float(cost), int(spent), float(seconds), curve, json.loads(measures), day, versions)
         except ValueError as error:
             raise BadInput(f"{path}:{number}: expected {len(_COLUMNS)} cells of a run: {error}") from error
 
 
-def line_of(row: Row) -> str:
+def line_of(row: TrialRow) -> str:
     """The row as a line of the file."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerow(

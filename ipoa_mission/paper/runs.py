@@ -24,7 +24,7 @@ from ipoa_mission.paper.cec2022 import cec2022
 from ipoa_mission.paper.maps import map_problem
 from ipoa_mission.paper.peers import RIVALS
 from ipoa_mission.paper.problem import Problem
-from ipoa_mission.paper.rows import Row, Trial, line_of, open_to_append, read_rows
+from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows
 from ipoa_mission.progress import Progress, count, silent
 
 #: Where along a run its best cost is kept: shares of the evaluations it spent.
@@ -35,7 +35,7 @@ CHECKPOINTS = np.linspace(0, 1, 26)
 PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map": map_problem, "campus": campus_problem}
 
 
-def run_trial(trial: Trial) -> Row:
+def run_trial(trial: Trial) -> TrialRow:
     """Run `trial` and say what came of it.
 
     Raises:
@@ -47,7 +47,7 @@ def run_trial(trial: Trial) -> Row:
         return _run(trial)
 
 
-def _run(trial: Trial) -> Row:
+def _run(trial: Trial) -> TrialRow:
     problem = PROBLEMS[trial.problem](trial.case, trial.dimension)
     rng = np.random.default_rng([*trial.problem.encode(), *trial.case.encode(), trial.dimension, trial.run])
     started = time.process_time()
@@ -55,9 +55,9 @@ def _run(trial: Trial) -> Row:
         optimum = RIVALS[trial.algorithm](problem.cost, problem.box, trial.budget, rng)
     else:
         optimizer = build_optimizer(trial.algorithm, json.loads(trial.settings))
-        optimum = minimize(problem.cost, problem.box, optimizer, rng, trial.budget or None)
+        optimum = minimize(problem.cost, problem.box, optimizer, rng, budget=trial.budget or None)
     seconds = time.process_time() - started
-    return Row(
+    return TrialRow(
         trial,
         optimum.cost,
         int(optimum.evaluations[-1]),
@@ -71,7 +71,7 @@ def _run(trial: Trial) -> Row:
 
 def measure(
     trials: Iterable[Trial], path: Path, executor: Executor, progress: Progress = silent, what: str = ""
-) -> list[Row]:
+) -> list[TrialRow]:
     """Run what `path` does not hold yet, append it there, and return the rows of all `trials`, in their order.
 
     `progress` is told at the start and after each run how many of `what` are done. Whatever ends it early, what waits

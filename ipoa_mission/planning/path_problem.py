@@ -55,19 +55,26 @@ class PathTask(Protocol):
 class PathProblem:
     """A path to be planned, from arrays and shapes: `plan_path` takes it as it takes a scenario.
 
-    `places` (k, 3) [m] are start, places to pass and goal, two at least. `radius` [m] is that of the vehicle's hull:
-    the threat of obstacles is counted from it, and it is part of `limits.obstacle_distance`.
+    Attributes:
+        airspace: bounds, ground and obstacles.
+        limits: what the path must keep.
+        places: start, places to pass and goal, two at least, (k, 3) [m].
+        radius: of the vehicle's hull [m]: the threat of obstacles is counted from it, and it is part of
+            `limits.obstacle_distance`.
+        cost: how a path is judged, as `[cost]` of a scenario.
+        planning: how it is sought, as `[planning]`.
+        optimizer: the search algorithm, as `[optimizer]`.
 
-    >>> import numpy as np
-    >>> from ipoa_mission import Airspace, Bounds, Limits, plan_path
-    >>> from ipoa_mission.world.obstacles import Sphere
-    >>> from ipoa_mission.world.terrain import Flat
-    >>> ball = Sphere("ball", (50.0, 0.0, 30.0), 10.0)
-    >>> airspace = Airspace(Bounds((0.0, -50.0, 0.0), (100.0, 50.0, 60.0)), Flat(), (ball,))
-    >>> places = np.array([[5.0, 0.0, 30.0], [95.0, 0.0, 30.0]])
-    >>> plan = plan_path(PathProblem(airspace, Limits(obstacle_distance=2.0, height_above_ground=5.0), places))
-    >>> plan.proof.holds
-    True
+    Raises:
+        BadInput: `places` are not two or more points of three numbers.
+
+    Example:
+        >>> from ipoa_mission import Airspace, Bounds, Flat, Limits, PathProblem, Sphere, plan_path
+        >>> ball = Sphere("ball", (50.0, 0.0, 30.0), 10.0)
+        >>> airspace = Airspace(Bounds((0.0, -50.0, 0.0), (100.0, 50.0, 60.0)), Flat(), (ball,))
+        >>> limits = Limits(obstacle_distance=2.0, height_above_ground=5.0)
+        >>> plan_path(PathProblem(airspace, limits, [[5.0, 0.0, 30.0], [95.0, 0.0, 30.0]])).proof.holds
+        True
     """
 
     airspace: Airspace

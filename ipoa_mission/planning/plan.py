@@ -13,9 +13,17 @@ from ipoa_mission.planning.spline import Spline
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan:
-    """A path that may be flown. `history[i]` was the best cost known after `evaluations[i]` evaluations.
+    """A path that may be flown; `plan_path` makes it.
 
-    `via_at` are the curve's parameters at the places to pass (k,).
+    Attributes:
+        curve: the path, a spline.
+        cost: what it costs, term by term.
+        proof: that it keeps every limit, and how near it comes.
+        optimizer: the name of the search algorithm.
+        seed: what its random numbers began with.
+        evaluations: costs that had been worked out, (n,) ...
+        history: ... when this was the best cost known, (n,).
+        via_at: the curve's parameters at the places to pass, (k,).
     """
 
     curve: Spline

@@ -33,20 +33,35 @@ Settled: TypeAlias = tuple[Trail, Proof, CostTerms]
 
 def plan_path(
     task: PathTask,
+    *,
     seed: int = 0,
     progress: Progress = silent,
     strategy: SearchStrategy | None = None,
     optimizer: Optimizer | None = None,
 ) -> Plan:
-    """The best path that was found, proved to keep every limit; the same for the same task, seed and version.
+    """Find the best path that keeps every limit; the same for the same task, seed and version.
 
-    `optimizer`: one of your own instead of the task's. `strategy` says how hard to look, left out, by the number of
-    places to pass; it is of this package and may change with it.
+    Args:
+        task: a scenario, or a `PathProblem`.
+        seed: what the random numbers begin with.
+        progress: told the share done and some words.
+        strategy: how hard to look; left out, by the number of places to pass. It is of this package and may change with
+            it.
+        optimizer: one of your own instead of the task's.
+
+    Returns:
+        The curve, proved to keep the limits, what it costs, and how it was found.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
         NoPath: a given place breaks a limit, or no path was found that keeps them all; the message says which, where
             and by how much.
+
+    Example:
+        >>> from ipoa_mission import plan_path, read_scenario
+        >>> plan = plan_path(read_scenario("missions/sitl.toml"), seed=7)
+        >>> plan.proof.holds, plan.optimizer
+        (True, 'ipoa')
     """
     problem, planning = pose(task), task.planning
     refuse_places(problem)

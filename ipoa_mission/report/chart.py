@@ -18,7 +18,7 @@ SIDE = 1000.0  # of the drawing, in its own units
 
 
 @dataclass(frozen=True)
-class Axis:
+class GraphAxis:
     """What one side of a chart stands for: its least and greatest value, and its words."""
 
     low: float
@@ -37,22 +37,22 @@ class Axis:
         return [n * step for n in range(math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9) + 1)]
 
 
-def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | None = None) -> Axis:
+def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | None = None) -> GraphAxis:
     """An axis that holds all finite `values`, with a share `room` of their range above, and below unless `floor`."""
     everything = np.concatenate([np.ravel(v) for v in values]) if values else np.zeros(0)
     everything = everything[np.isfinite(everything)]
     low, high = (float(everything.min()), float(everything.max())) if len(everything) else (0.0, 1.0)
     low = low if floor is None else min(floor, low)
     span = max(high - low, 1e-6 * max(abs(high), 1.0), 1e-9)
-    return Axis(low if floor is not None else low - room * span, high + room * span, label)
+    return GraphAxis(low if floor is not None else low - room * span, high + room * span, label)
 
 
 @dataclass(frozen=True)
-class Chart:
+class Graph:
     """Two axes and what is drawn between them; `layers` are pieces of SVG made by the methods, the lowest first."""
 
-    x: Axis
-    y: Axis
+    x: GraphAxis
+    y: GraphAxis
 
     def curve(self, x: Vector, y: Vector, look: str) -> str:
         """A line through points; `look` is its CSS class. Broken where a value is not finite."""

@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.commands import Command
-from ipoa_mission.items import Mission
-from ipoa_mission.link.flight_log import LoggedFlight
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.logs.flight_log import LoggedFlight
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.firmware import compare, to_wire
-from ipoa_mission.timing.estimate import Estimate, estimate
-from ipoa_mission.timing.prediction import Track
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.vehicles.parameters import Parameters
@@ -48,9 +49,14 @@ class LegTime:
 
 @dataclass(frozen=True)
 class Comparison:
-    """All legs and what they come to; `route` is from the first item with a place to the last one, landing apart.
+    """A flight against its estimate.
 
-    `flown_total_s` is NaN where the log ends before the flight does.
+    Attributes:
+        legs: item by item, how long each was to take, and took [s].
+        estimated_total_s: from the arming to the end [s].
+        flown_total_s: the same; NaN where the log ends before the flight does.
+        estimated_route_s: from the first item with a place to the last one, landing apart [s].
+        flown_route_s: the same.
     """
 
     legs: tuple[LegTime, ...]
@@ -73,7 +79,19 @@ class Comparison:
 def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
     """Hold a flight against the estimate of its mission.
 
-    An item that is flown several times (a loop) is known to the flight by its first time only, and compared so.
+    Args:
+        estimate: of the mission.
+        flight: as it was flown. An item that is flown several times (a loop) is known to it by its first time only, and
+            compared so.
+
+    Returns:
+        All legs and what they come to.
+
+    Example:
+        >>> from ipoa_mission import compare_flight, estimate, fly, read_mission
+        >>> mission = read_mission("missions/sitl.plan")
+        >>> abs(compare_flight(estimate(mission), fly(mission)).route_error) < 0.02
+        True
     """
     legs, before = [], (0.0, 0.0)
     met: set[int] = set()
@@ -104,8 +122,7 @@ class ComparedFlight:
     """
 
     armed_s: float
-    mission: Mission
-    estimate: Estimate
+    forecast: Forecast
     record: FlightRecord
     comparison: Comparison
     parameters: Parameters
@@ -128,12 +145,12 @@ def compare_logged(
     if flown is None:
         return None
     flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
-    predicted = estimate(replace(flown, vehicle=vehicle), wind=wind)
+    forecast = Forecast(replace(flown, vehicle=vehicle), wind=wind)
     record = flight.record(flown)
-    comparison = compare_flight(predicted, record)
+    comparison = compare_flight(forecast.estimate, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
     changed = _changed(flown.parameters, flight.autopilot)
-    return ComparedFlight(flight.armed_s, flown, predicted, record, comparison, changed, remarks)
+    return ComparedFlight(flight.armed_s, forecast, record, comparison, changed, remarks)
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:

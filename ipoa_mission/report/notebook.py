@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
-from ipoa_mission.commands import command_name
-from ipoa_mission.exports.table import mission_table, shown
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.commands import command_name
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.timing.estimate import Estimate
+from ipoa_mission.report.exports.table import mission_table, shown
 
 
 def mission_html(mission: Mission) -> str:

@@ -13,18 +13,15 @@ from string import Template
 
 import numpy as np
 
-from ipoa_mission.checks.check import check_mission
-from ipoa_mission.commands import WAYPOINTS
-from ipoa_mission.energy.flight import Consumption
+from ipoa_mission.checks.check import check
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import Mission
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.commands import WAYPOINTS
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.course import dangers, follow, tube_of
 from ipoa_mission.report.extent import extent_of
 from ipoa_mission.report.panels.flown import done_in_flight, flown_panel
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
@@ -33,68 +30,67 @@ from ipoa_mission.report.panels.legs import legs
 from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.scene import page_data
+from ipoa_mission.report.seen import dangers, follow, tube_of
 from ipoa_mission.report.stops import stops
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.budget import flight_energy
-from ipoa_mission.timing.estimate import Estimate
-from ipoa_mission.tube.promise import Promise
 
 
 @dataclass(frozen=True)
 class Subject:
     """What a page is made from; `plan` is None where nobody knows how the mission was planned."""
 
-    scenario: Scenario
+    forecast: Forecast
     plan: Plan | None
-    mission: Mission
-    estimate: Estimate
     remarks: Sequence[str]
-    proof: Proof | None
-    promise: Promise | None
-    energy: Consumption | None
     findings: Sequence[Finding] = ()
 
 
 def write_report(
+    forecast: Forecast,
     path: str | Path,
-    scenario: Scenario,
-    plan: Plan | None,
-    mission: Mission,
-    estimate: Estimate,
+    plan: Plan | None = None,
     flight: FlightRecord | None = None,
     remarks: Sequence[str] = (),
 ) -> None:
-    """Write the report on a mission to `path`: on how it was planned if `plan` is there, and flown if `flight` is.
+    """Write the report on a mission, one page without a server.
 
-    `remarks` (what a check found, say) are shown first, with the estimate's own.
+    Args:
+        forecast: of the mission that it is about, in the world of a scenario.
+        path: of an HTML file.
+        plan: how it was planned; None where nobody knows.
+        flight: how it was flown, if it was.
+        remarks: shown first (what a check found, say), with the estimate's own.
 
     Raises:
         BadInput: the folder may not be written.
+
+    Example:
+        >>> from ipoa_mission import Forecast, read_mission, read_scenario, write_report
+        >>> forecast = Forecast(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml"))
+        >>> write_report(forecast, "sitl.html")
     """
-    write_atomically(Path(path), report_html(scenario, plan, mission, estimate, flight, remarks))
+    write_atomically(Path(path), report_html(forecast, plan, flight, remarks))
 
 
 def report_html(
-    scenario: Scenario,
-    plan: Plan | None,
-    mission: Mission,
-    estimate: Estimate,
-    flight: FlightRecord | None = None,
-    remarks: Sequence[str] = (),
+    forecast: Forecast, plan: Plan | None = None, flight: FlightRecord | None = None, remarks: Sequence[str] = ()
 ) -> str:
     """The whole page."""
-    forecast = Forecast(mission, scenario)
-    proof = forecast.proof if forecast.cruise else None
-    energy = flight_energy(scenario, estimate.track.times, estimate.track.points, estimate.track.speeds)
-    findings, promise = check_mission(mission, scenario, forecast), forecast.promise_if_known
-    return page_html(Subject(scenario, plan, mission, estimate, remarks, proof, promise, energy, findings), flight)
+    return page_html(Subject(forecast, plan, remarks, check(forecast)), flight)
 
 
 def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
-    """The same, of what was proved already."""
-    scenario, mission, estimate, proof = subject.scenario, subject.mission, subject.estimate, subject.proof
+    """The same, of what was checked already."""
+    forecast = subject.forecast
+    scenario, mission, estimate, promise = (
+        forecast.world,
+        forecast.mission,
+        forecast.estimate,
+        forecast.promise_if_known,
+    )
+    proof = forecast.proof if forecast.cruise else None
     airspace, required = scenario.airspace, scenario.limits.obstacle_distance
-    stop_list = stops(mission, estimate, scenario)
+    stop_list = stops(forecast)
     course = follow(estimate.track, airspace)
     track = None if flight is None else flown_track(mission, flight)
     flown = None if track is None else follow(track, airspace)
@@ -102,19 +98,19 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
-    tube = tube_of(mission, scenario)
+    tube = tube_of(forecast)
     battery = scenario.vehicle.battery
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
-        "verdict": verdict(proof, subject.promise, danger, subject.findings),
+        "verdict": verdict(proof, promise, danger, subject.findings),
         "figures": figures(
             estimate,
-            subject.promise,
+            promise,
             float(course.along[-1]),
             sum(stop.item.command in WAYPOINTS for stop in stop_list),
             comparison,
-            subject.energy,
+            forecast.energy,
             battery,
         ),
         "warnings": warnings(danger, subject.findings, [*subject.remarks, *estimate.remarks]),

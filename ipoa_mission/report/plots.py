@@ -1,4 +1,4 @@
-"""Pictures for papers: a scenario and its paths from above, from the front and in space; convergence curves.
+"""Pictures for papers: a scenario and its paths from above and from the front.
 
 Paths differ by color and by marker. The same input gives the same bytes.
 """
@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
@@ -24,14 +25,15 @@ from ipoa_mission.files import write_atomically
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.report import palette
 from ipoa_mission.report.ground_mesh import ground_mesh
-from ipoa_mission.report.view3d import GROUND, ROOFS, draw_space, look_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 
-View: TypeAlias = Literal["top", "front", "space"]
+View: TypeAlias = Literal["top", "front"]
 
-WIDTHS: Mapping[View, float] = {"space": 4.6, "top": 3.5, "front": 3.5}  # [inch]
+WIDTH = 3.5  # of a view [inch]
 MARKS = 8  # markers along a path
+GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
+ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])
 STYLE: Mapping[str, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8,
@@ -45,48 +47,48 @@ STYLE: Mapping[str, Any] = {
 }
 
 
-def draw_views(
-    scenario: Scenario, paths: Mapping[str, Points], views: Sequence[View] = ("space", "top", "front")
-) -> Figure:
-    """The scenario with its paths, each (n, 3) under its name, in the views asked for, as in the paper's Figures 9-11.
+def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[View] = ("top", "front")) -> Figure:
+    """Draw a scenario with paths from above and aside, as in the paper's Figures 9-11.
 
-    `top` looks down with north up, `front` looks north with east to the right, `space` is a parallel projection.
+    Args:
+        scenario: the world.
+        paths: each (n, 3) [m] under its name.
+        views: `top` looks down with north up, `front` looks north with east to the right.
+
+    Returns:
+        A figure of matplotlib's.
+
+    Example:
+        >>> from ipoa_mission import draw_views, estimate, read_mission, read_scenario, write_picture
+        >>> flown = estimate(read_mission("missions/sitl.plan")).track.points
+        >>> figure = draw_views(read_scenario("missions/sitl.toml"), {"predicted": flown}, ["top"])
+        >>> write_picture(figure, "sitl.png")
     """
-    draw = {"top": _draw_top, "front": _draw_front, "space": draw_space}
-    widths = [WIDTHS[view] for view in views]
-    with sheet(sum(widths), 3.7) as figure:
-        grid = figure.add_gridspec(1, len(views), width_ratios=widths)
+    draw = {"top": _draw_top, "front": _draw_front}
+    with sheet(WIDTH * len(views), 3.7) as figure:
         for n, view in enumerate(views):
-            axes = figure.add_subplot(grid[n], projection="3d" if view == "space" else None)
+            axes = figure.add_subplot(1, len(views), n + 1)
             draw[view](axes, scenario.airspace, paths)
-            if view != "space":
-                _mark_ends(axes, scenario, (0, 1) if view == "top" else (0, 2))
+            _mark_ends(axes, scenario, (0, 1) if view == "top" else (0, 2))
         if paths:
             handles, labels = figure.axes[0].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside lower center", ncols=min(len(paths), 6), frameon=False)
     return figure
 
 
-def draw_convergence(curves: Mapping[str, tuple[Vector, Vector]], logarithmic: bool = False) -> Figure:
-    """Best cost known over evaluations spent, a curve (evaluations (n,), costs (n,)) for each name."""
-    with sheet(4.6, 3.2) as figure:
-        axes = figure.add_subplot()
-        for n, (name, (evaluations, costs)) in enumerate(curves.items()):
-            axes.step(evaluations, costs, where="post", label=name, linewidth=1.4, **_look(n, len(costs)))
-        axes.set(xlabel="evaluations", ylabel="best cost")
-        axes.grid(color="#E3E3E3", linewidth=0.5)
-        if logarithmic:
-            axes.set_yscale("log")
-        if len(curves) > 1:
-            axes.legend(frameon=False)
-    return figure
-
-
 def write_picture(figure: Figure, path: str | Path) -> None:
-    """Write a figure as PNG, SVG or PDF, by the name's ending; without dates, so the same figure gives the same bytes.
+    """Write a figure; without dates, so that the same figure gives the same bytes.
+
+    Args:
+        figure: of matplotlib's.
+        path: ends in `.png`, `.svg` or `.pdf`.
 
     Raises:
         BadInput: another ending, or a folder that may not be written.
+
+    Example:
+        >>> from matplotlib.figure import Figure
+        >>> write_picture(Figure(), "nothing.svg")
     """
     path = Path(path)
     nothing_dated: dict[str, dict[str, str | None]] = {
@@ -186,9 +188,16 @@ def _marks(path: Points) -> list[int]:
     return sorted(set(np.searchsorted(along, np.linspace(0.06, 0.94, MARKS) * along[-1]).tolist()))
 
 
-def _look(n: int, marks: int | list[int]) -> dict[str, Any]:
-    """What sets the n-th line apart; `marks`: at these nodes, or at even steps along so many."""
-    return look_of(n) | {"markevery": max(1, marks // MARKS) if isinstance(marks, int) else marks}
+def _look(n: int, marks: list[int]) -> dict[str, Any]:
+    """What sets the n-th line apart: its color and its markers, at these nodes."""
+    return {
+        "color": palette.PATHS[n % len(palette.PATHS)],
+        "marker": palette.MARKERS[n % len(palette.MARKERS)],
+        "markersize": 4,
+        "markeredgecolor": "white",
+        "markeredgewidth": 0.5,
+        "markevery": marks,
+    }
 
 
 def _alternating(rings: list[Points]) -> list[Points]:

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.forecast.tube.limits import Rim
 from ipoa_mission.geometry import Points, arc_lengths
-from ipoa_mission.report.course import Course
 from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.ground_mesh import ground_mesh_over
-from ipoa_mission.report.stops import Stop
+from ipoa_mission.report.seen import Seen
+from ipoa_mission.report.stops import FlownItem
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.limits import Rim
 from ipoa_mission.world.obstacles.obstacle import Part
 from ipoa_mission.world.terrain import Flat
 
@@ -36,7 +36,7 @@ DETAIL = SceneDetail()
 
 
 def page_data(
-    scenario: Scenario, extent: Extent, course: Course, stops: Sequence[Stop], flown: Course | None, tube: Rim
+    scenario: Scenario, extent: Extent, course: Seen, stops: Sequence[FlownItem], flown: Seen | None, tube: Rim
 ) -> str:
     """JSON that is safe inside an HTML script element."""
     data = {
@@ -75,15 +75,15 @@ def _hoops(points: Points, tube: Rim) -> list[Any]:
     return hoops
 
 
-def _stop(stop: Stop, course: Course, scenario: Scenario) -> dict[str, Any]:
+def _stop(stop: FlownItem, course: Seen, scenario: Scenario) -> dict[str, Any]:
     spot = None
     if stop.place is not None:
         spot = _rounded(np.append(stop.place, scenario.airspace.ground(stop.place[None, :])), 2)
-    index = course.at(stop.time.done_s)
+    index = course.nearest(stop.time.done_s)
     return {"seq": stop.time.seq, "name": stop.name, "reason": stop.time.reason, "index": index, "spot": spot}
 
 
-def _world(scenario: Scenario, extent: Extent, course: Course) -> dict[str, Any]:
+def _world(scenario: Scenario, extent: Extent, course: Seen) -> dict[str, Any]:
     flat = isinstance(scenario.airspace.terrain, Flat)
     east, north, up = ground_mesh_over(
         scenario.airspace, extent.lower, extent.upper, DETAIL.flat_cells if flat else DETAIL.cells

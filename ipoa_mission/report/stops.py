@@ -5,22 +5,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.commands import WAYPOINTS, Command, short_name
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.legs import item_places
+from ipoa_mission.forecast.itinerary.program import as_flown
+from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.geometry import Points, Vector, polyline_length
-from ipoa_mission.items import Item, Mission
-from ipoa_mission.itinerary.legs import item_places
-from ipoa_mission.itinerary.program import as_flown
+from ipoa_mission.mission.commands import WAYPOINTS, Command
+from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.words import item_words
 from ipoa_mission.planning.proof import Proof, prove
-from ipoa_mission.scenario import Scenario
-from ipoa_mission.timing.estimate import Estimate, ItemTime
 
 MOVING = WAYPOINTS | {Command.NAV_TAKEOFF}
 HERE = 0.5  # a leg shorter than this over ground has no heading [m]
 
 
 @dataclass(frozen=True)
-class Stop:
+class FlownItem:
     """One item as it is flown, for the table and the map: `place` is where it lies (None: nowhere), and the leg to it.
 
     `way` is the leg, with straight lines between its points; `heading` is from its begin to its end, in radians
@@ -40,13 +40,14 @@ class Stop:
     proof: Proof | None
 
 
-def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Stop, ...]:
+def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
     """Every item in the order flown, with the leg that leads to it."""
-    rows, airspace, flown = [], scenario.airspace, as_flown(mission)
+    scenario = forecast.world
+    rows, airspace, flown = [], scenario.airspace, as_flown(forecast.mission)
     places = item_places(flown, scenario.frame, airspace.ground)
-    curves = {leg.seq: leg for leg in Forecast(mission, scenario).cruise if leg.stray > 0}
+    curves = {leg.seq: leg for leg in forecast.cruise if leg.stray > 0}
     before, flying = np.zeros(3), False
-    for time in estimate.items:
+    for time in forecast.estimate.items:
         item, place = flown.items[time.seq - 1], places[time.seq - 1]
         if place is not None and item.command == Command.NAV_LAND:  # it is on the ground
             place[2] = airspace.ground(place[None, :])[0]
@@ -56,10 +57,10 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
         way = curve.points if curve is not None else before + np.array([[0.0], [1.0]]) * leg
         between = place is not None and flying and item.command in MOVING and np.linalg.norm(leg) > 0
         rows.append(
-            Stop(
+            FlownItem(
                 item=item,
                 time=time,
-                name=_words(item),
+                name=item_words(item),
                 place=place,
                 above_ground=math.nan if place is None else float(place[2] - airspace.ground(place[None, :])[0]),
                 way=way,
@@ -72,24 +73,3 @@ def stops(mission: Mission, estimate: Estimate, scenario: Scenario) -> tuple[Sto
         if place is not None:
             before, flying = place, True
     return tuple(rows)
-
-
-def _words(item: Item) -> str:
-    hold = f", hold {item.params[0]:g} s" if item.params[0] > 0 else ""
-    match item.command:
-        case Command.NAV_TAKEOFF:
-            return "take off"
-        case Command.NAV_WAYPOINT:
-            near = f", within {item.params[1]:g} m" if item.params[1] > 0 else ""
-            return f"waypoint{near}{hold}"
-        case Command.NAV_SPLINE_WAYPOINT:
-            return f"spline waypoint{hold}"
-        case Command.NAV_ARC_WAYPOINT:
-            return f"arc of {item.params[0]:g} degrees"
-        case Command.NAV_RETURN_TO_LAUNCH:
-            return "return to launch"
-        case Command.NAV_LAND:
-            return "land"
-        case Command.DO_CHANGE_SPEED:
-            return f"speed {item.params[1]:g} m/s"
-    return short_name(item.command)

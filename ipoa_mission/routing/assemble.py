@@ -10,7 +10,9 @@ from dataclasses import dataclass, replace
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.timing.bound import least_time
+from ipoa_mission.forecast.timing.route import kinematics
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.fastest import fastest_route
@@ -19,8 +21,6 @@ from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.routing.trial import flies_safely, fly
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.timing.bound import least_time
-from ipoa_mission.timing.route import kinematics
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 HALVINGS = 6  # of the step or the tolerance, before a mode gives up
@@ -47,11 +47,25 @@ class Option:
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
-    """The mission that flies `plan`: waypoints chosen as `scenario.route` asks, and its ending.
+    """Make the mission that flies a plan: waypoints chosen as `scenario.route` asks, and its ending.
+
+    Args:
+        plan: the path.
+        scenario: what it was planned for.
+
+    Returns:
+        Home, items, fence and rally points, the vehicle's parameters.
 
     Raises:
         BadInput: the start lies too low over home for a take-off to end there, or the autopilot has no such waypoints.
         NoRoute: no choice of waypoints keeps the required clearance.
+
+    Example:
+        >>> from ipoa_mission import Command, assemble, plan_path, read_scenario
+        >>> scenario = read_scenario("missions/sitl.toml")
+        >>> mission = assemble(plan_path(scenario, seed=7), scenario)
+        >>> Command(mission.items[0].command).name
+        'NAV_TAKEOFF'
     """
     return build_mission(choose_route(plan, scenario, scenario.route.mode), scenario)
 
@@ -91,13 +105,25 @@ def near_routes(plan: Plan, scenario: Scenario, mode: str) -> tuple[Route, ...]:
 
 
 def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) -> tuple[Option, ...]:
-    """What every mode that this autopilot can fly would come to, quickest first.
+    """Weigh every mode that this autopilot can fly against the others.
 
-    `chosen` is the route of the scenario's own mode, if it is known and keeps its limits.
+    Args:
+        plan: the path.
+        scenario: what it was planned for.
+        chosen: the route of the scenario's own mode, if it is known and keeps its limits.
+
+    Returns:
+        What each would come to, quickest first.
 
     Raises:
-        BadInput, NoRoute: as `choose_route`, where nothing is `chosen` and the scenario's own mode fails; the others
-            are left out where they do.
+        BadInput, NoRoute: as `assemble`, where nothing is `chosen` and the scenario's own mode fails; the others are
+            left out where they do.
+
+    Example:
+        >>> from ipoa_mission import plan_path, read_scenario, weigh_routes
+        >>> scenario = read_scenario("missions/sitl.toml")
+        >>> "fastest" in [option.mode for option in weigh_routes(plan_path(scenario, seed=7), scenario)]
+        True
     """
     needed, flights = scenario.route.mode, []
     for mode in sorted(MODES, key=lambda mode: mode != needed):

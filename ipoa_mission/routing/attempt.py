@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.route import Route
-from ipoa_mission.tube.promise import Promise
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ import numpy as np
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.items import (
+from ipoa_mission.mission.items import (
     FenceCircle,
     FencePolygon,
     Item,
@@ -16,12 +16,12 @@ from ipoa_mission.items import (
     takeoff,
     waypoint,
 )
+from ipoa_mission.mission.landing_ground import landing_over
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
-from ipoa_mission.tube.flown_in import ground_of
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
@@ -42,7 +42,8 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
         Unsafe: it would touch down fast, and nothing helps.
     """
     _prove_departure(route.points[0], scenario)
-    return slow_landings(raise_way_home(draft_mission(route, scenario), scenario), scenario)
+    mission = slow_landings(raise_way_home(draft_mission(route, scenario), scenario), scenario)
+    return landing_over(mission, scenario.ground)
 
 
 def draft_mission(route: Route, scenario: Scenario) -> Mission:
@@ -75,7 +76,6 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         rally=_rally(scenario),
         parameters=scenario.vehicle.autopilot_parameters(),
         vehicle=scenario.vehicle.learned,
-        ground=ground_of(scenario),
         firmware_version=scenario.vehicle.version,
     )
 

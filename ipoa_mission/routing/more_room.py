@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.tube.limits import Rim, raised
+from ipoa_mission.forecast.tube.promise import Promise
+from ipoa_mission.forecast.tube.room import LEAST_GROWTH, keep_gaps_open, lowered, shrunk
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.limits import Rim, raised
-from ipoa_mission.tube.promise import Promise
-from ipoa_mission.tube.room import LEAST_GROWTH, keep_gaps_open, lowered, shrunk
 from ipoa_mission.world.airspace import Airspace
 
 MORE = 1.15  # times what is missing

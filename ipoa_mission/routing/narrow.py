@@ -5,14 +5,14 @@ from itertools import pairwise
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.timing.track import STRAY
+from ipoa_mission.forecast.tube.approach import USUAL_CHANCE
+from ipoa_mission.forecast.tube.law import DeviationLaw
+from ipoa_mission.forecast.tube.measured import law_of
+from ipoa_mission.forecast.tube.places import tight_places
 from ipoa_mission.planning.plan_view import CLOSE, Closure, closure
 from ipoa_mission.planning.problem import pose
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.approach import USUAL_CHANCE
-from ipoa_mission.tube.law import Law
-from ipoa_mission.tube.measured import law_of
-from ipoa_mission.tube.places import tight_places
-from ipoa_mission.tube.thin import STRAY
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def expect_wide(scenario: Scenario) -> None:
             raise TooNarrow(Narrow(gap, f", on the leg from {places[0]} to {places[1]}" if len(names) > 2 else ""))
 
 
-def least_reach(law: Law, chance: float) -> float:
+def least_reach(law: DeviationLaw, chance: float) -> float:
     """What a flight must have at least beside what is required, wherever it passes anything [m].
 
     No promise of one pass asks for less: it is short of a limit as often as the likeliest of its ways to be. Above and

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.itinerary.legs import join
+from ipoa_mission.forecast.itinerary.legs import join
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.routing.build import draft_mission, items_of_waypoints
 from ipoa_mission.routing.route import Route

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ipoa_mission.centimeters import down, up
+from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.narrow import Narrow
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.promise import Kept, Promise
 
 SLOWER = (0.5, 0.25)  # shares of the cruise speed that are tried
 SLOWEST = 0.5  # [m/s]

@@ -8,10 +8,10 @@ import math
 
 import numpy as np
 
+from ipoa_mission.forecast.timing import cubic
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.resample import lefts, through
-from ipoa_mission.timing import cubic
 
 PLACE_SPACING = 3.0  # between the places that move aside [m]
 MAX_PLACES = 200  # of them

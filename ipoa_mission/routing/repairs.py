@@ -6,13 +6,13 @@ from dataclasses import replace
 from ipoa_mission.checks.ground import in_words, landings, touches_down
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.checks.way_home import TIGHT_PLACES, heights_above, is_clear
-from ipoa_mission.commands import Command
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import Mission, waypoint
-from ipoa_mission.itinerary.legs import Phase
+from ipoa_mission.forecast.itinerary.legs import Phase
+from ipoa_mission.forecast.tube.room import with_room
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Mission, waypoint
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.room import with_room
 from ipoa_mission.vehicles.slow_landing import SURE
 from ipoa_mission.world.frame import Geodetic
 
@@ -30,11 +30,7 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     names = mission.autopilot.slowed_by.names
     if stretch is None or not mission.autopilot.book.by_old_names(mission.parameters).keys().isdisjoint(names):
         return mission
-    highest = max(
-        landings(mission, scenario.frame, Forecast(mission, scenario).legs),
-        key=lambda landing: landing.counted,
-        default=None,
-    )
+    highest = max(landings(Forecast(mission, scenario)), key=lambda landing: landing.counted, default=None)
     if highest is None or not stretch.is_fast(highest.counted + SURE):
         return mission
     wanted, most = mission.autopilot.slowed(mission.parameters, highest.counted), mission.autopilot.slowed_by.most
@@ -50,13 +46,13 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     return replace(mission, parameters={**mission.parameters, **wanted})
 
 
-def slowed_for_ground(mission: Mission, scenario: Scenario) -> Iterator[str]:
+def slowed_for_ground(forecast: Forecast) -> Iterator[str]:
     """That its vehicle needs other parameters to land slowly, where it does."""
-    given = scenario.vehicle.autopilot_parameters()
-    wanted = {name: value for name, value in mission.parameters.items() if name not in given}
+    mission, scenario = forecast.mission, forecast.world
+    given, slowing = scenario.vehicle.autopilot_parameters(), mission.autopilot.slowed_by.names
+    wanted = {name: mission.parameters[name] for name in slowing if name in mission.parameters and name not in given}
     if wanted:
-        legs = Forecast(mission, scenario).legs
-        highest = max(landings(mission, scenario.frame, legs), key=lambda landing: landing.counted)
+        highest = max(landings(forecast), key=lambda landing: landing.counted)
         yield (
             f"{highest.words}: {in_words(wanted)} in the vehicle, so that it slows down as high above it as it else "
             f"does above home ({scenario.name}.params; `fly --set-params` writes it)"

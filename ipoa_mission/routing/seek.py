@@ -10,6 +10,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.obstruction import NotFound
 from ipoa_mission.planning.plan import Plan
@@ -24,7 +25,6 @@ from ipoa_mission.routing.narrow import TooNarrow, expect_wide
 from ipoa_mission.routing.refusal import narrow_refusal, refusal
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.room import with_room
 from ipoa_mission.world.obstacles import Obstacle
 
 #: At how many tight places the tube is given room, whether gaps stay open, and by which share of the height that the
@@ -97,7 +97,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = PLANS) 
     tries = ((number, room) for number in range(seed, seed + SEEDS) for room in _rooms(scenario))
     for number, room in islice(tries, plans):
         try:
-            attempt = _made_safe(plan_path(room.world, number, progress), room, scenario)
+            attempt = _made_safe(plan_path(room.world, seed=number, progress=progress), room, scenario)
         except NoPath as error:
             room.closed = True
             if room.world is scenario and not isinstance(error, NotFound):

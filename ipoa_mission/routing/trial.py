@@ -6,20 +6,18 @@ from functools import cached_property
 import numpy as np
 
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.route import kinematics
+from ipoa_mission.forecast.timing.track import Track, thinned
+from ipoa_mission.forecast.tube.pieces import pieces_of
+from ipoa_mission.forecast.tube.promise import tube_holds
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.items import Mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.build import draft_mission, items_of_waypoints
 from ipoa_mission.routing.resample import deviation
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.timing.estimate import in_local_frame
-from ipoa_mission.timing.prediction import Track
-from ipoa_mission.timing.route import kinematics
-from ipoa_mission.tube.course import course_of
-from ipoa_mission.tube.promise import tube_holds
-from ipoa_mission.tube.thin import STRAY, thinned
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 
@@ -42,7 +40,7 @@ class Flown:
     @cached_property
     def path(self) -> Points:
         """Straight legs (n, 3) for the places."""
-        return thinned(self.track.points, STRAY)
+        return thinned(self.track.points)
 
     @cached_property
     def deviation(self) -> float:
@@ -59,7 +57,7 @@ class Flown:
 
     def keeps_limits(self, scenario: Scenario) -> bool:
         """Whether the predicted path keeps clearance, ground and bounds, and the tube round it as often as it must."""
-        return tube_holds(course_of(self.track), self.autopilot, scenario)
+        return tube_holds(pieces_of(self.track), self.autopilot, scenario)
 
 
 def fly(route: Route, curve: Spline, scenario: Scenario) -> Flown:
@@ -81,12 +79,12 @@ def flies_safely(route: Route, curve: Spline, scenario: Scenario) -> bool:
 
 
 def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, sure: bool) -> Flown:
-    _, prediction = Forecast(mission, scenario).quick(sure)
+    prediction = Forecast(mission, scenario).predicted(sure, fast=True)
     first, *_, last = items_of_waypoints(route)
     begin, end = float(prediction.done[first]), float(prediction.done[last])
-    track = in_local_frame(prediction.track)
-    during = (track.times >= begin) & (track.times <= end)
-    path, times = track.points[during], track.times[during]
+    track = prediction.track.local()
+    during = track.between(begin, end)
+    path, times = during.points, during.times
     motion = _motion(track, end)
     stand = path[-1] + motion * float(np.linalg.norm(motion)) / (
         2 * kinematics(mission.autopilot, mission.parameters).accel
@@ -94,7 +92,7 @@ def _flown(mission: Mission, route: Route, curve: Spline, scenario: Scenario, su
     ahead = motion / max(float(np.linalg.norm(motion)), 1e-9)
     overrun = float((stand - route.points[-1]) @ ahead)
     braking = 2 * float(np.linalg.norm(stand - path[-1])) / max(float(np.linalg.norm(motion)), 1e-3)
-    until = Track(np.append(times, times[-1] + braking), np.vstack([path, stand]), np.append(track.speeds[during], 0.0))
+    until = Track(np.append(times, times[-1] + braking), np.vstack([path, stand]), np.append(during.speeds, 0.0))
     late, missed = (
         float(prediction.high[last]) - begin,
         sum(risk.share for risk in prediction.missed[first + 1 : last + 1]),

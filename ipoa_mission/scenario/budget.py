@@ -1,8 +1,8 @@
 """The energy of a flight, by the scenario's airframe and what was learned of the vehicle, against its battery."""
 
-from ipoa_mission.energy.flight import Consumption, consumption, expect_reserve, hovering
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
+from ipoa_mission.vehicles.energy.flight import Consumption, consumption, expect_reserve, hovering
 from ipoa_mission.vehicles.learned import LearnedVehicle
 
 

@@ -29,7 +29,21 @@ class LowZone:
 
 @dataclass(frozen=True)
 class Limits:
-    """What a path must keep; infinite where there is no limit. Angles in radians above and below the horizontal."""
+    """What a path must keep.
+
+    Attributes:
+        obstacle_distance: least distance to an obstacle [m].
+        height_above_ground: least height [m].
+        ceiling_above_ground: greatest height [m]; infinite: there is no such limit.
+        climb_angle: steepest climb above the horizontal [rad]; infinite: no limit.
+        descent_angle: steepest descent below it [rad]; infinite: no limit.
+        low_zones: circles in which the ground may be nearer.
+
+    Example:
+        >>> import numpy as np
+        >>> Limits(obstacle_distance=2.0, height_above_ground=5.0).required_height(np.zeros((2, 3)))
+        array([5., 5.])
+    """
 
     obstacle_distance: float
     height_above_ground: float

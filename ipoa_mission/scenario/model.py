@@ -10,24 +10,25 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, model_validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedOver
-from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
 from ipoa_mission.scenario.maps import MapSection
 from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.places import BoundsSection, FenceSection, FlatTerrain, HomeSection, Place, TerrainSection
 from ipoa_mission.scenario.profiles import with_profile
+from ipoa_mission.scenario.safety import SafetySection
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.surroundings import Surroundings, survey
 from ipoa_mission.scenario.vehicle import VehicleSection
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart
+from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
 
 EARTH = 40_000_000.0  # its circumference [m]
 #: The tables that the world is made from.
@@ -132,37 +133,16 @@ class WindSection(Section):
         return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height)
 
 
-class SafetySection(Section):
-    """How sure the clearance is."""
-
-    confidence: Annotated[float, Field(ge=0.5, le=0.999)] | Literal["nominal"] = 0.99
-    """The share of flights that keep the required clearance, by how far this autopilot flies beside its predicted path;
-    `nominal`: what the predicted path keeps, as the paper has it."""
-    ignore: tuple[str, ...] = ()
-    """Codes of findings that are not to be told; those from which a crash may follow are told all the same."""
-
-    @field_validator("ignore")
-    @classmethod
-    def _may_be_ignored(cls, codes: tuple[str, ...]) -> tuple[str, ...]:
-        try:
-            expect_ignorable(codes)
-        except BadInput as error:
-            raise ValueError(str(error)) from error
-        return codes
-
-    @property
-    def ignored(self) -> frozenset[str]:
-        """The same, to look codes up."""
-        return frozenset(self.ignore)
-
-    @property
-    def chance(self) -> float | None:
-        """With what chance a flight may come nearer than it must; None if only the predicted path counts."""
-        return None if self.confidence == "nominal" else 1.0 - self.confidence
-
-
 class Scenario(Section):
-    """A flight to be planned: what a scenario file holds."""
+    """A flight to be planned: what a scenario file holds, key by key; docs/scenario.md says what each means.
+
+    Example:
+        >>> from ipoa_mission import Scenario
+        >>> home = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
+        >>> start, goal = {"east": 0.0, "north": 0.0, "up": 15.0}, {"east": 120.0, "north": 90.0, "up": 20.0}
+        >>> Scenario.from_dict({"name": "field", "home": home, "start": start, "goal": goal}).goal_point
+        array([120.,  90.,  20.])
+    """
 
     name: Annotated[str, Field(pattern=FILE_NAME)] = "mission"
     """Also the name of the files that are written; left out, that of the scenario file."""
@@ -225,7 +205,14 @@ class Scenario(Section):
 
     @classmethod
     def from_dict(cls, table: Mapping[str, Any], folder: str | Path = "") -> "Scenario":
-        """The scenario in a table, with the keys of a scenario file; files that it names are sought in `folder`.
+        """The scenario in a table.
+
+        Args:
+            table: with the keys of a scenario file.
+            folder: where the files that it names are sought.
+
+        Returns:
+            The scenario, its maps read.
 
         Raises:
             BadInput: naming the place and what was expected there, or the map and the place in it.
@@ -239,7 +226,15 @@ class Scenario(Section):
         return scenario
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
-        """A copy with some values replaced, unchecked; its world is the same one unless they describe it."""
+        """A copy with some values replaced, unchecked; its world is the same one unless they describe it.
+
+        Args:
+            update: the new values.
+            deep: copy what the values hold too.
+
+        Returns:
+            The copy.
+        """
         copied = super().model_copy(update=update, deep=deep)
         if not WORLD & (update or {}).keys():
             copied.__dict__ |= {key: self.__dict__[key] for key in ("frame", "_surroundings") if key in self.__dict__}
@@ -320,6 +315,14 @@ class Scenario(Section):
     def airspace(self) -> Airspace:
         """Bounds, terrain and obstacles in the local frame, those of the maps among them."""
         return self._surroundings.airspace
+
+    @property
+    def ground(self) -> Ground:
+        """How high the ground is above home, as an autopilot counts: from where it stands, on a round Earth."""
+        if isinstance(self.terrain, FlatTerrain):
+            return LEVEL
+        terrain = self.airspace.terrain
+        return Ground(terrain, float(terrain.height(np.zeros((1, 2)))[0]), EARTH_RADIUS)
 
     @property
     def geofence(self) -> tuple[FenceSection, ...]:

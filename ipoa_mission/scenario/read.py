@@ -23,11 +23,22 @@ _WORDS = re.compile(
 
 
 def read_scenario(path: str | Path) -> Scenario:
-    """The scenario in a TOML file, every map that it names read; its name is the file's unless it says otherwise.
+    """Read the scenario in a TOML file, and every map that it names.
+
+    Args:
+        path: of the file, whose name is the scenario's unless it says otherwise.
+
+    Returns:
+        The scenario.
 
     Raises:
         BadInput: naming file and place, and what was expected there, be it in the scenario or in a map.
         MissionError: a library that reads a map is not installed.
+
+    Example:
+        >>> from ipoa_mission import read_scenario
+        >>> read_scenario("missions/sitl.toml").name
+        'sitl'
     """
     path = Path(path)
     return parse_scenario(read_text(path), path)

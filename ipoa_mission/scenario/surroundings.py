@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.areas import Zone, join_zones
+from ipoa_mission.maps.areas import MapArea, join_zones
 from ipoa_mission.maps.buildings import Standing, raise_buildings
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
@@ -23,8 +23,7 @@ from ipoa_mission.scenario.places import BoundsSection, FenceSection, FlatTerrai
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
-from ipoa_mission.world.obstacles import Obstacle
-from ipoa_mission.world.obstacles import Zone as NoFly
+from ipoa_mission.world.obstacles import Obstacle, Zone
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
@@ -76,7 +75,7 @@ class _Maps:
     """What was found in all maps."""
 
     standing: tuple[tuple[BuildingsMap, Standing], ...]
-    no_fly: tuple[tuple[NoFlyMap, Zone], ...]
+    no_fly: tuple[tuple[NoFlyMap, MapArea], ...]
     area: Any | None
     area_fenced: bool
     passed_over: tuple[PassedOver, ...]
@@ -118,7 +117,7 @@ def _survey(scenario: Layout) -> Surroundings:
 
 def _read_maps(scenario: Layout) -> _Maps:
     standing: list[tuple[BuildingsMap, Standing]] = []
-    no_fly: list[tuple[NoFlyMap, Zone]] = []
+    no_fly: list[tuple[NoFlyMap, MapArea]] = []
     areas: list[Any] = []
     passed: list[PassedOver] = []
     remarks: list[str] = []
@@ -156,7 +155,7 @@ def _one(areas: list[Any]) -> Any:
     return common
 
 
-def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[Zone, ...], altitude: float) -> None:
+def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea, ...], altitude: float) -> None:
     home = shapely.Point(0, 0)
     if isinstance(section, FlightAreaMap):
         distance = min(zone.shape.distance(home) for zone in zones)
@@ -285,12 +284,12 @@ def _no_fly_prisms(
             low = base if base is not None else min(up[0], top or 0.0) - MARGIN
             high = top if top is not None else max(up[1], base or 0.0) + MARGIN
             if low < high:
-                prisms.append(NoFly(zone.name, *rings_of(zone.shape), low, high))
+                prisms.append(Zone(zone.name, *rings_of(zone.shape), low, high))
     return tuple(prisms)
 
 
 def _ends(
-    section: NoFlyMap, zone: Zone, corners: Box, terrain: Terrain, frame: LocalFrame
+    section: NoFlyMap, zone: MapArea, corners: Box, terrain: Terrain, frame: LocalFrame
 ) -> tuple[float | None, float | None]:
     """Lower and upper end of a zone above home's plane [m], no narrower than its limits anywhere within the bounds."""
     base, top = section.base, section.top
@@ -341,5 +340,5 @@ def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:
     return tuple(fences)
 
 
-def _zone_near(zone: Zone, corners: Box) -> bool:
+def _zone_near(zone: MapArea, corners: Box) -> bool:
     return bool(_meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])

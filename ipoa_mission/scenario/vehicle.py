@@ -16,11 +16,11 @@ from pydantic import (
     model_validator,
 )
 
-from ipoa_mission.energy.flight import Battery
-from ipoa_mission.energy.power import KAPPA, Airframe
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, default_autopilot, registered
+from ipoa_mission.vehicles.energy.flight import Battery
+from ipoa_mission.vehicles.energy.power import KAPPA, PowerModel
 from ipoa_mission.vehicles.known_parameters import expect_own
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.vehicles.parameters import SINGLE_MAX, Parameters
@@ -62,9 +62,9 @@ class AirframeSection(Section):
     avionics_w: NotNegative = 10.0
     """Power of everything but the rotors [W]."""
 
-    def build(self) -> Airframe:
+    def build(self) -> PowerModel:
         """The airframe itself."""
-        return Airframe(
+        return PowerModel(
             mass_kg=self.mass_kg,
             disc_area=self.rotors * math.pi * self.rotor_diameter**2 / 4,
             drag_area=self.drag_area if self.drag_area is not None else 0.05 * self.mass_kg ** (2 / 3),

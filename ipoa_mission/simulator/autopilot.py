@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 
-from ipoa_mission.commands import Command, Frame, Order
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
@@ -11,15 +10,16 @@ from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
 from ipoa_mission.link.wire import degrees
+from ipoa_mission.mission.commands import Command, Frame, Order
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
 from ipoa_mission.simulator.conditions import USUAL, Conditions
 from ipoa_mission.simulator.file_service import FileService
-from ipoa_mission.simulator.flight import Flight, FlightMode
+from ipoa_mission.simulator.flight import FlightMode, SimulatedFlight
 from ipoa_mission.simulator.judgement import infeasibility
 from ipoa_mission.simulator.parameters import ParameterTable
 from ipoa_mission.simulator.personality import personality
-from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.simulator.transfers import MissionService
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version
@@ -57,8 +57,8 @@ class BuiltInAutopilot(Commander):
         """
         habits = personality(family, version)
         self.table = ParameterTable(family, parameters or {})
-        flight = Flight(family, home, self.table.values, conditions, seed=seed)
-        transfers = Transfers(habits, lambda: flight.home, self._say, self._listed, nak_at)
+        flight = SimulatedFlight(family, home, self.table.values, conditions, seed=seed)
+        transfers = MissionService(habits, lambda: flight.home, self._say, self._listed, nak_at)
         super().__init__(habits, flight, transfers, self.table.values, 0.0 if cold else -math.inf)
         takes_file = habits.has_mission_file and nak_at is None
         limit = habits.limits[MissionType.MISSION]

@@ -23,7 +23,7 @@ USUAL = Conditions()
 Triple: TypeAlias = tuple[float, float, float]  # east, north, up
 
 
-class Vehicle:
+class SimulatedVehicle:
     """Place and motion, east, north, up [m, m/s]; lean as the level acceleration g tan(angle) [m/s^2]; yaw [rad]."""
 
     def __init__(self, conditions: Conditions = USUAL) -> None:

@@ -10,10 +10,22 @@ from ipoa_mission.errors import BadInput
 
 @dataclass(frozen=True)
 class Faults:
-    """What a link does to each frame, in each direction; and the item that the vehicle refuses (`nak_at`), if any.
+    """What a bad link does to each frame, in each direction.
 
-    `loss`, `duplicate` and `reorder` are probabilities; `delay_s` is one way; a reordered frame is held back by up to
-    `reorder_s`.
+    Attributes:
+        loss: probability that it is lost.
+        duplicate: probability that it comes twice.
+        delay_s: how long it takes, one way [s].
+        reorder: probability that it is held back ...
+        reorder_s: ... by up to so long [s].
+        nak_at: the number on the wire of an item that the vehicle refuses.
+
+    Raises:
+        BadInput: a probability is not from 0 to 1, or a time not from 0 to 60 s.
+
+    Example:
+        >>> Faults(loss=0.1, delay_s=0.2).is_none
+        False
     """
 
     loss: float = 0.0

@@ -7,20 +7,20 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.file_transfer import LIST_FILES, MISSION_FILE, file_checksum
 from ipoa_mission.link.item_payloads import PAYLOAD_BYTES
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.mission_file import HEADER, pack_mission, unpack_mission
+from ipoa_mission.mission.items import Item
 
 MOST_CLIENTS = 16
 LONGEST_BURST = 100  # messages
 
 
 @dataclass
-class Session:
+class FileSession:
     """One client's open file, and the last answer: a repeated question gets it again."""
 
     reading: bytes | None = None
@@ -42,12 +42,12 @@ class FileService:
         self._longest = HEADER.size + most_items * PAYLOAD_BYTES
         self._listed = listed
         self._replace = replace
-        self._sessions: dict[Target, Session] = {}
+        self._sessions: dict[Target, FileSession] = {}
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
         """What to say to a client's question: one message, or a burst of them."""
         question = unpack(message)
-        session = self._sessions.setdefault(client, Session())
+        session = self._sessions.setdefault(client, FileSession())
         while len(self._sessions) > MOST_CLIENTS:
             del self._sessions[next(iter(self._sessions))]
         first = session.last[0] if session.last else None
@@ -61,7 +61,7 @@ class FileService:
         session = self._sessions.get(client)
         return session is not None and (session.reading is not None or session.writing is not None)
 
-    def _act(self, question: FileMessage, session: Session) -> FileMessage:
+    def _act(self, question: FileMessage, session: FileSession) -> FileMessage:
         match question.opcode:
             case Opcode.RESET_SESSIONS:
                 session.reading = session.writing = None
@@ -86,7 +86,7 @@ class FileService:
                 return nak(question, FileError.INVALID_SESSION)
         return nak(question, FileError.UNKNOWN_COMMAND)
 
-    def _open(self, question: FileMessage, session: Session) -> FileMessage:
+    def _open(self, question: FileMessage, session: FileSession) -> FileMessage:
         if not self._offered or question.data.rstrip(b"\0") != MISSION_FILE.encode():
             return nak(question, FileError.FILE_NOT_FOUND)
         if question.opcode == Opcode.CREATE_FILE:
@@ -103,7 +103,7 @@ class FileService:
             return nak(question, FileError.FAIL)
         return _ack(question, file_checksum(pack_mission(self._listed(kind), kind)).to_bytes(4, "little"))
 
-    def _close(self, question: FileMessage, session: Session) -> FileMessage:
+    def _close(self, question: FileMessage, session: FileSession) -> FileMessage:
         written, session.writing, session.reading = session.writing, None, None
         if written is None:
             return _ack(question)

@@ -11,16 +11,16 @@ from typing import Protocol
 
 import numpy as np
 
+from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geometry import GRAVITY, Vector
-from ipoa_mission.items import Item
-from ipoa_mission.itinerary.program import Program
-from ipoa_mission.simulator.conditions import USUAL, Conditions, Vehicle
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Reached, Situation
+from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.conditions import USUAL, Conditions, SimulatedVehicle
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, ItemDone, MissionState, Situation
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-__all__ = ["Flight", "FlightMode", "MissionState", "Reached"]
+__all__ = ["FlightMode", "ItemDone", "MissionState", "SimulatedFlight"]
 
 
 class Pilot(Protocol):
@@ -50,11 +50,11 @@ class Pilots(ABC):
     """Who makes the pilot of an autopilot's stand-in."""
 
     @abstractmethod
-    def pilot(self, body: Vehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
+    def pilot(self, body: SimulatedVehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
         """A pilot for this body; `chance` makes the errors of its sensors."""
 
 
-class Flight:
+class SimulatedFlight:
     """One vehicle from its home on the ground: state lives through time."""
 
     def __init__(
@@ -75,7 +75,7 @@ class Flight:
         self._given = parameters
         self._now = Situation(self._program(()), mission=MissionState.NO_MISSION)
         self._chance = random.Random(seed)
-        self._body = Vehicle(conditions)
+        self._body = SimulatedVehicle(conditions)
         self._pilot: Pilot = autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
 
     # --- what it is like --------------------------------------------------------------------------------------------
@@ -116,7 +116,7 @@ class Flight:
         return self._now.current
 
     @property
-    def reached(self) -> tuple[Reached, ...]:
+    def reached(self) -> tuple[ItemDone, ...]:
         """The items done so far, in order."""
         return tuple(self._now.reached)
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
@@ -10,6 +10,7 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.conditions import Conditions
@@ -24,49 +25,72 @@ from ipoa_mission.wind import CALM, Wind
 def fly(
     mission: Mission,
     parameters: Parameters = NO_PARAMETERS,
+    wind: Wind = CALM,
+    *,
     seed: int = 0,
     faults: Faults = PERFECT,
     log: str | Path | None = None,
     uploading: Progress = silent,
     flying: Progress = silent,
-    wind: Wind = CALM,
 ) -> FlightRecord:
-    """Upload a mission to the built-in autopilot that it was made for, fly it, and return what happened.
+    """Upload a mission to the built-in autopilot that it was made for, and fly it, on a virtual clock.
 
-    `parameters` of the vehicle go before those that the mission carries; `log` gets every frame. The same arguments
-    give the same bytes. The mission is not checked: what happens to a bad one can be seen here.
+    The mission is not checked: what happens to a bad one can be seen here. The same arguments give the same bytes.
+
+    Args:
+        mission: what is flown.
+        parameters: the vehicle's, which go before those that the mission carries.
+        wind: in which it is flown.
+        seed: what the random numbers begin with.
+        faults: what a bad link does.
+        log: a `.tlog` to be written, with every frame.
+        uploading: told how far the upload is.
+        flying: told of items done.
+
+    Returns:
+        What happened.
 
     Raises:
         BadInput: a parameter is none of this autopilot's.
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
+
+    Example:
+        >>> from ipoa_mission import fly, read_mission
+        >>> fly(read_mission("missions/sitl.plan")).completed
+        True
     """
-    with board(mission, parameters, seed, faults, log, wind) as vehicle:
-        vehicle.upload(mission, uploading, checked=False)
+    expect_known(parameters, mission.autopilot)
+    forecast = Forecast(mission.with_parameters(parameters), wind=wind)
+    return fly_forecast(forecast, seed, faults, log, uploading, flying)
+
+
+def fly_forecast(
+    forecast: Forecast,
+    seed: int = 0,
+    faults: Faults = PERFECT,
+    log: str | Path | None = None,
+    uploading: Progress = silent,
+    flying: Progress = silent,
+) -> FlightRecord:
+    """The same of a mission in the wind and over the ground of its forecast."""
+    with board(forecast, seed, faults, log) as vehicle:
+        vehicle.upload(forecast.mission, uploading, checked=False)
         vehicle.prepare()
         vehicle.start()
         return vehicle.watch(flying)
 
 
-def board(
-    mission: Mission,
-    parameters: Parameters = NO_PARAMETERS,
-    seed: int = 0,
-    faults: Faults = PERFECT,
-    log: str | Path | None = None,
-    wind: Wind = CALM,
-) -> Vehicle:
-    """A connected simulated vehicle that stands at the mission's home."""
-    expect_known(parameters, mission.autopilot)
-    values = mission.with_parameters(parameters).parameters
-    flown_in = Conditions(wind, mission.ground, mission.vehicle)
+def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str | Path | None = None) -> Vehicle:
+    """A connected simulated vehicle that stands at the mission's home, in the forecast's wind and over its ground."""
+    mission = forecast.mission
     version = mission.firmware_version or mission.autopilot.firmware().version
     autopilot = BuiltInAutopilot(
         mission.autopilot,
         mission.home,
-        values,
+        mission.parameters,
         nak_at=faults.nak_at,
         seed=seed,
-        conditions=flown_in,
+        conditions=Conditions(forecast.wind, forecast.ground, mission.vehicle),
         version=version,
     )
     station = Station(autopilot)

@@ -3,17 +3,17 @@
 import math
 from collections.abc import Mapping
 
-from ipoa_mission.commands import LAST_NAV, WAYPOINTS, Command
-from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.messages import INFO, Message, MissionType
+from ipoa_mission.mission.commands import LAST_NAV, WAYPOINTS, Command
+from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator import streams
-from ipoa_mission.simulator.flight import Flight, FlightMode, MissionState
+from ipoa_mission.simulator.flight import FlightMode, MissionState, SimulatedFlight
 from ipoa_mission.simulator.judgement import Infeasible
 from ipoa_mission.simulator.personality import Personality
-from ipoa_mission.simulator.transfers import Transfers
+from ipoa_mission.simulator.transfers import MissionService
 from ipoa_mission.vehicles.kinds import QUADROTOR
 from ipoa_mission.vehicles.parameters import Parameters
 
@@ -56,7 +56,12 @@ class Reporting:
     """The state of one simulated vehicle, and what it says of it unasked."""
 
     def __init__(
-        self, habits: Personality, flight: Flight, transfers: Transfers, parameters: Parameters, powered_s: float
+        self,
+        habits: Personality,
+        flight: SimulatedFlight,
+        transfers: MissionService,
+        parameters: Parameters,
+        powered_s: float,
     ) -> None:
         """`powered_s`: when it was switched on [s]."""
         self.habits = habits

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from ipoa_mission.commands import FLOWN_TO, Command
-from ipoa_mission.items import Item
-from ipoa_mission.itinerary.program import JUMPS_WITHOUT_END, Place, Program
+from ipoa_mission.forecast.itinerary.program import JUMPS_WITHOUT_END, Place, Program
+from ipoa_mission.mission.commands import FLOWN_TO, Command
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.returning import HOME
 
@@ -36,7 +36,7 @@ class FlightMode(IntEnum):
 
 
 @dataclass(frozen=True)
-class Reached:
+class ItemDone:
     """Item `index` was done at `time_s`; `announced`: whether this autopilot tells so (MISSION_ITEM_REACHED)."""
 
     index: int
@@ -56,7 +56,7 @@ class Situation:
     mode: FlightMode = FlightMode.HOLD
     mission: MissionState = MissionState.NO_MISSION
     current: int = 0
-    reached: list[Reached] = field(default_factory=list)
+    reached: list[ItemDone] = field(default_factory=list)
     rally: tuple[Place, ...] = ()
 
     def goal_of_return(self, here: Place, parameters: Parameters) -> Place:
@@ -66,7 +66,7 @@ class Situation:
 
     def done(self, index: int, announced: bool = True) -> None:
         """Note that an item is done."""
-        self.reached.append(Reached(index, self.time_s, announced))
+        self.reached.append(ItemDone(index, self.time_s, announced))
 
     def come_to(self, index: int | None, change_speed: Callable[[Item], None]) -> Item | None:
         """The item that is flown from `index` on, now the current one, those before it done in passing; None: none."""

@@ -21,7 +21,7 @@ from ipoa_mission.link.telemetry import (
     SystemTime,
 )
 from ipoa_mission.link.telemetry_wire import saturated
-from ipoa_mission.simulator.flight import Flight
+from ipoa_mission.simulator.flight import SimulatedFlight
 
 FASTEST_S, SLOWEST_S = 0.01, 2000.0
 MOST_LISTENERS = 16
@@ -107,7 +107,7 @@ class Schedule:
         return self._wishes.get(listener, {}).get(name, usual)
 
 
-def position(flight: Flight, now: float) -> Position:
+def position(flight: SimulatedFlight, now: float) -> Position:
     """GLOBAL_POSITION_INT of a flight."""
     at, (east, north, up) = flight.position, flight.velocity
     return Position(
@@ -121,17 +121,17 @@ def position(flight: Flight, now: float) -> Position:
     )
 
 
-def _local(flight: Flight, now: float) -> LocalPosition:
+def _local(flight: SimulatedFlight, now: float) -> LocalPosition:
     (east, north, up), (ve, vn, vu) = flight.local, flight.velocity
     return LocalPosition(now, (float(north), float(east), -float(up)), (float(vn), float(ve), -float(vu)))
 
 
-def _gps(flight: Flight, now: float) -> Gps:
+def _gps(flight: SimulatedFlight, now: float) -> Gps:
     at, (east, north, _) = flight.position, flight.velocity
     return Gps(now, at.latitude_deg, at.longitude_deg, at.altitude, math.hypot(east, north))
 
 
-def _hud(flight: Flight, now: float) -> Hud:
+def _hud(flight: SimulatedFlight, now: float) -> Hud:
     east, north, up = flight.velocity
     speed = math.hypot(east, north)
     heading = saturated(math.degrees(flight.yaw)) % 360
@@ -139,7 +139,7 @@ def _hud(flight: Flight, now: float) -> Hud:
 
 
 #: The streams that show the flight alone; heartbeat, status and mission need the autopilot.
-FROM_FLIGHT: Mapping[str, Callable[[Flight, float], Message]] = {
+FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
     "GLOBAL_POSITION_INT": position,
     "LOCAL_POSITION_NED": _local,
     "GPS_RAW_INT": _gps,

@@ -8,9 +8,7 @@ import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from ipoa_mission.commands import SAME_FRAME
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
@@ -30,8 +28,10 @@ from ipoa_mission.link.messages import (
     Text,
     WritePartialList,
 )
+from ipoa_mission.mission.commands import SAME_FRAME
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.firmware import home_item
+from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.judgement import judge
 from ipoa_mission.simulator.personality import Answer, Personality
 from ipoa_mission.simulator.store import Store
@@ -56,7 +56,7 @@ class Incoming:
     exchange: Exchange[int]
 
 
-class Transfers:
+class MissionService:
     """All that is said about the three lists; `say` sends a message to a target, `changed` hears of new lists."""
 
     def __init__(

@@ -4,12 +4,12 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
-from ipoa_mission.studio.vocabulary import LngLat, Message, Path
+from ipoa_mission.studio.vocabulary import LngLat, PageMessage, Path
 
 Number: TypeAlias = float | None
 
 
-class Document(Message):
+class Document(PageMessage):
     """The scenario as it is now: its table as the text has it, and why it cannot be read, if so."""
 
     kind: Literal["document"] = "document"
@@ -24,7 +24,7 @@ class Document(Message):
     redo: str | None
 
 
-class Trouble(Message):
+class Trouble(PageMessage):
     """Something was not done; `of` says what it was of."""
 
     kind: Literal["trouble"] = "trouble"
@@ -34,7 +34,7 @@ class Trouble(Message):
     revision: int | None = None
 
 
-class Body(Message):
+class Body(PageMessage):
     """An obstacle or a zone on the map; `path` where the scenario itself draws it. `rings`: outer one, then holes."""
 
     name: str
@@ -45,7 +45,7 @@ class Body(Message):
     rings: tuple[tuple[LngLat, ...], ...]
 
 
-class Spot(Message):
+class Spot(PageMessage):
     """Home, start, goal, a via or a rally point."""
 
     name: str
@@ -55,7 +55,7 @@ class Spot(Message):
     above_ground: float
 
 
-class Fence(Message):
+class Fence(PageMessage):
     """A geofence that the scenario draws itself."""
 
     path: Path
@@ -63,14 +63,14 @@ class Fence(Message):
     ring: tuple[LngLat, ...]
 
 
-class Terrace(Message):
+class Terrace(PageMessage):
     """Ground at least so high, as polygons: rings each, the outer one first."""
 
     up: float
     polygons: tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
-class World(Message):
+class World(PageMessage):
     """What a map shows of a scenario; `box` is west, south, east, north of the flight's bounds.
 
     `degree_m` is how many metres a degree of longitude and one of latitude are at home.
@@ -92,14 +92,14 @@ class World(Message):
     remarks: tuple[str, ...]
 
 
-class Line(Message):
+class Line(PageMessage):
     """A path: points on the map, and each one's height above home [m]."""
 
     points: tuple[LngLat, ...]
     up: tuple[float, ...]
 
 
-class Sketch(Message):
+class Sketch(PageMessage):
     """The coarse first answer: a path that is proved as it stands, or not, and other ways round; never the last word.
 
     `number` is that of the drag it answers, or None for the document.
@@ -119,7 +119,7 @@ class Sketch(Message):
     took_s: float
 
 
-class Progress(Message):
+class Progress(PageMessage):
     """How far planning is."""
 
     kind: Literal["progress"] = "progress"
@@ -128,7 +128,7 @@ class Progress(Message):
     words: str
 
 
-class Course(Message):
+class Course(PageMessage):
     """The flight as predicted, sample by sample: time [s], distance over ground [m], speed [m/s], ground's height."""
 
     line: Line
@@ -139,7 +139,7 @@ class Course(Message):
     apart: tuple[Number, ...]
 
 
-class Binding(Message):
+class Binding(PageMessage):
     """What holds the flight back at a place, and how: near something, or slow. `at` is the sample of the course."""
 
     what: Literal["near", "slow", "danger"]
@@ -147,7 +147,7 @@ class Binding(Message):
     at: int
 
 
-class Stop(Message):
+class Stop(PageMessage):
     """An item of the mission: as `show` numbers it."""
 
     seq: int
@@ -159,7 +159,7 @@ class Stop(Message):
     up: float
 
 
-class Choice(Message):
+class Choice(PageMessage):
     """A way to choose waypoints, and what it would come to."""
 
     mode: str
@@ -170,7 +170,7 @@ class Choice(Message):
     chosen: bool
 
 
-class Limit(Message):
+class Limit(PageMessage):
     """One limit that the proof looked at, in `unit`."""
 
     limit: str
@@ -181,7 +181,7 @@ class Limit(Message):
     holds: bool
 
 
-class Plan(Message):
+class Plan(PageMessage):
     """The proved answer; `warnings` are to be read before it is flown, `remarks` are what else is told.
 
     `proof` is a short digest of mission and promise, which a start must name.
@@ -216,7 +216,7 @@ class Plan(Message):
     took_s: float
 
 
-class Loaded(Message):
+class Loaded(PageMessage):
     """The mission is on a vehicle and was read back equal; what a start must name."""
 
     kind: Literal["loaded"] = "loaded"
@@ -229,7 +229,7 @@ class Loaded(Message):
     remarks: tuple[str, ...]
 
 
-class Seen(Message):
+class Seen(PageMessage):
     """Where the vehicle is, as it says; `expected_s` is when the estimate had the last item that is done."""
 
     kind: Literal["seen"] = "seen"
@@ -242,7 +242,7 @@ class Seen(Message):
     expected_s: Number
 
 
-class Landed(Message):
+class Landed(PageMessage):
     """The flight is over."""
 
     kind: Literal["landed"] = "landed"
@@ -253,7 +253,7 @@ class Landed(Message):
     log: str
 
 
-class State(Message):
+class State(PageMessage):
     """What the flight is at, in words; `phase` for what the page offers."""
 
     kind: Literal["state"] = "state"
@@ -261,7 +261,7 @@ class State(Message):
     words: str
 
 
-class Written(Message):
+class Written(PageMessage):
     """Files that were written."""
 
     kind: Literal["written"] = "written"

@@ -13,15 +13,15 @@ from ipoa_mission.studio.answers import State, Trouble
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.processes import Died, Process
 from ipoa_mission.studio.requests import Start, Upload
-from ipoa_mission.studio.vocabulary import Message
+from ipoa_mission.studio.vocabulary import PageMessage
 
 PILOT = "ipoa_mission.studio.pilot"
 
 
-class Flights:
+class FlightDesk:
     """One flight at a time, on the built-in autopilot or on a vehicle."""
 
-    def __init__(self, document: Document, tell: Callable[[Message | dict[str, Any]], None]) -> None:
+    def __init__(self, document: Document, tell: Callable[[PageMessage | dict[str, Any]], None]) -> None:
         self._document = document
         self._tell = tell
         self._process = Process(PILOT)

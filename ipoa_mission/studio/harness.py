@@ -17,15 +17,15 @@ from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.answers import Trouble
-from ipoa_mission.studio.vocabulary import Message
+from ipoa_mission.studio.vocabulary import PageMessage
 
 Order: TypeAlias = dict[str, Any]
-Answer: TypeAlias = Callable[[Message], None]
+Answer: TypeAlias = Callable[[PageMessage], None]
 Job: TypeAlias = Callable[[Order, Answer], None]
 Subject: TypeAlias = Literal["scenario", "sketch", "plan", "file", "flight"]
 
 
-class Cancelled(BaseException):
+class JobCancelled(BaseException):
     """The job is not wanted any more; no library may catch it by `except Exception`."""
 
 
@@ -62,7 +62,7 @@ class Harness:
                 with self._lock:
                     self._current, self._is_cancelled = order["id"], False
                 self._do(order)
-            except (Cancelled, SystemError):  # what compiled code makes of being interrupted
+            except (JobCancelled, SystemError):  # what compiled code makes of being interrupted
                 if not self._is_cancelled:
                     raise
             finally:
@@ -78,10 +78,10 @@ class Harness:
 
     def _interrupted(self, *_: object) -> None:
         if self._current is not None:
-            raise Cancelled
+            raise JobCancelled
 
     def _do(self, order: Order) -> None:
-        def answer(message: Message) -> None:
+        def answer(message: PageMessage) -> None:
             self._tell({"id": order["id"], "answer": message.model_dump(mode="json")})
 
         job, subject = self._known[order["job"]]

@@ -27,7 +27,7 @@ SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by it
 LOOK_S = 0.1
 
 
-class Pilot:
+class FlightWorker:
     """Flies one mission at a time; `beside` holds what the page says meanwhile."""
 
     def __init__(self, beside: "queue.SimpleQueue[Order]") -> None:
@@ -90,11 +90,8 @@ def _handed_over(file: Path) -> tuple[Flight, str]:
 @contextmanager
 def _vehicle(order: Order, flight: Flight, log: Path) -> Iterator[Vehicle]:
     """The built-in autopilot, or the vehicle on a link."""
-    if order["link"] is None:
-        vehicle = board(flight.mission, log=log, wind=flight.scenario.wind.air())
-    else:
-        vehicle = connect(order["link"], order["system"], log)
-    with vehicle:
+    link, system = order["link"], order["system"]
+    with board(flight.forecast, log=log) if link is None else connect(link, system=system, log=log) as vehicle:
         yield vehicle
 
 
@@ -107,7 +104,7 @@ def _upload(flight: Flight, vehicle: Vehicle, tell: Callable[[str], None]) -> tu
         yield lambda _, words: tell(words)
 
     remarks: list[str] = []
-    load_mission(vehicle, flight.mission, stages=stages, remark=remarks.append)
+    load_mission(vehicle, flight.forecast, stages=stages, remark=remarks.append)
     return tuple(remarks)
 
 
@@ -128,7 +125,7 @@ def _flown(flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | No
     def remark(words: str) -> None:
         answer(State(phase="preparing", words=words))
 
-    return begin_mission(vehicle, flight.mission, flight.scenario, stages=stages, remark=remark)
+    return begin_mission(vehicle, flight.forecast, stages=stages, remark=remark)
 
 
 class Watch:
@@ -141,14 +138,14 @@ class Watch:
         self._answer = answer
         self._speedup = speedup
         self._told = -SEEN_EVERY_S
-        self._is_warned = False
+        self._warned = ""
         self._begun: tuple[float, float] | None = None
 
     def hear(self, message: Message) -> None:
         """One message of the vehicle."""
-        if self._vehicle.changed and not self._is_warned:
-            self._is_warned = True
-            self._answer(State(phase="flying", words=self._vehicle.changed))
+        if (warning := self._vehicle.changed or self._vehicle.interrupted) != self._warned:
+            self._warned = warning
+            self._answer(State(phase="flying", words=warning or Stage.START))
         if not isinstance(message, Position) or not self._vehicle.state.armed:
             return
         if message.time_s - self._told >= SEEN_EVERY_S:
@@ -183,4 +180,4 @@ class Watch:
 
 
 if __name__ == "__main__":
-    work(lambda beside: {"fly": (Pilot(beside).fly, "flight")})
+    work(lambda beside: {"fly": (FlightWorker(beside).fly, "flight")})

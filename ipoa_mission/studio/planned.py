@@ -9,16 +9,16 @@ import numpy as np
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.timing.bound import least_time
+from ipoa_mission.forecast.timing.route import kinematics
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report import course as report_course
-from ipoa_mission.report.stops import Stop, stops
+from ipoa_mission.report import seen
+from ipoa_mission.report.stops import FlownItem, stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map, without_folders
-from ipoa_mission.timing.bound import least_time
-from ipoa_mission.timing.route import kinematics
 
 SAMPLES = 500  # of the predicted flight
 NEAR, CLOSE = 5, 1.5  # places that are named as near, and how much nearer than required is near enough to be named
@@ -49,9 +49,9 @@ def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | No
 def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
     """A proved flight for the page."""
     scenario, estimate, promise = flight.scenario, flight.estimate, flight.promise
-    course = report_course.follow(estimate.track, scenario.airspace, SAMPLES)
-    flown_stops = stops(flight.mission, estimate, scenario)
-    kept, rim = promise.clearance, report_course.tube_of(flight.mission, scenario)
+    course = seen.follow(estimate.track, scenario.airspace, SAMPLES)
+    flown_stops = stops(flight.forecast)
+    kept, rim = promise.clearance, seen.tube_of(flight.forecast)
     energy, battery = flight.energy, scenario.vehicle.battery
     return answers.Plan(
         revision=revision,
@@ -71,7 +71,7 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         energy_wh=None if energy is None else round(energy.energy_wh, 2),
         battery_left=None if energy is None or battery is None else round(float(energy.left(battery.build())), 3),
         tube=(rim.level, rim.up, rim.down),
-        tube_ring=tuple(on_map(scenario.frame, ring) for ring in report_course.outline_round(course.points, rim.level)),
+        tube_ring=tuple(on_map(scenario.frame, ring) for ring in seen.outline_round(course.points, rim.level)),
         course=_course(course, scenario),
         stops=tuple(_stop(stop, course, scenario) for stop in flown_stops),
         bindings=tuple(_bindings(flight, flown_stops, course)),
@@ -94,7 +94,7 @@ def _sampled(curve: Spline) -> Points:
     return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
 
 
-def _course(course: report_course.Course, scenario: Scenario) -> answers.Course:
+def _course(course: seen.Seen, scenario: Scenario) -> answers.Course:
     apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
     return answers.Course(
         line=line_of(scenario.frame, course.points),
@@ -106,23 +106,23 @@ def _course(course: report_course.Course, scenario: Scenario) -> answers.Course:
     )
 
 
-def _stop(stop: Stop, course: report_course.Course, scenario: Scenario) -> answers.Stop:
+def _stop(stop: FlownItem, course: seen.Seen, scenario: Scenario) -> answers.Stop:
     place = None if stop.place is None else on_map(scenario.frame, stop.place[None, :])[0]
     return answers.Stop(
         seq=stop.time.seq,
         name=stop.name,
         done_s=round(stop.time.done_s, 2),
         reason=stop.time.reason,
-        at=course.at(stop.time.done_s),
+        at=course.nearest(stop.time.done_s),
         place=place,
         up=0.0 if stop.place is None else round(float(stop.place[2]), 2),
     )
 
 
-def _bindings(flight: Flight, flown_stops: tuple[Stop, ...], course: report_course.Course) -> Iterator[answers.Binding]:
+def _bindings(flight: Flight, flown_stops: tuple[FlownItem, ...], course: seen.Seen) -> Iterator[answers.Binding]:
     """Where the flight comes nearest to what, and which items something keeps slow, the worst first."""
     scenario = flight.scenario
-    for danger in report_course.dangers(course, scenario):
+    for danger in seen.dangers(course, scenario):
         yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
     for check in sorted(flight.promise.limits, key=lambda kept: kept.slack)[:NEAR]:
         if math.isfinite(check.kept) and check.slack < CLOSE * check.required + 1.0:
@@ -133,7 +133,7 @@ def _bindings(flight: Flight, flown_stops: tuple[Stop, ...], course: report_cour
     slow = sorted((stop for stop in flown_stops if stop.time.reason), key=lambda stop: -stop.time.duration_s)
     for stop in slow[:SLOW]:
         words = f"item {stop.time.seq}: {stop.time.reason}, {stop.time.mean_speed:.1f} m/s on average"
-        yield answers.Binding(what="slow", words=words, at=course.at(stop.time.done_s))
+        yield answers.Binding(what="slow", words=words, at=course.nearest(stop.time.done_s))
 
 
 def _choices(flight: Flight) -> Iterator[answers.Choice]:

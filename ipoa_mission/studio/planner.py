@@ -44,7 +44,7 @@ def sketch(order: Order, answer: Answer) -> None:
     answer(sketched(sketch, scenario, order["revision"], order["number"], time.perf_counter() - begun))
 
 
-class Planner:
+class PlanWorker:
     """Plans flights, and keeps the last one, to write its files or to hand it over."""
 
     def __init__(self) -> None:
@@ -61,7 +61,7 @@ class Planner:
                 answer(Progress(revision=revision, share=share, words=words))
 
         self._flight = None
-        flight = plan_flight(_scenario(order["text"], order["path"]), order["seed"], progress=progress)
+        flight = plan_flight(_scenario(order["text"], order["path"]), seed=order["seed"], progress=progress)
         self._flight = flight
         answer(planned(flight, revision, time.perf_counter() - begun))
 
@@ -104,4 +104,4 @@ def _scenario(text: str, path: str) -> Scenario:
 
 
 if __name__ == "__main__":
-    work(Planner().jobs)
+    work(PlanWorker().jobs)

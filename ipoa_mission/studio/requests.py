@@ -4,10 +4,10 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
-from ipoa_mission.studio.vocabulary import Json, LngLat, Message, Path
+from ipoa_mission.studio.vocabulary import Json, LngLat, PageMessage, Path
 
 
-class Put(Message):
+class Put(PageMessage):
     """A value of the scenario by its path, such as `vehicle.cruise_speed`; tables on the way are made."""
 
     op: Literal["put"] = "put"
@@ -15,14 +15,14 @@ class Put(Message):
     value: Json
 
 
-class Take(Message):
+class Take(PageMessage):
     """A value or a table is taken out."""
 
     op: Literal["take"] = "take"
     path: Path
 
 
-class Shift(Message):
+class Shift(PageMessage):
     """What lies at a path is moved as if it were taken at one place of the map and put down at the other."""
 
     op: Literal["shift"] = "shift"
@@ -31,7 +31,7 @@ class Shift(Message):
     put_down: LngLat
 
 
-class Add(Message):
+class Add(PageMessage):
     """A table joins a list of the scenario, with its place or its corners on the map."""
 
     op: Literal["add"] = "add"
@@ -45,7 +45,7 @@ class Add(Message):
 Change: TypeAlias = Annotated[Put | Take | Shift | Add, Field(discriminator="op")]
 
 
-class Edit(Message):
+class Edit(PageMessage):
     """Change the document; `seen` is the revision that the page knew."""
 
     kind: Literal["edit"] = "edit"
@@ -54,7 +54,7 @@ class Edit(Message):
     changes: tuple[Change, ...]
 
 
-class Rewrite(Message):
+class Rewrite(PageMessage):
     """The scenario's text is another one."""
 
     kind: Literal["rewrite"] = "rewrite"
@@ -62,7 +62,7 @@ class Rewrite(Message):
     text: str
 
 
-class Drag(Message):
+class Drag(PageMessage):
     """How would it be, were it so? The answer goes to this page alone; of several questions the last counts."""
 
     kind: Literal["drag"] = "drag"
@@ -70,14 +70,14 @@ class Drag(Message):
     changes: tuple[Change, ...]
 
 
-class Do(Message):
+class Do(PageMessage):
     """Something with no more to it. `take_theirs`: the file as another program has written it."""
 
     kind: Literal["do"] = "do"
     what: Literal["undo", "redo", "save", "save_over", "take_theirs", "plan", "cancel", "export", "abandon"]
 
 
-class Upload(Message):
+class Upload(PageMessage):
     """The first step of a flight: put the proved mission on a vehicle, and read it back. No link: the built-in one."""
 
     kind: Literal["upload"] = "upload"
@@ -86,7 +86,7 @@ class Upload(Message):
     speedup: Annotated[float, Field(ge=0.1, le=1000)] = 1.0
 
 
-class Start(Message):
+class Start(PageMessage):
     """The second step: arm and fly. It names what the page showed, and is refused if that is not what is there."""
 
     kind: Literal["start"] = "start"

@@ -8,10 +8,10 @@ from typing import Any, Literal, Protocol
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.document import Document
-from ipoa_mission.studio.flights import Flights
+from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.processes import Died, Process
 from ipoa_mission.studio.requests import Do, Drag, Edit, Rewrite, Start, Upload
-from ipoa_mission.studio.vocabulary import Message
+from ipoa_mission.studio.vocabulary import PageMessage
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
 LOOK_S = 1.0  # how often the file is looked at for what other programs write
@@ -35,7 +35,7 @@ class Session:
         self.windows: set[Window] = set()
         self._seed = seed
         self._quick, self._thorough = Process(PLANNER), Process(PLANNER)
-        self._flights = Flights(self.document, self.tell_all)
+        self._flights = FlightDesk(self.document, self.tell_all)
         self._jobs: dict[str, asyncio.Task[None]] = {}
         self._drags: dict[Window, Drag] = {}
         self._latest: dict[str, dict[str, Any]] = {}
@@ -56,7 +56,7 @@ class Session:
         self.windows.discard(window)
         self._drags.pop(window, None)
 
-    def tell_all(self, message: Message | dict[str, Any]) -> None:
+    def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
         """Tell every window; the latest answer of a kind is kept for those that open later."""
         answer = message if isinstance(message, dict) else message.model_dump(mode="json")
         kind = f"trouble of {answer['of']}" if answer["kind"] == "trouble" else answer["kind"]

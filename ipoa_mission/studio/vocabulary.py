@@ -9,7 +9,7 @@ Path: TypeAlias = tuple[str | int, ...]
 Json: TypeAlias = Annotated[Any, WithJsonSchema({})]
 
 
-class Message(BaseModel):
+class PageMessage(BaseModel):
     """Says no more than it is meant to."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)

@@ -12,14 +12,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
-from ipoa_mission.vehicles.guidance import Guidance
+from ipoa_mission.vehicles.guidance import GuidanceHabits
 from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import ParameterBook, Parameters
 from ipoa_mission.vehicles.refusal import Refused
-from ipoa_mission.vehicles.returning import Place
+from ipoa_mission.vehicles.returning import Arrival, MissionLanding, Place, ReturnBy, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
@@ -32,8 +33,11 @@ Part = TypeVar("Part")
 class Autopilot(ABC):
     """A firmware on one class of vehicle; there is one object of each, and it is told apart by identity.
 
-    >>> Autopilot.PX4.name, str(Autopilot.ARDUPILOT), Autopilot.ARDUPILOT.model
-    ('px4', 'ardupilot', 'ArduCopter')
+    What it answers is asked by the rooms of this package, and may change with them; its names stay.
+
+    Example:
+        >>> Autopilot.PX4.name, str(Autopilot.ARDUPILOT), Autopilot.ARDUPILOT.model
+        ('px4', 'ardupilot', 'ArduCopter')
     """
 
     PX4: ClassVar["Autopilot"]
@@ -54,11 +58,15 @@ class Autopilot(ABC):
     modes: ClassVar[Modes]
     book: ClassVar[ParameterBook]
     tables: ClassVar[FirmwareTables]
-    guidance: ClassVar[Guidance]
+    guidance: ClassVar[GuidanceHabits]
     manners: ClassVar[Manners]
     slowed_by: ClassVar[SlowedBy]
     own_fence_by: ClassVar[tuple[str, ...]]
     """All parameters that decide about the fence of its own."""
+    failsafe_by: ClassVar[tuple[str, ...]] = ()
+    """All parameters that decide what it does when something fails, by their older names."""
+    failsafe_rules: ClassVar[tuple[FailsafeRule, ...]] = ()
+    """The tables of that, for all versions."""
     parts: ClassVar[Mapping[str, Any]] = {}
     """What answers to an interface of a higher room, by the interface's name: the object, or its "module:name"."""
 
@@ -91,6 +99,11 @@ class Autopilot(ABC):
     def firmware(self, version: Version | None = None) -> Firmware:
         """What this version takes in a mission, and what it keeps of it; None: the newest that is known."""
         return self.tables.of(version)
+
+    @property
+    def parameter_names(self) -> frozenset[str]:
+        """All names that are known: of its book, and of what decides about failsafes."""
+        return self.book.names | frozenset(self.failsafe_by)
 
     @property
     def firmware_name(self) -> str:
@@ -144,6 +157,45 @@ class Autopilot(ABC):
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """How high above home it returns from so high above it, over so far, to a goal of the height `goal_up` [m]."""
 
+    def return_route(
+        self,
+        parameters: Parameters,
+        here: Place,
+        rally: Sequence[Place],
+        landing: MissionLanding | None = None,
+        version: Version | None = None,
+    ) -> ReturnRoute:
+        """Along which way a return from `here` leads, in a mission with or without a landing; None: the measured one.
+
+        Parameters by their older names.
+        """
+        return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
+
+    def arrival(self, parameters: Parameters, height: float, goal_up: float = 0.0, radio_lost: bool = False) -> Arrival:
+        """What it does over the goal of a return, to which it came so high above home; `goal_up`: as high is that [m].
+
+        >>> Autopilot.ARDUPILOT.arrival({"RTL_ALT_FINAL": 400.0}, 30.0)
+        Arrival(waits_at=30.0, waits_s=5.0, stays_at=4.0)
+        >>> Autopilot.PX4.arrival({"RTL_LAND_DELAY": -1.0}, 30.0, 5.0)
+        Arrival(waits_at=15.0, waits_s=inf, stays_at=15.0)
+        """
+        return Arrival(height)
+
+    def returns_over_terrain(self, parameters: Parameters) -> bool:
+        """Whether it keeps its height over the ground on its way home: `return_height` then counts from the ground."""
+        return False
+
+    def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
+        """How far a return keeps from the fences that it flies around [m]; None: it flies straight through them."""
+        return None
+
+    def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
+        """What follows all that can fail, and what a pilot can order; version None: the measured one.
+
+        What is not given has the firmware's default. None at all: nothing is known of it.
+        """
+        return ()
+
     # --- its version in words ---------------------------------------------------------------------------------------
 
     def checked_for(self, version: Version | None) -> str:
@@ -189,8 +241,10 @@ class Autopilot(ABC):
 
         >>> Autopilot.PX4.not_measured(Version(1, 18))
         'what flights keep was measured on PX4 1.17.0: on 1.18.0 it is not shown to hold'
+        >>> Autopilot.ARDUPILOT.not_measured(Version(3, 6))
+        'what flights keep was measured on ArduCopter 4.7.0-dev: on 3.6.0 it is not shown to hold'
         """
-        if version is None or version.series <= self.measured.series:
+        if version is None or self.oldest <= version.series <= self.measured.series:
             return None
         return f"what flights keep was measured on {self.model} {self.measured}: on {version} it is not shown to hold"
 

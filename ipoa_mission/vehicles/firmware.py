@@ -18,8 +18,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.vehicles.version import Version
 
 NO_VERSION = Version(0, 0)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Guidance:
+class GuidanceHabits:
     """The habits of one autopilot's mission mode."""
 
     flown_on_into: Set[int]
@@ -44,7 +44,5 @@ class Guidance:
     """Ordered home, it flies back to where the order reached it while it climbs."""
     home_is_where_armed: bool = False
     """The home of a file counts for nothing: where it is armed is home."""
-    was_leashed: bool = False
-    """Its older versions were led on a leash."""
     brakes_after: float = 0.0
     """For so long it flies on along its mission before it begins to brake, at most [s]. As flown: docs/safety.md."""

@@ -19,7 +19,7 @@ def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
         BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`, with px4's name as the hint.
     """
     for name in names:
-        other = None if name in autopilot.book.names else firmware_of([name])
+        other = None if name in autopilot.parameter_names else firmware_of([name])
         if other is not None:
             counterpart = _counterpart(name, other, autopilot)
             raise BadInput(
@@ -39,7 +39,7 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
     if autopilot is not None:
         expect_own(names, autopilot)
     some = registered() if autopilot is None else (autopilot,)
-    existing = frozenset(name for one in some for name in one.book.names)
+    existing = frozenset(name for one in some for name in one.parameter_names)
     for name in names:
         if name not in existing:
             near = get_close_matches(name, sorted(existing), 1)
@@ -55,7 +55,7 @@ def firmware_of(names: Iterable[str]) -> Autopilot | None:
     >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
     <Autopilot ardupilot>
     """
-    return next((one for name in names for one in registered() if name in one.book.names), None)
+    return next((one for name in names for one in registered() if name in one.parameter_names), None)
 
 
 def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str | None:

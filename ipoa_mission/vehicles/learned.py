@@ -22,8 +22,7 @@ class LearnedVehicle:
 
     `drag` is a multiple of the simulated vehicle's, `lag` [s] that of rotors and rate loop; it lifts off `lift_delay`
     [s] and disarms after a landing `landing_delay` [s] later than that one, or earlier if negative; hovering takes
-    `hover_power` [W] out of its batteries. A `leashed` one is led by the waypoint controller of ArduCopter 3.x.
-    `version` and `flights`: of what they were learned.
+    `hover_power` [W] out of its batteries. `version` and `flights`: of what they were learned.
     """
 
     autopilot: Autopilot
@@ -32,7 +31,6 @@ class LearnedVehicle:
     lift_delay: Learned | None = None
     landing_delay: Learned | None = None
     hover_power: Learned | None = None
-    leashed: bool = False
     version: str = ""
     flights: int = 0
 

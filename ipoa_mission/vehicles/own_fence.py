@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Limit:
+class FenceLimit:
     """One limit of a fence [m], and the parameter that says it; none is infinite."""
 
     name: str
@@ -15,6 +15,6 @@ class Limit:
 class OwnFence:
     """How far from home a vehicle may fly, how high above it, and how low between take-off and landing [m]."""
 
-    radius: Limit
-    ceiling: Limit
-    floor: Limit
+    radius: FenceLimit
+    ceiling: FenceLimit
+    floor: FenceLimit

@@ -6,7 +6,7 @@ place what x and y hold), altitude.
 
 from dataclasses import dataclass
 
-from ipoa_mission.commands import Command
+from ipoa_mission.mission.commands import Command
 
 POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION})
 _PARAMS = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")

@@ -41,7 +41,21 @@ NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 @dataclass(frozen=True)
 class Bounds:
-    """Where flying is allowed: a box, and inside it the footprint of a flight area if there is one."""
+    """Where flying is allowed: a box, and inside it the footprint of a flight area if there is one.
+
+    Attributes:
+        lower: its least east, north and up [m].
+        upper: its greatest [m].
+        footprint: the flight area, level.
+
+    Raises:
+        BadInput: `lower` is not below `upper`.
+
+    Example:
+        >>> import numpy as np
+        >>> Bounds((0.0, -50.0, 0.0), (100.0, 50.0, 60.0)).margin(np.array([[5.0, 0.0, 30.0]]))
+        array([5.])
+    """
 
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
@@ -63,7 +77,15 @@ class Bounds:
         return np.asarray(np.hstack([points - np.asarray(self.lower), np.asarray(self.upper) - points]).min(axis=1))
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
-        """The least margin of the straight leg from a to b."""
+        """The least margin of the straight leg between two points.
+
+        Args:
+            a: its beginning, (3,) [m].
+            b: its end, (3,) [m].
+
+        Returns:
+            How far inside it stays at least, negative outside, and where.
+        """
         fractions, b = np.array([0.0, 1.0]), straightened(a, b)
         if self.footprint is not None:
             inner = (
@@ -87,7 +109,23 @@ class Bounds:
 
 @dataclass(frozen=True, eq=False)
 class Airspace:
-    """The world as a planner sees it."""
+    """The world as a planner sees it, in a local frame: east, north and up of home [m].
+
+    Attributes:
+        bounds: where flying is allowed.
+        terrain: the ground.
+        obstacles: what stands on it or hangs over it.
+
+    Example:
+        >>> import numpy as np
+        >>> from ipoa_mission import Airspace, Bounds, Flat, Sphere
+        >>> ball = Sphere("ball", (50.0, 0.0, 30.0), 10.0)
+        >>> airspace = Airspace(Bounds((0.0, -50.0, 0.0), (100.0, 50.0, 60.0)), Flat(), (ball,))
+        >>> airspace.clearance(np.array([[30.0, 0.0, 30.0], [30.0, 0.0, 4.0]]))
+        array([10.,  4.])
+        >>> print(airspace.leg_clearance(np.array([0.0, 15.0, 30.0]), np.array([100.0, 15.0, 30.0])))
+        5.000 m to ball at east 50.00, north 15.00, up 30.00 m
+    """
 
     bounds: Bounds
     terrain: Terrain
@@ -116,7 +154,15 @@ class Airspace:
         return least
 
     def leg_clearance(self, a: Vector, b: Vector) -> Clearance:
-        """The least clearance of the straight leg from a to b, over ground and obstacles."""
+        """The least clearance of a straight leg, over ground and obstacles.
+
+        Args:
+            a: its beginning, (3,) [m].
+            b: its end, (3,) [m].
+
+        Returns:
+            The distance [m], negative inside of something, of what, and where.
+        """
         return self.polyline_clearance(np.array([a, b]))
 
     def polyline_clearance(self, points: Points) -> Clearance:
@@ -124,7 +170,15 @@ class Airspace:
         return min(self.terrain_clearance(points), self.obstacle_clearance(points), key=lambda c: c.distance)
 
     def terrain_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """The least height above ground of the legs between consecutive points (n, 3); `within` as for obstacles."""
+        """The least height above ground of the legs between consecutive points.
+
+        Args:
+            points: (n, 3) [m].
+            within: as for `obstacle_clearance`.
+
+        Returns:
+            The height [m], negative below the ground, and where.
+        """
         return _clearance(points, "terrain", *self.terrain.least_height(points, within))
 
     def height_reached(self, points: Points) -> Clearance:
@@ -132,7 +186,16 @@ class Airspace:
         return _clearance(points, "the ground", *self.terrain.greatest_height(points))
 
     def near(self, points: Points, reach: float) -> Iterator[tuple[Obstacle, NDArray[np.intp], Vector]]:
-        """Each obstacle within `reach` [m] of any of the points (n, 3): which points (k,), and their distances (k,)."""
+        """Each obstacle that is near to some of many points.
+
+        Args:
+            points: (n, 3) [m].
+            reach: how near [m].
+
+        Returns:
+            The obstacle, which of the points it is near to (k,), and their distances (k,) [m]; one obstacle after the
+            other.
+        """
         if not self.obstacles:
             return
         pairs = self._index.query(shapely.points(points[:, :2]), "dwithin", reach)
@@ -142,7 +205,15 @@ class Airspace:
                 yield self.obstacles[body], which[close], distance[close]
 
     def beside(self, lines: NDArray[np.object_], reach: Vector) -> NDArray[np.intp]:
-        """Numbers of lines and of obstacles, (2, n), whose boxes are within `reach` (k,) [m] of the lines, level."""
+        """Which obstacles are beside which lines, level, by their boxes.
+
+        Args:
+            lines: shapely's lines, (k,).
+            reach: how far beside each line is looked (k,) [m].
+
+        Returns:
+            Numbers of lines and of obstacles, (2, n).
+        """
         if not self.obstacles:
             return np.zeros((2, 0), dtype=np.intp)
         spots = shapely.length(lines) == 0  # GEOS finds nothing near a line without length
@@ -151,9 +222,14 @@ class Airspace:
         return np.asarray(self._index.query(asked, "dwithin", reach))
 
     def obstacle_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """The least distance to an obstacle of the legs between consecutive points (n, 3).
+        """The least distance to an obstacle of the legs between consecutive points.
 
-        What is farther away than `within` [m] is not looked at any closer: what is told of it is farther than that too.
+        Args:
+            points: (n, 3) [m].
+            within: what is farther away is not looked at any closer: what is told of it is farther than that too [m].
+
+        Returns:
+            The distance [m], negative inside of an obstacle, of which, and where.
         """
         if not self.obstacles:
             return NOTHING_NEAR

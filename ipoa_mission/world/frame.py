@@ -19,7 +19,17 @@ REACH = 100_000.0  # what is farther from home than this is a mistake [m]
 
 @dataclass(frozen=True)
 class Geodetic:
-    """A place on the Earth: degrees on WGS 84, metres above mean sea level."""
+    """A place on the Earth.
+
+    Attributes:
+        latitude_deg: north of the equator, on WGS 84 [degrees].
+        longitude_deg: east of Greenwich [degrees].
+        altitude: above mean sea level [m]; of a rally point, above home.
+
+    Example:
+        >>> Geodetic(47.397742, 8.545594, 488.0).altitude
+        488.0
+    """
 
     latitude_deg: float
     longitude_deg: float

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
 
+EARTH_RADIUS = 6_371_000.0  # of the round Earth on which a vehicle counts heights [m]
+
 
 class HasHeight(Protocol):
     """Any terrain, as far as heights go."""

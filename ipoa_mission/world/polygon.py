@@ -21,6 +21,7 @@ Plane: TypeAlias = NDArray[np.float64]  # (n, 2) east, north [m]
 FEW_EDGES = 6
 CORNERS = 4  # of the polygon round a corner that is rounded, for a quarter turn
 NARROW = 1e-8  # spans are not halved any further [m]
+CIRCLE = 32  # corners of a drawn circle
 
 
 def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
@@ -30,6 +31,12 @@ def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
         for ring in (shape.exterior, *shape.interiors)
     )
     return outer, tuple(holes)
+
+
+def circle(x: float, y: float, radius: float) -> Plane:
+    """A drawn circle round (x, y) as a ring, (32, 2)."""
+    turn = np.arange(CIRCLE) * 2 * np.pi / CIRCLE
+    return np.column_stack([x + radius * np.cos(turn), y + radius * np.sin(turn)])
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,16 @@ def _end(heights: Vector, i: int) -> Spot:
 
 @dataclass(frozen=True)
 class Flat:
-    """Level ground."""
+    """Level ground.
+
+    Attributes:
+        level: how high it is above home [m].
+
+    Example:
+        >>> import numpy as np
+        >>> Flat(2.0).height(np.array([[10.0, 20.0]]))
+        array([2.])
+    """
 
     level: float = 0.0
 
@@ -63,7 +72,7 @@ class Flat:
         return np.full(len(points), self.level)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Least height above ground of the legs between points (n, 3)."""
+        """Least height above ground of the legs between `points` (n, 3) [m]; `enough` changes nothing."""
         return _end(heights := points[:, 2] - self.level, int(np.argmin(heights)))
 
     def greatest_height(self, points: Points) -> Spot:

@@ -75,7 +75,7 @@ def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
         folder = tmp_path_factory.mktemp(name)
         with pytest.MonkeyPatch.context() as patch:
             search_quickly(patch.setattr)
-            flight = plan_flight(read_scenario(missions / f"{name}.toml"), 5)
+            flight = plan_flight(read_scenario(missions / f"{name}.toml"), seed=5)
         flight.write(folder)
         return flight, folder
 

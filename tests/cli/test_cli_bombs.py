@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.learn.vehicle_file import read_vehicle
-from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.logs.flight_log import read_flights
+from ipoa_mission.logs.learn.vehicle_file import read_vehicle
 from ipoa_mission.maps.elevation import ground_altitude
 from ipoa_mission.maps.read import READERS, read_features
 from ipoa_mission.mission.files import read_mission
@@ -21,7 +21,7 @@ from ipoa_mission.scenario import read_scenario
 from tools.fuzz.limited import run_limited
 
 LOGS = (".tlog", ".bin", ".ulg")
-MISSIONS = (".plan", ".waypoints", ".mission")
+MISSIONS = (".plan", ".waypoints")
 KML = b"<kml><Placemark><Polygon>%s</Polygon></Placemark></kml>"
 
 

@@ -83,7 +83,7 @@ def looked_for_once() -> Iterator[None]:
     That each search finds the same, others test.
     """
     paths = once(plan_with_room, lambda scenario, seed, progress: (scenario, seed))
-    ways_home = once(lambda *asked: tuple(check_failsafe_return(*asked)), lambda m, flight: (m, flight.scenario))
+    ways_home = once(lambda one: tuple(check_failsafe_return(one)), lambda one: (one.mission, one.scenario))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("ipoa_mission.flight.flight.plan_with_room", paths)
         patch.setattr("ipoa_mission.checks.failsafe_return.check_failsafe_return", ways_home)
@@ -103,14 +103,14 @@ def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(r
     for path in written:
         assert path.read_bytes() == (Path("cli") / path.name).read_bytes()
     flight.report("api/slow.html")
-    api.write_report("by_hand.html", scenario, flight.plan, flight.mission, flight.estimate, remarks=flight.remarks)
+    api.write_report(api.Forecast(flight.mission, scenario), "by_hand.html", flight.plan, remarks=flight.remarks)
     page = Path("cli/slow.html").read_bytes()
     assert page == Path("api/slow.html").read_bytes() == Path("by_hand.html").read_bytes()
 
     total = flight.estimate.total_s
     usual = api.estimate(replace(flight.mission, parameters={})).total_s
     assert total > usual + 3.0
-    near = 1e-3 if flight.mission.ground.is_level else SLOPE_S
+    near = 1e-3 if flight.forecast.ground.is_level else SLOPE_S
     for file in ("api/slow.plan", "cli/slow.waypoints"):
         again = api.read_mission(file, flight.mission.autopilot)
         assert dict(again.parameters) == dict(flight.mission.parameters)

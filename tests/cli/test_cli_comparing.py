@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import shapely
 
-from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.mission.files import write_mission
 from ipoa_mission.world.frame import LocalFrame
 from tests.cli.conftest import Run

@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.exports import EXPORTS
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.flight.written import not_as_written
-from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.report.exports import EXPORTS
 from ipoa_mission.scenario import read_scenario
 from tests.cli.conftest import Planned, Run
 from tools.generate import verbs
@@ -31,11 +31,10 @@ SEVERAL = {"--autopilot": 2, "--firmware-version": 2, "--link": 3, "--out": 4, "
 #: What goes together: who takes one of these takes all.
 TOGETHER = (
     {"--param", "--param-file"},
-    {"--wind", "--wind-profile"},
     {"--system", "--key"},
     {"--log", "--timeout", "--backend", "--anyway"},
-    {"--optimizer", "--planner", "--polish/--no-polish", "--report"},
-    {"--loss", "--duplicate", "--delay", "--reorder", "--nak-at"},
+    {"--optimizer", "--report"},
+    {"--loss", "--duplicate", "--delay", "--reorder"},
 )
 #: Flag -> the verbs that must take it.
 TAKEN = {
@@ -260,7 +259,7 @@ def test_every_file_that_fly_writes_is_named(run: Run) -> None:
 
 
 def test_a_mission_that_is_flown_is_not_planned(run: Run) -> None:
-    for option in ("--optimizer ipoa", "--planner paper", "--report"):
+    for option in ("--optimizer ipoa", "--report"):
         assert run(f"fly {SITL} {option}").err.startswith(f"error: {option.split()[0]}: expected a scenario")
 
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.checks.test_check_ground import PX4
 from tests.cli.conftest import Run, Serve
-from tests.mission.test_mission_check_ground import PX4
-from tests.mission.test_mission_high_landing import HOME, flight_to_high_ground
 from tests.quick_search import search_quickly
+from tests.routing.test_high_landing import HOME, flight_to_high_ground
 
 
 def test_fly_refuses_a_vehicle_that_would_touch_down_fast(

@@ -21,7 +21,7 @@ MISSIONS = Path(__file__).parents[2] / "missions"
 FOR_ARDUPILOT, FOR_PX4 = str(MISSIONS / "campus.plan"), str(MISSIONS / "sitl.plan")
 LARGE = {"numpy", "scipy", "shapely", "pyproj", "matplotlib", "contourpy", "numba", "pymavlink", "mavsdk", "rasterio"}
 #: Of our own: pydantic's models are built when their module is imported.
-OURS = {"ipoa_mission.scenario", "ipoa_mission.planning", "ipoa_mission.simulator", "ipoa_mission.report"}
+OURS = {"ipoa_mission.scenario", "ipoa_mission.planning", "ipoa_mission.simulator", "ipoa_mission.report.page"}
 #: Runs a command line and tells what is imported when it ends.
 WATCHED = f"""
 import sys

@@ -5,10 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.items import Item
+from ipoa_mission.errors import MissionError
 from ipoa_mission.mission.files import read_mission
-from ipoa_mission.vehicles.autopilot import registered
-from tests.cli.conftest import Planned, Run, Serve
+from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.faults import Faults
+from ipoa_mission.simulator.fly import fly
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from tests.cli.conftest import Planned, Run
 
 REPOSITORY = Path(__file__).parents[2]
 SCENARIOS = sorted(path.stem for path in (REPOSITORY / "missions").glob("*.toml"))
@@ -49,11 +52,11 @@ def test_a_mission_file_flies_without_its_scenario(run: Run, planned: Planned) -
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(
-    run: Run, planned: Planned, autopilot: Serve
+    planned: Planned, autopilot: Autopilot
 ) -> None:
-    ended = run(f"fly {planned('sitl')[1]}/sitl.plan --autopilot {autopilot} --nak-at 2 --out refused")
-    assert ended.code == 1
-    assert "refused the mission at item 2 with ERROR" in ended.err
+    mission = read_mission(planned("sitl")[1] / "sitl.plan", autopilot)
+    with pytest.raises(MissionError, match="refused the mission at item 2 with ERROR"):
+        fly(mission, faults=Faults(nak_at=2))
 
 
 @pytest.mark.parametrize("name", SCENARIOS)

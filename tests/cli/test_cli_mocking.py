@@ -6,7 +6,7 @@ import pytest
 
 from ipoa_mission import Autopilot, BadInput, Geodetic, read_mission, read_scenario
 from ipoa_mission.cli.standing import ZURICH, stands
-from ipoa_mission.mission.landing_ground import landing_ground
+from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.world.ground import LEVEL
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -24,7 +24,7 @@ def test_a_mock_stands_where_the_scenario_takes_off_over_its_ground(tmp_path: Pa
     assert (here.wind.speed, here.wind.from_deg) == (3.0, 270.0)
     assert here.parameters == {**world.vehicle.parameters, "LAND_SPEED": 40.0}
     east, north, _ = world.goal_point
-    assert here.ground.at(east, north) == pytest.approx(landing_ground(read_mission(MISSIONS / "campus.plan")), abs=0.2)
+    assert here.ground.at(east, north) == pytest.approx(landing_height(read_mission(MISSIONS / "campus.plan")), abs=0.2)
 
 
 def test_another_autopilot_there_has_none_of_the_parameters() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import Autopilot, BadInput, estimate, fly, read_mission, write_mission
-from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.vehicles.known_parameters import expect_known, expect_own, firmware_of
 from tests.cli.conftest import Run

@@ -16,24 +16,25 @@ from typing import Any, ClassVar, cast
 import numpy as np
 import pytest
 
-from ipoa_mission.commands import FLOWN_TO, Command
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.itinerary.program import Program
+from ipoa_mission.forecast.timing.bound import Kinematics
+from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.forecast.timing.prediction import Prediction
+from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.forecast.tube.law import DeviationLaw
+from ipoa_mission.forecast.tube.spread import Quantiles
 from ipoa_mission.geometry import Vector
-from ipoa_mission.items import Item, Mission
-from ipoa_mission.itinerary.itinerary import Itinerary
-from ipoa_mission.itinerary.program import Program
-from ipoa_mission.simulator.conditions import Vehicle
+from ipoa_mission.mission.commands import FLOWN_TO, Command
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.flight import Pilot, Pilots
 from ipoa_mission.simulator.personality import Personality
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
-from ipoa_mission.timing.bound import Kinematics
-from ipoa_mission.timing.flight_model import FlightModel
-from ipoa_mission.timing.prediction import Prediction, Track
-from ipoa_mission.tube.law import Law
-from ipoa_mission.tube.spread import Spread
 from ipoa_mission.vehicles import autopilot as register
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
-from ipoa_mission.vehicles.guidance import Guidance
+from ipoa_mission.vehicles.guidance import GuidanceHabits
 from ipoa_mission.vehicles.kinds import QUADROTOR
 from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
@@ -115,7 +116,7 @@ class Model(FlightModel):
 class StraightPilot:
     """Goes on from place to place."""
 
-    def __init__(self, body: Vehicle, now: Situation) -> None:
+    def __init__(self, body: SimulatedVehicle, now: Situation) -> None:
         self.body, self.now = body, now
         self.ahead: list[Place] = []
         self.speed, self.goes = SPEED, False
@@ -177,15 +178,15 @@ class StraightPilot:
 
 
 class Crew(Pilots):
-    def pilot(self, body: Vehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
+    def pilot(self, body: SimulatedVehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
         return StraightPilot(body, now)
 
 
-def _spread(most: float) -> Spread:
-    return Spread((0.0, most / 2, most), (1.0, 0.1, 0.001))
+def _spread(most: float) -> Quantiles:
+    return Quantiles((0.0, most / 2, most), (1.0, 0.1, 0.001))
 
 
-LAW = Law(
+LAW = DeviationLaw(
     level=_spread(0.4),
     down=_spread(0.3),
     up=_spread(0.3),
@@ -224,11 +225,11 @@ class Toy(Autopilot):
         surely_there=(("TOY_ID",),),
     )
     tables = FirmwareTables(HABITS, Path(__file__).with_name("no_tables.json"))
-    guidance = Guidance(flown_on_into=frozenset())
+    guidance = GuidanceHabits(flown_on_into=frozenset())
     manners = Manners(starts_by_command=True)
     slowed_by = SlowedBy((), 1.0, 0.0, ())
     own_fence_by = ("TOY_FENCE",)
-    parts: ClassVar[Mapping[str, Any]] = {"FlightModel": Model(), "Law": LAW, "Pilots": Crew()}
+    parts: ClassVar[Mapping[str, Any]] = {"FlightModel": Model(), "DeviationLaw": LAW, "Pilots": Crew()}
 
     def refused(
         self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int

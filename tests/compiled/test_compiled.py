@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.compiled import library
+from ipoa_mission.compiled import called_by, library
+from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from tools import REPOSITORY
 
 #: A small flight planned and both autopilots' times: everything that is compiled has its part in it.
@@ -58,7 +60,9 @@ def test_all_that_a_kernel_is_made_of_counts_for_its_hash() -> None:
 
     counted = {name(path) for pattern in library.SOURCES for path in library.PACKAGE.glob(pattern)}
     written = {path: path.read_text(encoding="utf-8") for path in library.PACKAGE.rglob("*.py")}
-    kernels = [path for path, text in written.items() if "@njit" in text or "@jit" in text]
+    modules = {one.__module__ for function in (fly_leg, fly) for one in (function, *called_by(function))}
+    assert {module.split(".")[2] for module in modules} == {"arducopter", "px4_multicopter"}
+    kernels = [path for path, text in written.items() if "@njit" in text or f"ipoa_mission.{name(path)}" in modules]
     assert {name(path) for path in kernels} <= counted
     imported = {
         node.module.removeprefix("ipoa_mission.")

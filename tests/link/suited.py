@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from ipoa_mission.items import Mission
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.items import Mission
 
 
 def suited(vehicle: Vehicle, mission: Mission) -> Mission:

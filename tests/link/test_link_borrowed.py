@@ -12,7 +12,7 @@ from ipoa_mission.link.borrowed import MavutilChannel, own_line
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.definitions import add_dialect
-from ipoa_mission.link.messages import Firmware, Heartbeat, Message
+from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
 from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link.test_link_strangers import Net, line_on, station
 from tests.link.test_link_verbs import met
@@ -58,7 +58,7 @@ def test_of_two_vehicles_on_a_link_only_the_one_that_is_asked_is_heard() -> None
     heard: list[Message] = []
     vehicle.overhearing = heard.append
     assert {message.get_srcSystem() for message in vehicle.messages(3.0)} == {2}
-    assert {one.autopilot for one in heard if isinstance(one, Heartbeat)} == {Firmware.ARDUPILOT}
+    assert {one.autopilot for one in heard if isinstance(one, Heartbeat)} == {MavAutopilot.ARDUPILOT}
 
 
 def test_a_system_of_mavsdks_is_borrowed(monkeypatch: pytest.MonkeyPatch) -> None:

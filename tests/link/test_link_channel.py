@@ -15,11 +15,11 @@ from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.messages import Firmware, Heartbeat, Text
+from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Text
 from tests.quick_link import hurry
 
 pytest.importorskip("serial")
-AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, Firmware.PX4), EVERYONE, 0.0)
+AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, MavAutopilot.PX4), EVERYONE, 0.0)
 
 
 class Cable:

@@ -6,15 +6,16 @@ put into BRAKE; on its way to a waypoint it stops within two seconds and stays i
 
 import pytest
 
-from ipoa_mission.commands import Command, Order
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.hold import SHOWN_S, return_to_launch
 from ipoa_mission.link.messages import CommandAck, CommandResult, Message
 from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.commands import Command, Order
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.vehicles.autopilot import Autopilot
 from tools import REPOSITORY
@@ -27,7 +28,7 @@ HOME = {Autopilot.ARDUPILOT: "RTL", Autopilot.PX4: "AUTO.RTL"}
 
 def flying(name: str) -> tuple[Mission, Vehicle]:
     mission = read_mission(MISSIONS / name)
-    vehicle = board(mission)
+    vehicle = board(Forecast(mission))
     vehicle.upload(mission)
     vehicle.prepare()
     vehicle.start()
@@ -89,7 +90,7 @@ def test_arducopter_brakes_where_it_cannot_pause() -> None:
 
 @pytest.mark.parametrize("name", ["campus.plan", "sitl.plan"])
 def test_a_vehicle_on_the_ground_is_told_nothing(name: str) -> None:
-    with board(read_mission(MISSIONS / name)) as vehicle:
+    with board(Forecast(read_mission(MISSIONS / name))) as vehicle:
         for order in (vehicle.pause, vehicle.resume, vehicle.return_to_launch):
             with pytest.raises(NotReady, match="expected a vehicle in the air"):
                 order()

@@ -6,19 +6,19 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import NoAnswer
-from ipoa_mission.link.holding import Holding, ReplacedSince, expect_unchanged
+from ipoa_mission.link.holding import LOOK_S, Holding, ReplacedSince, expect_unchanged
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import NO_MISSION, CommandLong, Count, Current, ItemAt, Message, MissionType
 from ipoa_mission.link.state import NotReady
-from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
@@ -147,11 +147,40 @@ def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_c
     record = vehicle.record()
     assert not record.completed
     assert "the mission on the vehicle is no longer ours: " in record.why_not
-    if family is PX4 or other == "shorter":  # ArduPilot names no id: one of the same length shows at the end
-        assert told[1] - told[0] < 1.0
-        assert "no longer ours" in caplog.text
-    else:
-        assert "when it was read after the flight, item 2" in record.why_not
+    is_asked = family is ARDUPILOT and other == "as long"  # it names no id, so its checksum is asked for now and then
+    assert told[1] - told[0] < (LOOK_S + 2.0 if is_asked else 1.0)
+    assert caplog.text.count("no longer ours") == 1
+
+
+def test_one_that_makes_no_checksum_is_read_after_the_flight() -> None:
+    vehicle = vehicle_of(ARDUPILOT)
+    vehicle._about = AutopilotVersion(0)
+    vehicle.upload(suited(vehicle, MISSION))
+    vehicle.prepare()
+    vehicle.start()
+    replaced: list[Message] = []
+
+    def overhear(message: Message) -> None:
+        if isinstance(message, Position) and message.height > 5.0 and not replaced:
+            replaced.append(message)
+            replaced_by(vehicle, OTHERS["as long"](MISSION))
+
+    vehicle.overhearing = overhear
+    assert "when it was read after the flight, item 2" in vehicle.watch().why_not
+
+
+def test_home_that_moves_in_flight_is_no_other_mission(caplog: pytest.LogCaptureFixture) -> None:
+    vehicle = vehicle_of(ARDUPILOT)
+    vehicle.upload(suited(vehicle, MISSION))
+    vehicle.prepare()
+    vehicle.start()
+    mock = mock_of(vehicle)
+    items = mock.transfers.stores[MissionType.MISSION].items
+    before = len(caplog.records)
+    mock.transfers.stores[MissionType.MISSION].items = (replace(items[0], altitude=items[0].altitude + 1.0), *items[1:])
+    assert vehicle.watch().completed
+    assert vehicle.changed == ""
+    assert len(caplog.records) == before
 
 
 def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:

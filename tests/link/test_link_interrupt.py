@@ -10,7 +10,6 @@ from types import FrameType
 
 import pytest
 
-from ipoa_mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause
@@ -19,6 +18,7 @@ from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station

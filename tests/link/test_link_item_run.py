@@ -7,8 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.commands import plain_frame
-from ipoa_mission.items import Item
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Framer, Target
 from ipoa_mission.link.connect import meet
@@ -19,7 +17,9 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
+from ipoa_mission.mission.commands import plain_frame
 from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered

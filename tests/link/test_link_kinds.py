@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import until
@@ -18,6 +17,7 @@ from ipoa_mission.link.messages import Heartbeat, Message
 from ipoa_mission.link.presence import scan
 from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot

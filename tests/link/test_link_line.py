@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown, UdpChannel, open_channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
@@ -21,6 +20,7 @@ from ipoa_mission.link.presence import VERSIONS_S, scan, versions_of
 from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station

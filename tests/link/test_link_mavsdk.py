@@ -10,7 +10,6 @@ import pytest
 
 pytest.importorskip("mavsdk")
 
-from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link import upload
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import UdpChannel
@@ -20,6 +19,7 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry

@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.conversations import MissionRefused
@@ -34,6 +33,7 @@ from ipoa_mission.link.unbroken import Unsettled
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import EVERYONE, Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.deafness import CAUSE_S, DOUBTED_S, SignsOtherwise
@@ -29,6 +28,7 @@ from ipoa_mission.link.signing import (
     read_key,
 )
 from ipoa_mission.link.timestamps import Timestamps
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered

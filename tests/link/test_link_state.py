@@ -5,16 +5,16 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from ipoa_mission.items import FenceCircle, Mission, return_to_launch, takeoff
-from ipoa_mission.link.messages import ARMED_FLAG, Current, Firmware, Heartbeat, Message
+from ipoa_mission.link.messages import ARMED_FLAG, Current, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.set_up import idle_fence, other_values, own_values
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position
+from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
-ARMED, DISARMED = (Heartbeat(2, Firmware.ARDUPILOT, flag | 1, 3) for flag in (ARMED_FLAG, 0))
+ARMED, DISARMED = (Heartbeat(2, MavAutopilot.ARDUPILOT, flag | 1, 3) for flag in (ARMED_FLAG, 0))
 HIGH = Position(1.0, 47.4, 8.5, 420.0, 20.0, (0.0, 0.0, 0.0))
 STATES: dict[str, tuple[list[Message], bool | None, str]] = {
     "nothing": ([], None, "the vehicle has told nothing of its state"),

@@ -7,16 +7,16 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from ipoa_mission.items import Mission, takeoff, waypoint
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.deafness import CAUSE_S, SpeaksMavlink1
 from ipoa_mission.link.line import Contested, Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import Ack, Count, Firmware, Heartbeat, Message, MissionType, Ping, Request, Result
+from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Request, Result
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.firmware import compare, to_wire
+from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
@@ -151,7 +151,7 @@ def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
     net = Net(one=station(family))
     line = line_on(net)
     vehicle = meet(line)
-    net.strangers.append(saying(Heartbeat(2, Firmware.PX4), [Target(system, 1) for system in range(2, 42)]))
+    net.strangers.append(saying(Heartbeat(2, MavAutopilot.PX4), [Target(system, 1) for system in range(2, 42)]))
     vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert len(vehicle.download().items) == len(MISSION.items)
@@ -160,7 +160,7 @@ def test_forty_made_up_ids_do_not_come_between(family: Autopilot) -> None:
 @pytest.mark.parametrize("family", registered())
 def test_forty_made_up_stations_do_not_come_between(family: Autopilot) -> None:
     net = Net(one=station(family))
-    beats = [Codec(system, 190).encode(Heartbeat(6, Firmware.INVALID), EVERYONE, 0.0) for system in range(100, 140)]
+    beats = [Codec(system, 190).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0) for system in range(100, 140)]
 
     def flood(now: float) -> list[tuple[bytes, Peer]]:
         for n, beat in enumerate(beats):
@@ -190,7 +190,7 @@ def test_what_a_stranger_says_in_the_vehicle_s_name_is_not_heard(forged: Message
 @pytest.mark.parametrize("family", registered())
 def test_beside_another_station_with_our_ids_we_hear_the_built_in_autopilot(family: Autopilot) -> None:
     net = Net(one=station(family))
-    beat, twin = Codec(*US).encode(Heartbeat(6, Firmware.INVALID), EVERYONE, 0.0), 0.0
+    beat, twin = Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), 0.0
     for _ in range(20):  # it was there before us
         net.ends["one"].receive(beat, "twin", twin)
 
@@ -234,7 +234,7 @@ def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopi
 
     assert answers(Count(0), "us", 10.0) == ["us"]
     assert answers(Count(2), "next", 10.5) == []  # we may go on, and read back
-    assert answers(Heartbeat(6, Firmware.INVALID), "next", 11.0) == []  # that renews nobody's claim
+    assert answers(Heartbeat(6, MavAutopilot.INVALID), "next", 11.0) == []  # that renews nobody's claim
     assert answers(Count(2), "next", 11.1) == ["next"]
     assert answers(Count(2), "us", 12.2) == []  # that one is under way
 
@@ -242,7 +242,7 @@ def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopi
 def test_an_answer_to_one_of_two_stations_reaches_both_and_a_transfer_s_only_its_own() -> None:
     one = station()
     for peer in ("us", "twin"):
-        one.receive(Codec(*US).encode(Heartbeat(6, Firmware.INVALID), EVERYONE, 0.0), peer, 0.0)
+        one.receive(Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), peer, 0.0)
     one.receive(Codec(*US).encode(Ping(1, 0), EVERYONE, 0.0), "us", 0.0)
     assert {peer for _, peer in one.outgoing()} == {"us", "twin"}
     one.receive(Codec(*US).encode(Count(2), VEHICLE, 0.0), "us", 0.0)

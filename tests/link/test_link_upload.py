@@ -5,7 +5,6 @@ from typing import TypeVar
 import pytest
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link.conversations import MissionRefused
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, TimeUp
 from ipoa_mission.link.events import event_number, mission_event, words_of
@@ -25,6 +24,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.unbroken import Unsettled, download
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload, upload
 from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
 

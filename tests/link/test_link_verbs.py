@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link import connect as connecting
 from ipoa_mission.link import orders
 from ipoa_mission.link import vehicle as verbs
@@ -26,6 +25,7 @@ from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import Item, Mission, takeoff
 from ipoa_mission.mission.files import read_mission, write_mission
+from ipoa_mission.mission.items import Item, Mission, takeoff
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
-from tests.mission.mission_strategies import same
+from tests.mission_strategies import same
 
 HOME = Geodetic(39.101, 121.82, 20.0)
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), Item(20, 2)), Autopilot.PX4)

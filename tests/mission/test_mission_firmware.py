@@ -7,10 +7,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.commands import Command
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, spline_waypoint, takeoff, waypoint
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
+from ipoa_mission.mission.items import (
+    Item,
+    Mission,
+    change_speed,
+    land,
+    return_to_launch,
+    spline_waypoint,
+    takeoff,
+    waypoint,
+)
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.checks.check import check_mission
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.legs import flown_legs
-from ipoa_mission.itinerary.program import as_flown
-from ipoa_mission.mission.files import read_mission, write_mission
-from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.checks.check import check
+from ipoa_mission.forecast.forecast import Forecast, estimate
+from ipoa_mission.forecast.itinerary.legs import flown_legs
+from ipoa_mission.forecast.itinerary.program import as_flown
+from ipoa_mission.mission.files import read_mission_file, write_mission
+from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 
@@ -18,8 +18,8 @@ ODD = Path(__file__).parent.parent / "odd"
 SAID: dict[str, list[str]] = tomllib.loads((ODD / "findings.toml").read_text(encoding="utf-8"))
 
 
-def read(name: str) -> Mission:
-    return read_mission(ODD / name, None if name.endswith((".plan", ".mission")) else Autopilot.ARDUPILOT)
+def read(name: str) -> MissionFile:
+    return read_mission_file(ODD / name, None if name.endswith(".plan") else Autopilot.ARDUPILOT)
 
 
 def test_every_odd_file_is_in_the_list() -> None:
@@ -28,17 +28,19 @@ def test_every_odd_file_is_in_the_list() -> None:
 
 @pytest.mark.parametrize("name", SAID)
 def test_an_odd_file_is_read_and_check_says_what_is_odd(name: str) -> None:
-    assert [str(finding) for finding in check_mission(read(name))] == SAID[name]
+    file = read(name)
+    assert [str(finding) for finding in check(Forecast(file.mission), read=file.findings)] == SAID[name]
 
 
-@pytest.mark.parametrize("name", [name for name in SAID if not name.endswith(".mission")])
+@pytest.mark.parametrize("name", SAID)
 def test_what_was_not_changed_is_written_as_it_was(name: str, tmp_path: Path) -> None:
-    write_mission(read(name), tmp_path / name)
+    file = read(name)
+    write_mission(file.mission, tmp_path / name, read_from=file)
     assert (tmp_path / name).read_bytes() == (ODD / name).read_bytes()
 
 
 def test_arducopter_does_here_and_as_high_as_now_where_it_is() -> None:
-    mission = read("here_and_as_high.waypoints")
+    mission = read("here_and_as_high.waypoints").mission
     _, there, loiter, _ = as_flown(mission).items
     assert (there.altitude, loiter.latitude_deg, loiter.longitude_deg, loiter.altitude) == (30.0, 39.102, 121.82, 40.0)
     ends = [leg.points[-1, 2] for leg in flown_legs(mission, LocalFrame(mission.home))]
@@ -48,5 +50,5 @@ def test_arducopter_does_here_and_as_high_as_now_where_it_is() -> None:
 
 
 def test_a_fence_or_rally_points_saved_as_waypoints_are_that() -> None:
-    assert len(read("fence.waypoints").fence) == len(read("fence_without_home.waypoints").fence) == 1
-    assert len(read("rally.waypoints").rally) == 1
+    assert len(read("fence.waypoints").mission.fence) == len(read("fence_without_home.waypoints").mission.fence) == 1
+    assert len(read("rally.waypoints").mission.rally) == 1

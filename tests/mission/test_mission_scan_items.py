@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import Mission
-from ipoa_mission.mission.files import read_mission, write_mission
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.files import read_mission_file, write_mission
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.world.frame import Geodetic, apart
 from ipoa_mission.world.sphere import SphericalPlane
 
@@ -44,11 +45,11 @@ CORRIDOR = {
 }
 
 
-def read(folder: Path, item: dict[str, Any]) -> Mission:
+def read(folder: Path, item: dict[str, Any]) -> MissionFile:
     path = folder / "scan.plan"
     mission = {"plannedHomePosition": [47, 8, 500], "firmwareType": 12, "items": [item], "version": 2}
     path.write_text(json.dumps({"fileType": "Plan", "version": 1, "mission": mission}))
-    return read_mission(path)
+    return read_mission_file(path)
 
 
 def flown(mission: Mission) -> np.ndarray[Any, Any]:
@@ -61,7 +62,8 @@ def flown(mission: Mission) -> np.ndarray[Any, Any]:
 
 def test_a_square_is_flown_to_and_fro(tmp_path: Path) -> None:
     """The first line would lie 1050 m west of the middle at 50 m, and every 30 m from there."""
-    mission = read(tmp_path, SURVEY | {"TransectStyleComplexItem": style()})
+    file = read(tmp_path, SURVEY | {"TransectStyleComplexItem": style()})
+    mission = file.mission
     expected = [(20, 0), (20, 100), (50, 100), (50, 0), (80, 0), (80, 100)]
     assert flown(mission).tolist() == [list(map(float, place)) for place in expected]
     commands = [item.command for item in mission.items]
@@ -83,16 +85,17 @@ def test_a_square_is_flown_to_and_fro(tmp_path: Path) -> None:
 def test_entry_and_angle(
     tmp_path: Path, changes: dict[str, Any], first: tuple[float, float], last: tuple[float, float]
 ) -> None:
-    path = flown(read(tmp_path, SURVEY | changes | {"TransectStyleComplexItem": style()}))
+    path = flown(read(tmp_path, SURVEY | changes | {"TransectStyleComplexItem": style()}).mission)
     assert path[0].tolist() == list(first)
     assert path[-1].tolist() == list(last)
 
 
 def test_a_turnaround_is_flown_beyond_the_ends_and_the_camera_works_on(tmp_path: Path) -> None:
-    mission = read(
+    file = read(
         tmp_path,
         SURVEY | {"TransectStyleComplexItem": style(TurnAroundDistance=10, CameraTriggerInTurnAround=True)},
     )
+    mission = file.mission
     path = flown(mission)
     assert path[:4].tolist() == [[20, -10], [20, 0], [20, 100], [20, 110]]
     assert path[-1].tolist() == [80, 110]
@@ -101,15 +104,17 @@ def test_a_turnaround_is_flown_beyond_the_ends_and_the_camera_works_on(tmp_path:
 
 
 def test_too_fine_a_survey_is_one_line_through_the_middle(tmp_path: Path) -> None:
-    path = flown(read(tmp_path, SURVEY | {"TransectStyleComplexItem": style(camera={"AdjustedFootprintSide": 0.1})}))
+    path = flown(
+        read(tmp_path, SURVEY | {"TransectStyleComplexItem": style(camera={"AdjustedFootprintSide": 0.1})}).mission
+    )
     assert path.tolist() == [[50, 0], [50, 100]]
 
 
 def test_a_corridor_keeps_its_distance_round_the_corner(tmp_path: Path) -> None:
-    path = flown(read(tmp_path, CORRIDOR | {"TransectStyleComplexItem": style()}))
+    path = flown(read(tmp_path, CORRIDOR | {"TransectStyleComplexItem": style()}).mission)
     left, right = [[0, 15], [185, 15], [185, 150]], [[0, -15], [215, -15], [215, 150]]
     assert path.tolist() == [*left, *right[::-1]]
-    other = flown(read(tmp_path, CORRIDOR | {"EntryPoint": 3, "TransectStyleComplexItem": style()}))
+    other = flown(read(tmp_path, CORRIDOR | {"EntryPoint": 3, "TransectStyleComplexItem": style()}).mission)
     assert other.tolist() == [*right[::-1], *left]
 
 
@@ -141,17 +146,18 @@ def test_what_the_geometry_does_not_say_is_refused_with_its_place(
 
 
 def test_it_is_written_as_it_was(tmp_path: Path) -> None:
-    mission = read(tmp_path, SURVEY | {"TransectStyleComplexItem": style()})
+    file = read(tmp_path, SURVEY | {"TransectStyleComplexItem": style()})
+    mission = file.mission
     before = (tmp_path / "scan.plan").read_bytes()
-    write_mission(mission, tmp_path / "scan.plan")
+    write_mission(mission, tmp_path / "scan.plan", read_from=file)
     assert (tmp_path / "scan.plan").read_bytes() == before
-    assert "3 transects are laid out as QGroundControl does" in str(mission.findings[0])
+    assert "3 transects are laid out as QGroundControl does" in str(file.findings[0])
 
 
 @pytest.mark.parametrize("scan", SCANS, ids=["turnaround", "no_camera", "no_turnaround", "corridor", "far_end"])
 def test_it_is_laid_out_as_qgroundcontrol_did(tmp_path: Path, scan: dict[str, Any]) -> None:
     """Scans made in QGroundControl v4.4, and the items that it stored with them: to the millimetre, item by item."""
-    items = read(tmp_path, scan["item"]).items
+    items = read(tmp_path, scan["item"]).mission.items
     assert len(items) == len(scan["laid_out"])
     for item, theirs in zip(items, scan["laid_out"], strict=True):
         if isinstance(theirs, list):
@@ -174,16 +180,18 @@ def test_entered_from_the_far_end_a_corridor_has_its_triggers_reversed(
     tmp_path: Path, entry: int, turnaround: float, always: bool, expected: str
 ) -> None:
     styled = style(TurnAroundDistance=turnaround, CameraTriggerInTurnAround=always)
-    mission = read(tmp_path, CORRIDOR | {"EntryPoint": entry, "TransectStyleComplexItem": styled})
+    file = read(tmp_path, CORRIDOR | {"EntryPoint": entry, "TransectStyleComplexItem": styled})
+    mission = file.mission
     words = ["w" if item.command == Command.NAV_WAYPOINT else "T" if item.params[0] else "o" for item in mission.items]
     assert "".join(words) == expected
-    assert ("from its far end" in str(mission.findings[-1])) == (entry > 1)
+    assert ("from its far end" in str(file.findings[-1])) == (entry > 1)
 
 
 def test_mavsdks_survey_is_laid_out_as_qgroundcontrol_wrote_it(samples: Path) -> None:
     folder = samples / "mavlink+MAVSDK/cpp/src/mavsdk/plugins/mission_raw/test_plans"
     whole, bare = (
-        read_mission(folder / f"qgroundcontrol_sample_with_survey{name}.plan").items for name in ("", "_missing_items")
+        read_mission_file(folder / f"qgroundcontrol_sample_with_survey{name}.plan").mission.items
+        for name in ("", "_missing_items")
     )
     assert [(a.command, a.frame, a.altitude) for a in whole] == [(b.command, b.frame, b.altitude) for b in bare]
     for a, b in zip(whole, bare, strict=True):

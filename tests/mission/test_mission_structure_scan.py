@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.commands import Command, Frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.items import Mission
-from ipoa_mission.mission.files import read_mission, write_mission
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.files import read_mission_file, write_mission
+from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.world.sphere import SphericalPlane
 
 HOME = [47.398027, 8.54612, 488.2]
@@ -32,7 +32,7 @@ NOTCH = [[47.39774, 8.546], [47.39775, 8.5469], [47.39776, 8.546]]
 PLANE = SphericalPlane(*HOME[:2])
 
 
-def read(tmp_path: Path, **changes: Any) -> Mission:
+def read(tmp_path: Path, **changes: Any) -> MissionFile:
     plan = {
         "fileType": "Plan",
         "version": 1,
@@ -40,7 +40,7 @@ def read(tmp_path: Path, **changes: Any) -> Mission:
     }
     path = tmp_path / "scan.plan"
     path.write_text(json.dumps(plan))
-    return read_mission(path)
+    return read_mission_file(path)
 
 
 def plane(places: list[list[float]]) -> shapely.Polygon:
@@ -58,7 +58,8 @@ def plane(places: list[list[float]]) -> shapely.Polygon:
     ],
 )
 def test_a_round_a_layer_runs_beside_the_structure(corners: list[list[float]], tops: bool, tmp_path: Path) -> None:
-    mission = read(tmp_path, polygon=corners, StartFromTop=tops)
+    file = read(tmp_path, polygon=corners, StartFromTop=tops)
+    mission = file.mission
     flown = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     count = len(corners) + 1
     assert [item.altitude for item in (flown[0], flown[-1])] == [60.0, 60.0]
@@ -80,15 +81,17 @@ def test_a_round_a_layer_runs_beside_the_structure(corners: list[list[float]], t
     assert others == [(Command.DO_SET_ROI_WPNEXT_OFFSET, *none), *rounds, (Command.DO_SET_ROI_NONE, *none)]
     aim = mission.items[1]
     assert (aim.latitude_deg, aim.longitude_deg, aim.altitude) == (-10.0, 0.0, 90.0)
-    assert "3 rounds are laid out" in mission.findings[0].message
+    assert "3 rounds are laid out" in file.findings[0].message
 
 
 def test_stored_items_go_before_the_geometry_and_the_file_is_kept(tmp_path: Path) -> None:
     stored = {"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, None, 47.398, 8.546, 30]}
-    mission = read(tmp_path, Items=[stored | {"autoContinue": True}])
+    file = read(tmp_path, Items=[stored | {"autoContinue": True}])
+    mission = file.mission
     assert [item.altitude for item in mission.items] == [30.0]
     again = tmp_path / "again.plan"
-    write_mission(read(tmp_path), again)
+    file = read(tmp_path)
+    write_mission(file.mission, again, read_from=file)
     assert again.read_bytes() == (tmp_path / "scan.plan").read_bytes()
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.paper.executors import open_executor
-from ipoa_mission.paper.rows import Row, Trial, settings_text
+from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
 from ipoa_mission.paper.runs import measure
 
 pytest.importorskip("minionpy")
@@ -21,7 +21,7 @@ TRIALS = [Trial("cec2022", function, 10, "ipoa", SMALL, 0, run) for run in range
 TRIALS.append(Trial("map", "map-6-1", 24, "adaptive-pelican", settings_text(evaluations=2000), 0, 0))
 
 
-def results(rows: list[Row]) -> list[tuple[object, ...]]:
+def results(rows: list[TrialRow]) -> list[tuple[object, ...]]:
     return [(r.trial, r.cost, r.evaluations, r.history) for r in rows]
 
 

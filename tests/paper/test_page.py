@@ -6,14 +6,14 @@ from pathlib import Path
 from ipoa_mission.paper.markdown import filled
 from ipoa_mission.paper.page import page
 from ipoa_mission.paper.reproduce import ITEMS
-from ipoa_mission.paper.rows import Row, read_rows
+from ipoa_mission.paper.rows import TrialRow, read_rows
 
 FOLDER = Path(__file__).parents[2] / "docs" / "reproduction"
 
 
-def recorded() -> dict[str, Sequence[Row]]:
+def recorded() -> dict[str, Sequence[TrialRow]]:
     """The recorded rows of every series, in the order of its trials."""
-    found: dict[str, Sequence[Row]] = {}
+    found: dict[str, Sequence[TrialRow]] = {}
     for series in (series for item in ITEMS.values() for series in item.needs):
         rows = {row.trial: row for row in read_rows(FOLDER / "rows" / f"{series.name}.csv")}
         found[series.name] = [rows[trial] for trial in series.trials(None)]

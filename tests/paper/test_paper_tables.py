@@ -12,8 +12,8 @@ from ipoa_mission.paper import figures, function_tables, map_tables
 from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.page import page
 from ipoa_mission.paper.published import TABLE_3
-from ipoa_mission.paper.reproduce import ITEMS, Item, reproduce
-from ipoa_mission.paper.rows import Row, Trial, settings_text
+from ipoa_mission.paper.reproduce import ITEMS, Artifact, reproduce
+from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.paper.series import CEC_D20, MAPS_PAPER, Series
 from ipoa_mission.paper.tables import Table, number
@@ -21,7 +21,7 @@ from ipoa_mission.paper.tables import Table, number
 RUNS = 3
 
 
-def made_up(series: Series) -> list[Row]:
+def made_up(series: Series) -> list[TrialRow]:
     """Every trial costs 1 for the first algorithm of the series, 2 for the next, and so on, with a little spread."""
     order = list(dict.fromkeys((t.algorithm, t.settings) for t in series.firsts))
     return [_row(t, cost_of(order.index((t.algorithm, t.settings)) + 1, t.run)) for t in series.trials(RUNS)]
@@ -32,7 +32,7 @@ def cost_of(place: int, run: int) -> float:
     return place + run / 100 / place
 
 
-def _row(trial: Trial, cost: float) -> Row:
+def _row(trial: Trial, cost: float) -> TrialRow:
     measures: dict[str, float | list[float]] = {}
     if trial.problem != "cec2022":
         control = np.linspace([5, 5, 60], [95, 95, 60], 10).ravel().tolist()
@@ -53,16 +53,16 @@ def _row(trial: Trial, cost: float) -> Row:
             "flyable": 1.0,
             "control": control,
         }
-    return Row(trial, cost, 100, 0.5, tuple([cost] * len(CHECKPOINTS)), measures, "2024-10-21", "numpy=2")
+    return TrialRow(trial, cost, 100, 0.5, tuple([cost] * len(CHECKPOINTS)), measures, "2024-10-21", "numpy=2")
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[str, Sequence[Row]]:
+def rows() -> dict[str, Sequence[TrialRow]]:
     return {series.name: made_up(series) for item in ITEMS.values() for series in item.needs}
 
 
 @pytest.fixture(scope="module")
-def made(rows: dict[str, Sequence[Row]]) -> Callable[[str], Table | str]:
+def made(rows: dict[str, Sequence[TrialRow]]) -> Callable[[str], Table | str]:
     """An item of these rows, made once."""
 
     @cache
@@ -72,7 +72,7 @@ def made(rows: dict[str, Sequence[Row]]) -> Callable[[str], Table | str]:
     return make
 
 
-def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[str, Sequence[Row]]) -> None:
+def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[str, Sequence[TrialRow]]) -> None:
     table = function_tables.table_3(rows[CEC_D20.name])
     assert len(table.rows) == 36
     mean_f1 = next(row for row in table.rows if row[:2] == ["f1", "mean"])
@@ -82,7 +82,7 @@ def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[
     assert table.notes[0].startswith("IPOA is first in 24 of 36 here; in print in 25")
 
 
-def test_table_4_says_better_where_it_is_and_corrects(rows: dict[str, Sequence[Row]]) -> None:
+def test_table_4_says_better_where_it_is_and_corrects(rows: dict[str, Sequence[TrialRow]]) -> None:
     table = function_tables.table_4(rows[CEC_D20.name])
     assert len(table.rows) == len(FUNCTIONS)
     assert "not told apart in 60 of 60" in table.notes[0]  # three runs cannot survive a correction over sixty
@@ -96,20 +96,20 @@ def test_the_contradictions_are_those_that_arithmetic_finds() -> None:
 
 
 def test_mean_log_error_is_one_unit_for_a_factor_of_ten() -> None:
-    def costing(factor: float) -> list[Row]:
+    def costing(factor: float) -> list[TrialRow]:
         return [_row(t, factor) for t in CEC_D20.trials(1)]
 
     assert function_tables.mean_log_error(costing(100.0), "ipoa") == pytest.approx(2)
     assert function_tables.mean_log_error(costing(1e-30), "ipoa") == pytest.approx(-8)
 
 
-def test_map_tables_say_how_much_shorter(rows: dict[str, Sequence[Row]]) -> None:
+def test_map_tables_say_how_much_shorter(rows: dict[str, Sequence[TrialRow]]) -> None:
     assert "DBO -50 % (printed -7 %)" in map_tables.table_6(rows[MAPS_PAPER.name]).notes[0]
 
 
 @pytest.mark.parametrize("name", ITEMS)
 def test_every_item_is_made_of_its_rows_and_twice_the_same(
-    name: str, rows: dict[str, Sequence[Row]], made: Callable[[str], Table | str]
+    name: str, rows: dict[str, Sequence[TrialRow]], made: Callable[[str], Table | str]
 ) -> None:
     first = made(name)
     if isinstance(first, Table):
@@ -122,7 +122,7 @@ def test_every_item_is_made_of_its_rows_and_twice_the_same(
 
 
 def test_the_page_holds_every_table_and_links_every_figure(
-    rows: dict[str, Sequence[Row]], made: Callable[[str], Table | str]
+    rows: dict[str, Sequence[TrialRow]], made: Callable[[str], Table | str]
 ) -> None:
     items = {name: made(name) if "figure" not in name else "<svg/>" for name in ITEMS}
     sources = {name: [series.name for series in item.needs] for name, item in ITEMS.items()}
@@ -154,10 +154,10 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
     tiny = Series("tiny", 2, [Trial("cec2022", "f1", 10, name, small, 0, 0) for name in ("poa", "ipoa")])
     told: list[str] = []
 
-    def make(rows: Mapping[str, Sequence[Row]]) -> Table:
+    def make(rows: Mapping[str, Sequence[TrialRow]]) -> Table:
         return Table("tiny", ["cost"], [[number(row.cost)] for row in rows["tiny"]])
 
-    monkeypatch.setitem(ITEMS, "tiny", Item([tiny], make))
+    monkeypatch.setitem(ITEMS, "tiny", Artifact([tiny], make))
     for runs in (None, 3, None):
         reproduce("tiny", runs, tmp_path / "out", 1, None, lambda share, words: told.append(words))
     later = ("4 of 6", "5 of 6", "6 of 6", "4 of 4")

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.paper.rows import Row, Trial, open_to_append, read_rows, settings_text
+from ipoa_mission.paper.rows import Trial, TrialRow, open_to_append, read_rows, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS, measure, run_trial
 
 pytest.importorskip("minionpy")
@@ -34,7 +34,7 @@ class Here(Executor):
         return future
 
 
-def results(rows: list[Row]) -> list[tuple[object, ...]]:
+def results(rows: list[TrialRow]) -> list[tuple[object, ...]]:
     """All of the rows but the seconds they took."""
     return [(r.trial, r.cost, r.evaluations, r.history, r.measures) for r in rows]
 

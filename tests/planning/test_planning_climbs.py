@@ -25,7 +25,7 @@ def behind_ridges() -> PathProblem:
 
 
 def test_every_seed_goes_the_same_detour_down_from_a_ridge() -> None:
-    plans = [plan_path(behind_ridges(), seed, strategy=QUICK) for seed in range(2)]
+    plans = [plan_path(behind_ridges(), seed=seed, strategy=QUICK) for seed in range(2)]
     costs = [plan.cost.total for plan in plans]
     assert max(costs) <= 1.005 * min(costs)
     for plan in plans:

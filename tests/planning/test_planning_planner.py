@@ -44,7 +44,7 @@ def test_every_optimizer_finds_a_safe_path(scenario: Make, name: str) -> None:
 @pytest.mark.parametrize("tables", [{}, {"planning": {"polish": False}}, {"cost": {"form": "nodes"}}])
 def test_the_same_seed_gives_the_same_plan_to_the_last_bit(scenario: Make, tables: dict[str, Any]) -> None:
     job = scenario(obstacles=[PILLAR], optimizer={"population": 10, "iterations": 20}, **tables)
-    one, two, other = (plan_path(job, seed, strategy=QUICK) for seed in (5, 5, 6))
+    one, two, other = (plan_path(job, seed=seed, strategy=QUICK) for seed in (5, 5, 6))
     np.testing.assert_array_equal(one.curve.control, two.curve.control)
     np.testing.assert_array_equal(one.history, two.history)
     assert one.cost == two.cost

@@ -6,19 +6,20 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ipoa_mission.items import Mission, change_speed, land, takeoff, waypoint
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report.stops import MOVING, stops
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.timing.estimate import Estimate, estimate
 from tools import REPOSITORY
 
 Flight = tuple[Scenario, Mission, Estimate]
 Bowed = Callable[[str], Flight]
-Planned = Callable[[str], tuple[Scenario, Plan, Mission, Estimate]]
+Planned = Callable[[str], tuple[Forecast, Plan]]
 
 
 @pytest.fixture(scope="session")
@@ -39,7 +40,7 @@ def bowed() -> Bowed:
         legs = [waypoint(place, height) for place, height in zip(places, heights, strict=True)]
         items = (takeoff(home, heights[0]), change_speed(scenario.vehicle.cruise_speed), *legs, land(places[-1]))
         mission = Mission(home, items, scenario.vehicle.autopilot, scenario.vehicle.cruise_speed)
-        return scenario, mission, estimate(mission, scenario.vehicle.autopilot_parameters())
+        return scenario, mission, Forecast(mission, scenario).estimate
 
     return fly
 
@@ -49,12 +50,13 @@ def planned(bowed: Bowed) -> Planned:
     """The same with a plan: a curve along the arc, and a search that came there."""
 
     @cache
-    def plan(name: str) -> tuple[Scenario, Plan, Mission, Estimate]:
-        scenario, mission, timed = bowed(name)
-        places = [stop.place for stop in stops(mission, timed, scenario) if stop.item.command in MOVING]
+    def plan(name: str) -> tuple[Forecast, Plan]:
+        scenario, mission, _ = bowed(name)
+        forecast = Forecast(mission, scenario)
+        places = [stop.place for stop in stops(forecast) if stop.item.command in MOVING]
         curve = Spline(np.array(places))
         history = np.array([9e4, 900.0, 500.0, 420.0, 401.5])
         cost, proof = curve_cost(curve, scenario), prove_curve(curve, scenario)
-        return scenario, Plan(curve, cost, proof, "ipoa", 7, np.arange(1, 6) * 60, history), mission, timed
+        return forecast, Plan(curve, cost, proof, "ipoa", 7, np.arange(1, 6) * 60, history)
 
     return plan

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.page import write_report
 from ipoa_mission.simulator.fly import fly
 from tests.report.conftest import Bowed, Planned
@@ -70,7 +71,8 @@ def report(planned: Planned, tmp_path_factory: pytest.TempPathFactory) -> Callab
 
     @cache
     def written(name: str) -> Path:
-        write_report(folder / f"{name}.html", *planned(name))
+        forecast, plan = planned(name)
+        write_report(forecast, folder / f"{name}.html", plan)
         return folder / f"{name}.html"
 
     return written
@@ -313,7 +315,7 @@ def test_it_prints_on_a_few_pages(open_page: Callable[..., Any]) -> None:
 def test_after_a_flight_both_paths_and_times_are_shown(tab: Tab, bowed: Bowed, tmp_path: Path) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     file = tmp_path / "flown.html"
-    write_report(file, scenario, None, mission, timed, fly(mission))
+    write_report(Forecast(mission, scenario), file, None, fly(mission))
     page = tab.visit(file, width=390)
     assert page.locator("path.flown").count() == 3  # on the map, in the height profile, in the speed
     for text in ("flown", "Estimate against flight", "off by"):

@@ -10,14 +10,15 @@ import pytest
 import shapely
 from matplotlib.patches import Rectangle
 
-from ipoa_mission.items import Mission
+from ipoa_mission.forecast.forecast import Forecast, estimate
+from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.comparison_plot import draw_comparison
 from ipoa_mission.report.page import report_html
 from ipoa_mission.report.plots import write_picture
-from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.world.frame import LocalFrame
 from tests.report.conftest import Bowed
@@ -72,7 +73,7 @@ def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, tmp_path: Path)
     assert comparison.legs == ()
     assert math.isnan(comparison.route_error)
     assert flown_track(mission, nothing) is None
-    assert "tells of no item" in report_html(scenario, None, mission, timed, nothing)
+    assert "tells of no item" in report_html(Forecast(mission, scenario), flight=nothing)
     write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
 
 
@@ -85,7 +86,7 @@ def test_the_flown_path_comes_back_to_the_millimetre(bowed: Bowed) -> None:
 
 def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("campus.toml")
-    page = report_html(scenario, None, mission, timed, flown_as(timed, mission, 1.25, 0.0))
+    page = report_html(Forecast(mission, scenario), flight=flown_as(timed, mission, 1.25, 0.0))
     assert "the estimate is off by −20.0\N{NO-BREAK SPACE}%" in page
     assert f"<td>{1.25 * timed.items[5].done_s:.1f}</td>" in page
     assert 'class="flown"' in page

@@ -10,21 +10,20 @@ import numpy as np
 import pytest
 
 from ipoa_mission.centimeters import down
-from ipoa_mission.commands import Command
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import return_to_launch
-from ipoa_mission.itinerary.legs import join
+from ipoa_mission.forecast.itinerary.legs import join
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.files import read_mission
-from ipoa_mission.report.chart import Axis, axis_over
-from ipoa_mission.report.course import dangers, follow
+from ipoa_mission.mission.items import return_to_launch
+from ipoa_mission.report.chart import GraphAxis, axis_over
 from ipoa_mission.report.page import report_html, write_report
 from ipoa_mission.report.panels.headline import verdict
 from ipoa_mission.report.panels.profile import _near
+from ipoa_mission.report.seen import dangers, follow
 from ipoa_mission.report.stops import stops
 from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
-from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.world.obstacles import Prism
 from tests.report.conftest import Bowed, Planned
 
@@ -83,23 +82,24 @@ def test_the_page_is_whole_and_asks_for_nothing_from_outside(planned: Planned, n
 
 def test_the_same_mission_gives_the_same_page(planned: Planned, tmp_path: Path) -> None:
     for name in "ab":
-        write_report(tmp_path / name, *planned("sitl.toml"))
+        forecast, plan = planned("sitl.toml")
+        write_report(forecast, tmp_path / name, plan)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
 def test_names_from_files_cannot_become_markup(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("sitl.toml")
+    scenario, mission, _ = bowed("sitl.toml")
     evil = '</script><script>alert(1)</script><b title="x" on=\''
     text = scenario.model_dump(mode="json")
     text["obstacles"][0]["name"] = evil
-    page = report_html(Scenario.model_validate(text), None, mission, replace(timed, remarks=(evil,)), remarks=[evil])
+    page = report_html(Forecast(mission, Scenario.model_validate(text)), remarks=[evil])
     assert "<script>alert" not in page
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
 
 
 def test_waypoints_stand_on_the_map_where_they_are(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("campus.toml")
-    read = Reader(report_html(scenario, None, mission, timed))
+    scenario, mission, _ = bowed("campus.toml")
+    read = Reader(report_html(Forecast(mission, scenario)))
     box = read.having("class", "map")[0]
     west, south, width, height = (float(box[f"data-{key}"]) for key in ("west", "south", "width", "height"))
     shown = []
@@ -116,17 +116,18 @@ def test_waypoints_stand_on_the_map_where_they_are(bowed: Bowed) -> None:
 
 
 def test_the_table_has_every_item_with_its_own_time(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("campus.toml")
-    page = report_html(scenario, None, mission, timed)
+    scenario, mission, _ = bowed("campus.toml")
+    forecast = Forecast(mission, scenario)
+    page = report_html(forecast)
     rows = re.findall(r'<tr data-stop="(\d+)".*?<i>(\d+)</i>.*?<b>([\d.]+)</b>', page)
     assert [(int(seq), float(done)) for _, seq, done in rows] == [
-        (item.seq, round(item.done_s, 1)) for item in timed.items
+        (item.seq, round(item.done_s, 1)) for item in forecast.estimate.items
     ]
 
 
 def test_the_script_is_given_the_world_as_it_is(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
-    data = json.loads(_data(report_html(scenario, None, mission, timed)))
+    data = json.loads(_data(report_html(Forecast(mission, scenario))))
     mast, hangar, balloon = data["world"]["bodies"]
     assert (mast["round"], mast["base"], mast["top"]) == (True, 0.0, 60.0)
     assert len(hangar["rings"][0]) == 4
@@ -138,11 +139,11 @@ def test_the_script_is_given_the_world_as_it_is(bowed: Bowed) -> None:
 
 
 def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("downtown.toml")
-    found = stops(mission, timed, scenario)
+    scenario, mission, _ = bowed("downtown.toml")
+    found = stops(Forecast(mission, scenario))
     least = scenario.airspace.polyline_clearance(join(Forecast(mission, scenario).cruise)[0])
     assert least.distance < 0  # an arc through a city does not miss its towers
-    page = report_html(scenario, None, mission, timed)
+    page = report_html(Forecast(mission, scenario))
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
     assert f'title="{-least.distance:.2f} m inside {least.what}' in page  # in the table, at the leg
     hits = [stop.time.seq for stop in found if stop.proof is not None and not stop.proof.holds]
@@ -150,10 +151,10 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed) 
 
 
 def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("campus.toml")
+    scenario, mission, _ = bowed("campus.toml")
     kept = Forecast(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).promise.clearance
     assert kept is not None
-    page = report_html(scenario, None, mission.with_parameters({"RTL_ALT": 6500.0}), timed)
+    page = report_html(Forecast(mission.with_parameters({"RTL_ALT": 6500.0}), scenario))
     words = f"Clear of teaching block A: 99 % of flights keep {down(kept.kept):.2f} m"
     assert f'class="verdict good"><b aria-hidden="true">✓</b> {words}' in page
     assert 'class="bad"' not in page
@@ -164,8 +165,8 @@ def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None
 
 
 def test_a_return_through_a_building_is_read_before_it_flies_and_under_no_green_sign(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("campus.toml")
-    page = report_html(scenario, None, mission.with_parameters({"RTL_ALT": 1500.0}), timed)
+    scenario, mission, _ = bowed("campus.toml")
+    page = report_html(Forecast(mission.with_parameters({"RTL_ALT": 1500.0}), scenario))
     assert re.search(
         r'class="verdict amber"><b aria-hidden="true">!</b> Clear of .* RTL on the way there flies home', page
     )
@@ -179,13 +180,13 @@ def test_a_way_home_through_a_hill_is_a_warning(bowed: Bowed) -> None:
         "terrain": {"kind": "analytic", "peaks": [{"height": 70, "east": 115, "north": 80, "a": 20, "b": 20}]},
     }
     home = replace(mission, items=(*mission.items[:-1], return_to_launch()))
-    over_it = report_html(Scenario.model_validate(hill), None, home, estimate(home))
+    over_it = report_html(Forecast(home, Scenario.model_validate(hill)))
     assert re.search(r'class="verdict bad".*Not to be flown: the path as predicted runs into the ground after', over_it)
 
 
 def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Planned) -> None:
-    scenario, plan, mission, timed = planned("campus.toml")
-    page = report_html(scenario, plan, mission, timed)
+    forecast, plan = planned("campus.toml")
+    page = report_html(forecast, plan)
     cells = re.findall(r"<td>([\d.]+)</td><td class=\"words share\">.*?<span>(\d+) %", page)
     assert sum(float(cost) for cost, _ in cells) == pytest.approx(plan.cost.total, abs=0.03)
     assert sum(int(part) for _, part in cells) == pytest.approx(100, abs=2)
@@ -236,7 +237,7 @@ def test_a_followed_track_keeps_its_length_time_and_speed(bowed: Bowed) -> None:
     [(0, 10, [0, 2, 4, 6, 8, 10]), (-0.3, 1.2, [0.0, 0.5, 1.0]), (98, 103, [98, 99, 100, 101, 102, 103])],
 )
 def test_ticks_are_round_numbers_within_the_axis(low: float, high: float, expected: list[float]) -> None:
-    assert Axis(low, high, "").ticks(6) == pytest.approx(expected)
+    assert GraphAxis(low, high, "").ticks(6) == pytest.approx(expected)
 
 
 def test_an_axis_over_one_value_still_has_a_length() -> None:
@@ -264,17 +265,17 @@ def test_numbers_are_written_for_people(words: str, expected: str) -> None:
 
 def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
-    assert "energy" not in report_html(scenario, None, mission, timed)
+    assert "energy" not in report_html(Forecast(mission, scenario))
     text = scenario.model_dump(mode="json")
     text["vehicle"]["airframe"] = {"mass_kg": 2.4, "rotor_diameter": 0.33}
     flown = Scenario.model_validate(text)
     consumed = flight_energy(flown, timed.track.times, timed.track.points, timed.track.speeds)
     assert consumed is not None
     used = consumed.energy_wh
-    assert f"{used:.1f}\N{NO-BREAK SPACE}Wh" in report_html(flown, None, mission, timed)
+    assert f"{used:.1f}\N{NO-BREAK SPACE}Wh" in report_html(Forecast(mission, flown))
     for capacity, look in ((4 * used, ""), (1.1 * used, "bad")):
         text["vehicle"]["battery"] = {"capacity_wh": capacity, "reserve": 0.25}
-        page = report_html(Scenario.model_validate(text), None, mission, timed)
+        page = report_html(Forecast(mission, Scenario.model_validate(text)))
         left = 1 - used / capacity
         assert f'<div class="{look}"><dt>energy</dt>' in page
         assert f"{left:.0%} of {capacity:g} Wh left, 25% required" in page
@@ -282,7 +283,7 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Bo
 
 def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
-    page = report_html(scenario, None, mission, timed).replace("\N{NO-BREAK SPACE}", " ")
+    page = report_html(Forecast(mission, scenario)).replace("\N{NO-BREAK SPACE}", " ")
     done = {item.seq: item.done_s for item in timed.items}
     last = max(n for n, item in enumerate(mission.items, 1) if item.command == Command.NAV_WAYPOINT)
     card = r"first place to last waypoint</dt><dd>([\d.]+) s<small>([\d.]+) times the lower bound, ([\d.]+) s"
@@ -294,13 +295,13 @@ def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Bowed
     length = np.linalg.norm(np.diff(join(Forecast(mission, scenario).cruise)[0], axis=0), axis=1).sum()
     assert least > 0.95 * length / scenario.vehicle.cruise_speed  # corners are cut
     grounded = replace(mission, items=(mission.items[0], mission.items[-1]))
-    assert "first place" not in report_html(scenario, None, grounded, estimate(grounded))
+    assert "first place" not in report_html(Forecast(grounded, scenario))
 
 
 def test_a_zone_is_no_building(missions: Path) -> None:
     pytest.importorskip("rasterio")
     scenario, mission = read_scenario(missions / "oldtown.toml"), read_mission(missions / "oldtown.plan")
-    page = report_html(scenario, None, mission, estimate(mission))
+    page = report_html(Forecast(mission, scenario))
     data = json.loads(_data(page))["world"]
     assert len(data["zones"]) == 2
     assert data["highest"] < 80.0  # the mast on its hill; zones have no top

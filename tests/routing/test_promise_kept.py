@@ -16,7 +16,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.flight.summary import clearance_as_json
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.routing.seek import seek
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
@@ -71,7 +71,7 @@ def nearest(points: np.ndarray, bodies: list[dict[str, Any]]) -> np.ndarray:
 def way(flight: Flight) -> np.ndarray:
     """Places (n, 3) of the predicted path, from the end of its take-off to its last waypoint."""
     predicted = Forecast(flight.mission, flight.scenario).promise.flight
-    points = predicted.course.part(*predicted.way).points
+    points = predicted.pieces.part(*predicted.way).points
     legs = [np.linspace(a, b, max(2, int(np.linalg.norm(b - a) / STEP) + 1)) for a, b in pairwise(points)]
     return np.vstack(legs)
 

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.energy.flight import NotEnoughBattery
-from ipoa_mission.energy.power import power
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
+from ipoa_mission.vehicles.energy.power import power
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 
 FLIGHT = """

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ipoa_mission.items import Item
 from ipoa_mission.link.messages import CommandAck, CommandLong, Count, Current, ItemAt, Message
+from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link_pair import CLIENT, HOME, items_of, plain

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from ipoa_mission.commands import Command, Frame
-from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
-from ipoa_mission.simulator.flight import Flight
-from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.simulator.flight import SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -70,7 +70,7 @@ def by_built_in(
     autopilot: Autopilot, items: tuple[Item, ...], parameters: Mapping[str, float], seed: int
 ) -> tuple[dict[int, float], float]:
     """When each item was done and when the motors stopped [s]."""
-    flight = Flight(autopilot, HOME, parameters, seed=seed)
+    flight = SimulatedFlight(autopilot, HOME, parameters, seed=seed)
     flight.load(items)
     flight.arm()
     flight.start()

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from ipoa_mission.commands import Command, Frame
-from ipoa_mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
-from ipoa_mission.simulator.flight import Flight, MissionState
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.simulator.flight import MissionState, SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -19,7 +19,7 @@ def place(east: float, north: float) -> Geodetic:
     return Geodetic(float(latitude[0]), float(longitude[0]))
 
 
-def fly(flight: Flight, until_s: float = 400.0) -> None:
+def fly(flight: SimulatedFlight, until_s: float = 400.0) -> None:
     while flight.armed and flight.time_s < until_s:
         flight.advance(flight.time_s + 0.5)
 
@@ -35,7 +35,7 @@ MISSION = (
 
 @both
 def test_a_mission_is_flown_item_by_item_and_ends_disarmed_at_home(autopilot: Autopilot) -> None:
-    flight = Flight(autopilot, HOME, {})
+    flight = SimulatedFlight(autopilot, HOME, {})
     flight.load(MISSION)
     assert flight.mission_state is MissionState.NOT_STARTED
     flight.arm()
@@ -50,7 +50,7 @@ def test_a_mission_is_flown_item_by_item_and_ends_disarmed_at_home(autopilot: Au
 
 @both
 def test_a_disarmed_vehicle_stays_on_the_ground(autopilot: Autopilot) -> None:
-    flight = Flight(autopilot, HOME, {})
+    flight = SimulatedFlight(autopilot, HOME, {})
     flight.load(MISSION)
     flight.start()
     flight.advance(30.0)
@@ -61,7 +61,7 @@ def test_a_disarmed_vehicle_stays_on_the_ground(autopilot: Autopilot) -> None:
 @both
 def test_a_hold_lasts_as_long_as_asked(autopilot: Autopilot) -> None:
     def flown(hold_s: float) -> float:
-        flight = Flight(autopilot, HOME, {})
+        flight = SimulatedFlight(autopilot, HOME, {})
         flight.load((takeoff(HOME, 10.0), waypoint(place(20.0, 0.0), 10.0, hold_s), land(place(20.0, 0.0))))
         flight.arm()
         flight.start()
@@ -75,7 +75,7 @@ def test_a_hold_lasts_as_long_as_asked(autopilot: Autopilot) -> None:
 def test_a_jump_repeats_its_legs_as_often_as_it_says(autopilot: Autopilot) -> None:
     target = 1 if autopilot is Autopilot.PX4 else 2
     jump = Item(Command.DO_JUMP, Frame.MISSION, (target, 2, 0, 0))
-    flight = Flight(autopilot, HOME, {})
+    flight = SimulatedFlight(autopilot, HOME, {})
     flight.load((takeoff(HOME, 10.0), waypoint(place(15.0, 0.0), 10.0), waypoint(HOME, 10.0), jump, return_to_launch()))
     flight.arm()
     flight.start()
@@ -85,7 +85,7 @@ def test_a_jump_repeats_its_legs_as_often_as_it_says(autopilot: Autopilot) -> No
 
 @both
 def test_told_to_begin_at_a_waypoint_arducopter_stays_on_the_ground_and_px4_takes_off(autopilot: Autopilot) -> None:
-    flight = Flight(autopilot, HOME, {})
+    flight = SimulatedFlight(autopilot, HOME, {})
     flight.load(MISSION)
     flight.set_current(2)
     flight.arm()

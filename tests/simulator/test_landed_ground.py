@@ -1,20 +1,18 @@
 """The ground where a mission lands: NAME.json keeps it, and a flight that came down elsewhere is told of."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import ipoa_mission as api
 from ipoa_mission.flight.landed import landed_elsewhere
-from ipoa_mission.items import land, takeoff, waypoint
-from ipoa_mission.mission.landing_ground import KEY, digest, landing_ground, landing_on
+from ipoa_mission.mission.about_file import KEY, digest
+from ipoa_mission.mission.items import land, takeoff, waypoint
+from ipoa_mission.mission.landing_ground import known_ground, landing_height, landing_on
 from ipoa_mission.mission.plan_file import LANDING_GROUND, plan_text
 from ipoa_mission.mission.waypoints_file import waypoints_text
-from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import Geodetic
-from ipoa_mission.world.ground import LEVEL
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 GOAL = Geodetic(47.398642, 8.545594, 488.0)
@@ -23,32 +21,32 @@ MISSION = api.Mission(HOME, (takeoff(HOME, 20.0), waypoint(GOAL, 20.0), land(GOA
 
 def test_a_file_is_read_over_the_ground_that_was_written_beside_it(tmp_path: Path) -> None:
     uphill = landing_on(MISSION, 8.5)
-    assert landing_ground(MISSION) is None
+    assert landing_height(MISSION) is None
     text, path, about = waypoints_text(uphill), tmp_path / "hill.waypoints", tmp_path / "hill.json"
     path.write_text(text, encoding="utf-8")
-    assert landing_ground(api.read_mission(path, MISSION.autopilot)) is None
+    assert landing_height(api.read_mission(path, MISSION.autopilot)) is None
     about.write_text(json.dumps({KEY: 8.5, "sha256": {path.name: digest(text)}}), encoding="utf-8")
     again = api.read_mission(path, MISSION.autopilot)
-    assert landing_ground(again) == 8.5
-    assert again.ground.at(0.0, 0.0) == 0.0
+    assert landing_height(again) == 8.5
+    assert known_ground(again).at(0.0, 0.0) == 0.0
     assert api.estimate(again).total_s == api.estimate(uphill).total_s < api.estimate(MISSION).total_s - 3.0
     about.write_text("[" * 100_000, encoding="utf-8")
-    assert api.read_mission(path, MISSION.autopilot).ground.is_level
+    assert landing_height(api.read_mission(path, MISSION.autopilot)) is None
     path.write_text(text + "\n", encoding="utf-8")  # changed by somebody
-    assert api.read_mission(path, MISSION.autopilot).ground.is_level
+    assert landing_height(api.read_mission(path, MISSION.autopilot)) is None
 
 
 def test_a_plan_takes_the_ground_along_wherever_it_is_copied(tmp_path: Path) -> None:
     uphill, path = landing_on(MISSION, 8.5), tmp_path / "elsewhere.plan"
     path.write_text(plan_text(uphill), encoding="utf-8")
     again = api.read_mission(path)
-    assert landing_ground(again) == 8.5
-    assert plan_text(replace(again, source="")) == plan_text(uphill)
+    assert landing_height(again) == 8.5
+    assert plan_text(again) == plan_text(uphill)
     assert LANDING_GROUND not in json.loads(plan_text(MISSION))
     told = json.loads(path.read_text(encoding="utf-8"))
     told["mission"]["items"][-1]["params"][4] += 0.0001  # moved by somebody: nothing is known of the ground there
     path.write_text(json.dumps(told), encoding="utf-8")
-    assert api.read_mission(path).ground.is_level
+    assert landing_height(api.read_mission(path)) is None
 
 
 def test_a_plan_whose_ground_is_no_number_says_where(tmp_path: Path) -> None:
@@ -61,9 +59,9 @@ def test_a_plan_whose_ground_is_no_number_says_where(tmp_path: Path) -> None:
 
 
 def test_a_flight_over_level_ground_says_what_was_to_be_expected_there() -> None:
-    level = api.fly(replace(MISSION, ground=LEVEL))
+    level = api.fly(MISSION)
     uphill = landing_on(MISSION, 8.5)
-    assert landed_elsewhere(uphill, api.fly(uphill), CALM) == ()
-    (words,) = landed_elsewhere(uphill, level, CALM)
+    assert landed_elsewhere(api.Forecast(uphill), api.fly(uphill)) == ()
+    (words,) = landed_elsewhere(api.Forecast(uphill), level)
     assert words.startswith("it landed 0.0 m above home, but the ground there is 8.5 m higher: ")
     assert f"{api.estimate(MISSION).total_s:.1f} s are estimated" in words

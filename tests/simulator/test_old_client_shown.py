@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import pytest
 
-from ipoa_mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.link.messages import (
     Ack,
     CommandAck,
@@ -30,6 +29,7 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.firmware import home_item
+from ipoa_mission.mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic

@@ -8,9 +8,9 @@ import math
 
 import pytest
 
-from ipoa_mission.commands import Command
-from ipoa_mission.items import Item
 from ipoa_mission.link.messages import MissionType, Result
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.judgement import judge
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.version import Version

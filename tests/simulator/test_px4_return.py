@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.commands import Command
-from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.itinerary.legs import Phase, flown_legs
-from ipoa_mission.simulator.flight import Flight
-from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.forecast.itinerary.legs import Phase, flown_legs
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.simulator.flight import SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -40,7 +40,7 @@ def test_checks_estimate_and_built_in_autopilot_return_equally_high(parameters: 
     assert usual.points[:, 2].max() == pytest.approx(top, abs=0.01)
     assert max(checked) == pytest.approx(top, abs=0.01)
     assert estimate(mission).track.points[:, 2].max() == pytest.approx(top, abs=1.0)
-    flight = Flight(Autopilot.PX4, HOME, parameters)
+    flight = SimulatedFlight(Autopilot.PX4, HOME, parameters)
     flight.load(items)
     flight.arm()
     flight.start()

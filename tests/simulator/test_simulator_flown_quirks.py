@@ -5,8 +5,6 @@ from collections.abc import Sequence
 import pytest
 
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.commands import Command, Frame
-from ipoa_mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.messages import (
     Ack,
     ClearAll,
@@ -25,6 +23,8 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.flight import FlightMode
 from ipoa_mission.simulator.fly import fly

@@ -4,8 +4,6 @@ import math
 
 import pytest
 
-from ipoa_mission.commands import Command, Order
-from ipoa_mission.items import waypoint
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.messages import (
     ClearAll,
@@ -32,6 +30,8 @@ from ipoa_mission.link.telemetry import (
     SystemStatus,
 )
 from ipoa_mission.link.wire import INT32_MAX
+from ipoa_mission.mission.commands import Command, Order
+from ipoa_mission.mission.items import waypoint
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.world.frame import Geodetic

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from ipoa_mission.items import Item, land
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.messages import (
     Ack,
@@ -21,6 +20,7 @@ from ipoa_mission.link.messages import (
     Text,
     WritePartialList,
 )
+from ipoa_mission.mission.items import Item, land
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of, plain
 

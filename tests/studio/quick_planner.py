@@ -1,9 +1,9 @@
 """The studio's planner, for tests of what becomes of its plans: it looks less hard for them."""
 
 from ipoa_mission.studio.harness import work
-from ipoa_mission.studio.planner import Planner
+from ipoa_mission.studio.planner import PlanWorker
 from tests.quick_search import search_quickly
 
 if __name__ == "__main__":
     search_quickly()
-    work(Planner().jobs)
+    work(PlanWorker().jobs)

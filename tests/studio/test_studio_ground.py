@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.studio.pilot import Pilot
-from ipoa_mission.studio.planner import Planner
-from ipoa_mission.tube.flown_in import ground_of
+from ipoa_mission.studio.pilot import FlightWorker
+from ipoa_mission.studio.planner import PlanWorker
 from tests.quick_search import search_quickly
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -20,7 +19,7 @@ SHIPPED = sorted(MISSIONS.glob("*.toml"))
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_the_ground_of_a_scenario_goes_to_another_process(path: Path) -> None:
-    ground = ground_of(read_scenario(path))
+    ground = read_scenario(path).ground
     there = pickle.loads(pickle.dumps(ground))
     places = np.random.default_rng(0).uniform(-100.0, 300.0, (50, 2))
     assert there.is_level == ground.is_level
@@ -33,7 +32,7 @@ def test_a_shipped_scenario_is_planned_handed_over_uploaded_and_flown(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     search_quickly(monkeypatch.setattr)
-    planner, told = Planner(), list[Any]()
+    planner, told = PlanWorker(), list[Any]()
     planner.plan({"revision": 1, "text": path.read_text(), "path": str(path), "seed": 0}, told.append)
     handed = tmp_path / "flight"
     planner.hand_over({"file": str(handed)}, told.append)
@@ -45,6 +44,6 @@ def test_a_shipped_scenario_is_planned_handed_over_uploaded_and_flown(
         if said.kind == "loaded":
             beside.put({"vehicle": said.vehicle, "mission": said.mission, "proof": said.proof})
 
-    Pilot(beside).fly(order | {"speedup": 1e9}, answer)
+    FlightWorker(beside).fly(order | {"speedup": 1e9}, answer)
     landed = next(said for said in told if said.kind == "landed")
     assert landed.completed, landed.why_not

@@ -61,11 +61,5 @@ def test_who_flies_over_a_court_has_walls_on_two_sides(leg: Sequence[tuple[float
     assert HOUSE.passing(a, b).sides[0] == sides
 
 
-def test_a_roof_leaves_its_court_open() -> None:
-    roof = [tile for tile in HOUSE.tiles(100.0) if np.ptp(tile[:, 2]) == 0.0]
-    area = sum(shapely.Polygon(tile[:, :2]).buffer(0).area for tile in roof)
-    assert area == pytest.approx(1200.0)
-
-
 def test_a_degree_of_latitude_is_some_111_kilometers() -> None:
     assert apart(Geodetic(47.0, 8.0), Geodetic(48.0, 8.0)) == pytest.approx(111_200.0, rel=0.001)

@@ -250,7 +250,7 @@ def measured(path: Points, table: Table) -> float:
 def way_of(flight: Flight) -> Points:
     """The predicted path from the end of the take-off to the last waypoint, (n, 3)."""
     predicted = flight.promise.flight
-    return predicted.course.part(*predicted.way).points
+    return predicted.pieces.part(*predicted.way).points
 
 
 def row_of(kind: str, number: int, autopilot: Autopilot) -> Table:

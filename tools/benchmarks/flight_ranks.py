@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import kstest
 
-from ipoa_mission.itinerary.itinerary import itinerary
-from ipoa_mission.timing.estimate import estimate
+from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.px4_multicopter.timing import Flights
 from tests.recorded_flights import FLIGHTS, LANDINGS, Recorded, read_flights

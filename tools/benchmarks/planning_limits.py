@@ -67,7 +67,7 @@ def measure(scene: str) -> str:
     costs, seconds = list[float](), list[float]()
     for seed in range(seeds):
         started = time.process_time()
-        costs.append(plan_path(pose(), seed).cost.total)
+        costs.append(plan_path(pose(), seed=seed).cost.total)
         seconds.append(time.process_time() - started)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     apart = f"{100 * (max(costs) / min(costs) - 1):.2f} %" if seeds > 1 else ""

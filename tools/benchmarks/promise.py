@@ -17,10 +17,9 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.simulator.flight import Flight as Simulated
-from ipoa_mission.simulator.flight import MissionState
+from ipoa_mission.simulator.flight import MissionState, SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 
 LEVELS = (0.5, 0.9, 0.99)
@@ -56,7 +55,7 @@ def scene(number: int, autopilot: Autopilot) -> Scenario:
 
 def flown(mission: Mission, seed: int) -> Points:
     """Places (n, 3) [m] from the end of the take-off to the last waypoint."""
-    vehicle = Simulated(mission.autopilot, mission.home, mission.parameters, seed=seed)
+    vehicle = SimulatedFlight(mission.autopilot, mission.home, mission.parameters, seed=seed)
     vehicle.load(mission.items)
     vehicle.arm()
     vehicle.start()

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.tube.pieces import Pieces, pieces_of
+from ipoa_mission.forecast.tube.promise import PredictedFlight
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.timing.estimate import in_local_frame, predict
-from ipoa_mission.tube.course import Course, course_of
-from ipoa_mission.tube.promise import PredictedFlight
 from tools.fly.flown import Flown, is_flown, read_flown
 
 LEVELS = (0.5, 0.9, 0.99)
@@ -31,8 +31,9 @@ GROUPS = ("autopilot", "way", "flights", "short of 50 %", "of 90 %", "of 99 %")
 
 def promises(flown: Flown, scenario: Scenario) -> tuple[float, float, list[float]]:
     """Required, nominal, and what is kept at each level, to obstacles on the way [m]."""
-    route, prediction = predict(flown.mission, flown.wind, fast=True, sure=True)
-    flight = PredictedFlight(route, prediction, flown.mission.autopilot, scenario)
+    forecast = Forecast(flown.mission, wind=flown.wind)
+    prediction = forecast.predicted(sure=True, fast=True)
+    flight = PredictedFlight(forecast.itinerary, prediction, flown.mission.autopilot, scenario)
     found = [next(k for k in flight.limits(1 - level) if k.limit == "obstacles" and k.on_the_way) for level in LEVELS]
     return found[0].required, found[0].nominal, [each.kept for each in found]
 
@@ -101,18 +102,18 @@ def traces(flights: list[Flown], judged: int) -> Iterator[str]:
             yield f"{flight.mission.autopilot},{number},{judged},{numbers}"
 
 
-def _with_courses(flights: list[Flown]) -> Iterator[tuple[Flown, Course]]:
+def _with_courses(flights: list[Flown]) -> Iterator[tuple[Flown, Pieces]]:
     """Every flight with its predicted path; a mission that is flown again is predicted once."""
-    courses: dict[tuple[str, str], Course] = {}
+    courses: dict[tuple[str, str], Pieces] = {}
     for flight in flights:
         key = flight.name, str(flight.mission.autopilot)
         if key not in courses:
-            track = predict(flight.mission, flight.wind, fast=True, sure=True)[1].track
-            courses[key] = course_of(in_local_frame(track))
+            track = Forecast(flight.mission, wind=flight.wind).predicted(sure=True, fast=True).track
+            courses[key] = pieces_of(track.local())
         yield flight, courses[key]
 
 
-def _beside(places: Points, course: Course) -> tuple[Points, np.ndarray]:
+def _beside(places: Points, course: Pieces) -> tuple[Points, np.ndarray]:
     """From the nearest point of the course to each place, (n, 3), and on which piece that is, (n,)."""
     a, step = course.points[:-1], np.diff(course.points, axis=0)
     squares = np.maximum((step**2).sum(axis=1), 1e-12)

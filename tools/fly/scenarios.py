@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.link.flight_log import read_flight
+from ipoa_mission.logs.flight_log import read_flight
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import Scenario, read_scenario
 

@@ -14,9 +14,10 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.landing_ground import landing_on
-from ipoa_mission.timing.estimate import Estimate, estimate
 from ipoa_mission.vehicles.autopilot import autopilot_named, registered
 from tools.fly.judge import plan_digits
 

@@ -16,13 +16,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ipoa_mission.cli import app as command_line
-from ipoa_mission.timing import estimate  # noqa: F401  # what takes long to import is imported once
+from ipoa_mission.forecast.timing import estimate  # noqa: F401  # what takes long to import is imported once
 from tools.fuzz.foreign_world import read_elevation, read_map
 from tools.fuzz.limited import Ended, run_limited
 
 REFUSED_IN = 5.0  # of the processor, for what is refused [s]
 LARGEST = 400.0  # what a run may take beside the program itself [MB]
-MISSIONS, LOGS = {".plan", ".waypoints", ".mission"}, {".tlog", ".bin", ".ulg"}
+MISSIONS, LOGS = {".plan", ".waypoints"}, {".tlog", ".bin", ".ulg"}
 MAPS = {".geojson", ".json", ".kml", ".kmz", ".shp", ".fgb", ".gpkg"}
 ELEVATIONS = {".tif", ".tiff", ".hgt", ".asc"}
 REMARKS = ("note: ", "warning: ")

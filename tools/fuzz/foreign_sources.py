@@ -11,9 +11,9 @@ import pyogrio
 import shapely
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.learn.vehicle_file import read_vehicle, write_vehicle
-from ipoa_mission.learn.witness import witness_of
-from ipoa_mission.link.flight_log import read_flights
+from ipoa_mission.logs.flight_log import read_flights
+from ipoa_mission.logs.learn.vehicle_file import read_vehicle, write_vehicle
+from ipoa_mission.logs.learn.witness import witness_of
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_buildings
 from ipoa_mission.maps.feature import Feature
@@ -31,7 +31,6 @@ VEHICLE = LearnedVehicle(
     drag=Learned(1.5, 1.2, 1.8),
     landing_delay=Learned(-1.0, -2.0, 0.5),
     hover_power=Learned(266.0, 260.0, 272.0),
-    leashed=True,
 )
 TIME = 1.8e9  # of a flight [s since 1970]
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.001], [8.0, 47.0]]
@@ -146,7 +145,7 @@ def sources() -> list[tuple[str, bytes]]:
     documents = [(".geojson", GEOJSON), (".json", ED269), (".json", CITYJSON), (".plan", SCAN_PLAN)]
     texts = [(suffix, json.dumps(document).encode()) for suffix, document in documents]
     tests = REPOSITORY / "tests"
-    recorded = [*sorted((tests / "logs").glob("sitl-*")), *sorted((tests / "learn").glob("other_vehicle-0.*"))]
+    recorded = [*sorted((tests / "logs").glob("sitl-*")), *sorted((tests / "logs").glob("other_vehicle-0.*"))]
     logs = [(path.suffix, path.read_bytes()) for path in recorded]
     vehicle = (".toml", write_vehicle(VEHICLE).encode())
     return [*texts, *texts, (".kml", KML), (".kmz", archive.getvalue()), vehicle, *_tables(), *logs]

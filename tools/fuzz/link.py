@@ -25,7 +25,6 @@ from typing import Any
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
@@ -42,6 +41,7 @@ from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
+from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered

@@ -23,10 +23,10 @@ import numpy as np
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.exports import EXPORTS, write_export
-from ipoa_mission.items import Mission
 from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.report.exports import EXPORTS, write_export
 from tools import REPOSITORY
 from tools.fuzz.foreign_sources import probe_foreign
 from tools.fuzz.foreign_sources import sources as sources_of_others

@@ -21,7 +21,6 @@ from itertools import count as counting
 from typing import Any
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import clear, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
@@ -30,6 +29,7 @@ from ipoa_mission.link.mission_file import upload_by_file
 from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, to_wire
+from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic

@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.paper.markdown import filled
-from ipoa_mission.timing.estimate import Estimate, estimate
-from ipoa_mission.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame

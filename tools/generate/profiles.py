@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath, plan_path
@@ -21,7 +22,6 @@ from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.scenario.profiles import PROFILES
-from ipoa_mission.timing.estimate import estimate
 from tools import REPOSITORY
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "profiles.md"

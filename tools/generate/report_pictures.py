@@ -16,6 +16,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
+from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.planning.planner import plan_path
@@ -25,7 +26,6 @@ from ipoa_mission.report.page import write_report
 from ipoa_mission.report.plots import draw_views, write_picture
 from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.timing.estimate import estimate
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools import REPOSITORY
 
@@ -40,7 +40,7 @@ def main() -> None:
     mission = assemble(plans[7], scenario)
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "campus.html"
-        write_report(page, scenario, plans[7], mission, estimate(mission, scenario.vehicle.autopilot_parameters()))
+        write_report(Forecast(mission, scenario), page, plans[7])
         photograph(page)
     paths = {f"seed {seed}": plans[seed].curve.sample(200) for seed in (1, 2, 3)}
     write_picture(draw_views(scenario, paths), PICTURES / "views.png")

@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.compiled import compiled
+from ipoa_mission.compiled.records import records
 from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
-from ipoa_mission.vehicles.arducopter.compiled import compiled as compiled_module
-from ipoa_mission.vehicles.arducopter.dynamics import steps
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
-from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, State, flat, packed, packed_legs, room_for, tuning
+from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, Leg, State, tuning
+from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
-from ipoa_mission.vehicles.px4_multicopter.dynamics.compiled import compiled as compiled_flight
-from ipoa_mission.vehicles.px4_multicopter.dynamics.compiled import records
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Law, Order
 from ipoa_mission.wind import CALM
 
@@ -68,9 +68,10 @@ def kernels() -> Iterator[Kernel]:
     for name, arguments in examples.items():
         module = f"ipoa_mission.{MODULES[name]}"
         yield Kernel(f"{module}.{name}", getattr(importlib.import_module(module), name), arguments)
-    leg = packed_legs([flat(NO_LEG)])
-    still = packed(tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM))
-    copter = (packed(State()), leg, still, room_for(1, compiled=True))
-    yield Kernel(f"{steps.__name__}.fly_leg", compiled_module(steps).fly_leg, copter)
-    px4 = (records([], Order), records([], Law), 0.0, (1.0, 1.0), 0)
-    yield Kernel("ipoa_mission.vehicles.px4_multicopter.dynamics.flight.fly", compiled_flight(), px4)
+    leg, still = records([NO_LEG], Leg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
+    flown = {
+        fly_leg: (records([State()], State), leg, leg, leg, still, _numbers(2)),
+        fly: (records([], Order), records([], Law), 0.0, (1.0, 1.0), 0),
+    }
+    for function, given in flown.items():
+        yield Kernel(f"{function.__module__}.{function.__name__}", compiled(function), given)

@@ -15,8 +15,8 @@ from typing import Any
 
 from pymavlink import mavutil
 
-from ipoa_mission.items import Item
 from ipoa_mission.link.wire import INT32_MAX
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.version import Version
 from tests.verdicts import COMMANDS, FRAMES, LETTERS, UNASKED, UNKNOWN, item, row

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ipoa_mission.report.chart import Axis, Chart
+from ipoa_mission.report.chart import Graph, GraphAxis
 from ipoa_mission.report.compare import Comparison, LegTime
-from ipoa_mission.report.stops import Stop
+from ipoa_mission.report.stops import FlownItem
 from ipoa_mission.report.words import seconds, signed
 
 
@@ -23,7 +23,7 @@ def flown_panel(comparison: Comparison) -> str:
     )
 
 
-def done_in_flight(stops: tuple[Stop, ...], reached: Mapping[int, float]) -> dict[int, float]:
+def done_in_flight(stops: tuple[FlownItem, ...], reached: Mapping[int, float]) -> dict[int, float]:
     """Times at which items were done in flight, by their place in `stops`; a loop's later rounds have none."""
     done: dict[int, float] = {}
     met: set[int] = set()
@@ -40,9 +40,9 @@ def _drift(comparison: Comparison) -> str:
     times = np.array([leg.flown_done_s for leg in legs])
     late = np.array([leg.estimated_done_s - leg.flown_done_s for leg in legs])
     most = max(float(np.abs(late).max()) * 1.15, 1.0)
-    chart = Chart(
-        Axis(0.0, max(float(times[-1]) * 1.015, 1.0), "flown time from arming [s]"),
-        Axis(min(-most * (late < 0).any(), -0.15 * most), most, "estimate − flight [s]"),
+    chart = Graph(
+        GraphAxis(0.0, max(float(times[-1]) * 1.015, 1.0), "flown time from arming [s]"),
+        GraphAxis(min(-most * (late < 0).any(), -0.15 * most), most, "estimate − flight [s]"),
     )
     spots = "".join(
         f'<i class="dot" style="{chart.spot(t, d)}" title="item {leg.seq}: {signed(d, 1, "s")}"></i>'

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from contourpy import FillType, LineType, contour_generator
 
+from ipoa_mission.forecast.tube.limits import Rim
 from ipoa_mission.geometry import Points
-from ipoa_mission.report.course import Course, outline_round
 from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.ground_mesh import ground_mesh_over, round_step
-from ipoa_mission.report.stops import Stop
+from ipoa_mission.report.seen import Seen, outline_round
+from ipoa_mission.report.stops import FlownItem
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.tube.limits import Rim
 from ipoa_mission.world.obstacles import Obstacle
 
 TINTS = 8  # of the ground, from low to high
@@ -30,7 +30,7 @@ TOOLS = (
 
 
 def ground_plan(
-    scenario: Scenario, extent: Extent, stops: Sequence[Stop], course: Course, flown: Course | None, tube: Rim
+    scenario: Scenario, extent: Extent, stops: Sequence[FlownItem], course: Seen, flown: Seen | None, tube: Rim
 ) -> str:
     """The map of `extent` with north up; the tube is drawn as wide as it is to the sides of a straight flight."""
     airspace = scenario.airspace
@@ -116,7 +116,7 @@ def _footprint(body: Obstacle, highest: float) -> str:
     return f'<path class="roof{shade}" d="{rings}"><title>{words}</title></path>'
 
 
-def _button(n: int, stop: Stop, extent: Extent) -> str:
+def _button(n: int, stop: FlownItem, extent: Extent) -> str:
     assert stop.place is not None
     (west, south), (east, north) = extent.lower, extent.upper
     left, top = (stop.place[0] - west) / (east - west), (north - stop.place[1]) / (north - south)

@@ -5,16 +5,16 @@ from collections.abc import Sequence
 from html import escape
 
 from ipoa_mission.centimeters import down, up
-from ipoa_mission.energy.flight import Consumption
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
+from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
-from ipoa_mission.report.course import Danger
+from ipoa_mission.report.seen import Danger
 from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.scenario.vehicle import BatterySection
-from ipoa_mission.timing.estimate import Estimate
-from ipoa_mission.timing.qgroundcontrol import COUNTS
-from ipoa_mission.tube.promise import Kept, Promise
+from ipoa_mission.vehicles.energy.flight import Consumption
 
 
 def verdict(

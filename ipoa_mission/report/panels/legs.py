@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from ipoa_mission.report.stops import Stop
+from ipoa_mission.report.stops import FlownItem
 from ipoa_mission.report.words import number, signed
 
 HEAD = (
@@ -23,7 +23,7 @@ HEAD = (
 )
 
 
-def legs(stops: Sequence[Stop], flown_done: Mapping[int, float] | None) -> str:
+def legs(stops: Sequence[FlownItem], flown_done: Mapping[int, float] | None) -> str:
     """The table; `flown_done` has the times at which items were done in flight, by their place in `stops`."""
     flown_head = (("flown", "s"), ("off by", "s")) if flown_done is not None else ()
     head = "".join(f'<th scope="col">{name}<small>{unit}</small></th>' for name, unit in (*HEAD, *flown_head))
@@ -34,7 +34,7 @@ def legs(stops: Sequence[Stop], flown_done: Mapping[int, float] | None) -> str:
     )
 
 
-def _row(n: int, stop: Stop, flown_done: Mapping[int, float] | None) -> str:
+def _row(n: int, stop: FlownItem, flown_done: Mapping[int, float] | None) -> str:
     time, place = stop.time, stop.place
     heading = number(math.degrees(stop.heading) % 360, 0)
     cells = [
@@ -56,7 +56,7 @@ def _row(n: int, stop: Stop, flown_done: Mapping[int, float] | None) -> str:
     )
 
 
-def _clearance(stop: Stop) -> str:
+def _clearance(stop: FlownItem) -> str:
     if stop.proof is None:
         return ""
     least = stop.proof.clearance

@@ -9,7 +9,7 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.cost import CostTerms
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Check, Proof
-from ipoa_mission.report.chart import Chart, axis_over
+from ipoa_mission.report.chart import Graph, axis_over
 from ipoa_mission.report.words import number
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.model import CostSection
@@ -67,7 +67,7 @@ def convergence(evaluations: NDArray[np.int64], history: Vector) -> str:
     if len(history) < 2:
         return ""
     spent, shown = evaluations.astype(float), np.minimum(history, TOP_SHARE * history[-1])
-    chart = Chart(axis_over("evaluations", spent, room=0.0, floor=0.0), axis_over("best cost known", shown))
+    chart = Graph(axis_over("evaluations", spent, room=0.0, floor=0.0), axis_over("best cost known", shown))
     return chart.html("convergence", [chart.steps(spent, shown, "found")])
 
 

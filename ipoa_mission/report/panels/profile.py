@@ -6,10 +6,10 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.report.chart import Axis, Chart, axis_over
-from ipoa_mission.report.course import Course
-from ipoa_mission.report.stops import Stop
-from ipoa_mission.tube.limits import Rim
+from ipoa_mission.forecast.tube.limits import Rim
+from ipoa_mission.report.chart import Graph, GraphAxis, axis_over
+from ipoa_mission.report.seen import Seen
+from ipoa_mission.report.stops import FlownItem
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -18,14 +18,14 @@ NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
 
 
 def height_profile(
-    course: Course, airspace: Airspace, required: float, stops: Sequence[Stop], flown: Course | None, tube: Rim
+    course: Seen, airspace: Airspace, required: float, stops: Sequence[FlownItem], flown: Seen | None, tube: Rim
 ) -> str:
     """Heights over the distance on the ground, with the obstacles under and beside the path."""
     near = list(_near(course, airspace, required))
     tops = np.array([min(float(body.bounds[1, 2]), float(course.points[:, 2].max()) * 1.6) for body, *_ in near])
     paths = [course.points[:, 2] + required, course.ground] + ([flown.points[:, 2]] if flown is not None else [])
     along = axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0)
-    chart = Chart(along, axis_over("height above home [m]", *paths, tops))
+    chart = Graph(along, axis_over("height above home [m]", *paths, tops))
     floor = np.full(len(course.along), chart.y.low)
     up = course.points[:, 2]
     layers = [
@@ -37,7 +37,7 @@ def height_profile(
     ]
     if flown is not None:
         layers.append(chart.curve(_along_of(flown, course), flown.points[:, 2], "flown"))
-    spots = [(n, course.at(stop.time.done_s)) for n, stop in enumerate(stops) if stop.place is not None]
+    spots = [(n, course.nearest(stop.time.done_s)) for n, stop in enumerate(stops) if stop.place is not None]
     over = "".join(
         f'<button type="button" class="stop" data-stop="{n}" style="{chart.spot(course.along[i], up[i])}" '
         f'aria-label="item {stops[n].time.seq}"></button>'
@@ -55,13 +55,14 @@ def profile_legend(flown: bool, zones: bool) -> str:
     return f'<p class="legend">{keys}<span class="key band">must stay free</span>{bodies}</p>'
 
 
-def distance_profile(course: Course, required: float) -> str:
+def distance_profile(course: Seen, required: float) -> str:
     """Distance to the nearest obstacle along the way, cut off where it is large; nothing where it is so all the way."""
     most = max(6 * required, 20.0)
     if not (course.apart < most).any():
         return ""
-    chart = Chart(
-        axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0), Axis(0.0, most, "to obstacles [m]")
+    chart = Graph(
+        axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0),
+        GraphAxis(0.0, most, "to obstacles [m]"),
     )
     apart = np.clip(course.apart, 0.0, most)
     layers = [
@@ -72,11 +73,11 @@ def distance_profile(course: Course, required: float) -> str:
     return chart.html("apart", layers, "", "low", along="along")
 
 
-def speed_profile(course: Course, stops: Sequence[Stop], flown: Course | None) -> str:
+def speed_profile(course: Seen, stops: Sequence[FlownItem], flown: Seen | None) -> str:
     """Speed over time, with a tick where an item is done; what kept it slow is said when one points at it."""
     speeds = [course.speeds] + ([flown.speeds] if flown is not None else [])
     times = [course.times] + ([flown.times] if flown is not None else [])
-    chart = Chart(
+    chart = Graph(
         axis_over("time from arming [s]", *times, room=0.015, floor=0.0),
         axis_over("speed [m/s]", *speeds, room=0.12, floor=0.0),
     )
@@ -90,7 +91,7 @@ def speed_profile(course: Course, stops: Sequence[Stop], flown: Course | None) -
     return chart.html("speed", layers, over, "middle", along="times")
 
 
-def _mark(n: int, stop: Stop, chart: Chart) -> str:
+def _mark(n: int, stop: FlownItem, chart: Graph) -> str:
     time = stop.time
     words = f"item {time.seq}, {stop.name}" + (f": {time.reason}" if time.reason else "")
     left = 100 * float(chart.x.place(np.array([time.done_s]))[0])
@@ -100,7 +101,7 @@ def _mark(n: int, stop: Stop, chart: Chart) -> str:
     )
 
 
-def _near(course: Course, airspace: Airspace, required: float) -> Iterator[tuple[Obstacle, tuple[float, float], str]]:
+def _near(course: Seen, airspace: Airspace, required: float) -> Iterator[tuple[Obstacle, tuple[float, float], str]]:
     """Obstacles under or beside the path, each with the stretch of the way along which it is."""
     flat = course.points[:, :2]
     for look, reach in (("beside", max(BESIDE, 2 * required)), ("below", required)):
@@ -121,7 +122,7 @@ def _runs(mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
     yield from ((int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True))
 
 
-def _block(chart: Chart, body: Obstacle, run: tuple[float, float], look: str) -> str:
+def _block(chart: Graph, body: Obstacle, run: tuple[float, float], look: str) -> str:
     least = NARROWEST * (chart.x.high - chart.x.low)
     middle, half = sum(run) / 2, max(run[1] - run[0], least) / 2
     base, top = (float(up) for up in body.bounds[:, 2])
@@ -129,6 +130,6 @@ def _block(chart: Chart, body: Obstacle, run: tuple[float, float], look: str) ->
     return chart.block((middle - half, middle + half), (max(base, chart.y.low), min(top, chart.y.high)), look, words)
 
 
-def _along_of(flown: Course, course: Course) -> NDArray[np.float64]:
+def _along_of(flown: Seen, course: Seen) -> NDArray[np.float64]:
     """Where on the predicted path's axis a flown one lies: its own distance, stretched to end where the other does."""
     return np.asarray(flown.along * (course.along[-1] / max(float(flown.along[-1]), 1e-9)))

@@ -46,7 +46,7 @@ _LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
 
 
 @dataclass(frozen=True)
-class Kind:
+class RecordKind:
     """One kind of record: its name, its bytes, and what each column is made of."""
 
     name: str
@@ -75,7 +75,7 @@ def read_records(path: Path, wanted: frozenset[str]) -> Iterator[tuple[str, dict
     if not data.startswith(HEAD + bytes((FMT,))):
         raise BadInput(f"{path}: expected an ArduPilot log, but it does not begin as one")
     lengths: dict[int, int] = {FMT: 3 + _FMT.size}
-    kinds: dict[int, Kind] = {}
+    kinds: dict[int, RecordKind] = {}
     at = 0
     while (at := data.find(HEAD, at)) >= 0 and at + 3 <= len(data):
         number = data[at + 2]
@@ -97,10 +97,12 @@ def read_records(path: Path, wanted: frozenset[str]) -> Iterator[tuple[str, dict
         at += length
 
 
-def _kind(name: str, letters: str, columns: str) -> Kind | None:
+def _kind(name: str, letters: str, columns: str) -> RecordKind | None:
     """A kind by what FMT says of it; None where that makes no sense."""
     names = tuple(columns.split(","))
     if len(names) != len(letters) or not set(letters) <= set(_LETTERS):
         return None
     made = [_LETTERS[letter] for letter in letters]
-    return Kind(name, struct.Struct("<" + "".join(code for code, _ in made)), names, tuple(make for _, make in made))
+    return RecordKind(
+        name, struct.Struct("<" + "".join(code for code, _ in made)), names, tuple(make for _, make in made)
+    )

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import ClassVar
 
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.itinerary import Itinerary
-from ipoa_mission.timing.bound import Kinematics
-from ipoa_mission.timing.flight_model import FlightModel, SlowedByAir
-from ipoa_mission.timing.prediction import Prediction
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.timing.bound import Kinematics
+from ipoa_mission.forecast.timing.flight_model import FlightModel, SlowedByAir
+from ipoa_mission.forecast.timing.prediction import Prediction
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.arducopter.timing import fly_arducopter
@@ -16,7 +16,7 @@ from ipoa_mission.wind import Wind
 
 
 class ArduCopterModel(FlightModel):
-    """ArduCopter 4.x, or 3.x where the vehicle is leashed, as its SITL flies."""
+    """ArduCopter 4.x, as its SITL flies."""
 
     scatter = (0.15, 0.01, 0.6)
     simulated: ClassVar[Mapping[str, float]] = {
@@ -29,8 +29,7 @@ class ArduCopterModel(FlightModel):
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
         """As `FlightModel.predicted`."""
         airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
-        leashed = mission.vehicle is not None and mission.vehicle.leashed
-        return fly_arducopter(route, mission.parameters, wind, fast, airframe, leashed)
+        return fly_arducopter(route, mission.parameters, wind, fast, airframe)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """As `FlightModel.kinematics`."""

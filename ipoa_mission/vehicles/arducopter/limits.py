@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.book import BOOK
+from ipoa_mission.vehicles.arducopter.returning import CopterReturn
 from ipoa_mission.vehicles.parameters import Parameters
 
 ARMING_DELAY_S = 2.0  # motors stand still for so long after arming, whatever the mode
@@ -51,9 +52,7 @@ class CopterLimits:
     land_speed: float
     land_speed_high: float
     land_low: float
-    rtl_height: float
-    rtl_climb: float
-    rtl_cone: float
+    returning: CopterReturn
     rtl_speed: float
     rtl_loiter: float
     rtl_final: float
@@ -108,9 +107,7 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
         land_speed=p["LAND_SPEED"] / 100,
         land_speed_high=p["LAND_SPEED_HIGH"] / 100 if p["LAND_SPEED_HIGH"] > 0 else descent,
         land_low=max(p["LAND_ALT_LOW"] / 100, 1.0),
-        rtl_height=p["RTL_ALT"] / 100,
-        rtl_climb=p["RTL_CLIMB_MIN"] / 100,
-        rtl_cone=p["RTL_CONE_SLOPE"],
+        returning=CopterReturn.of(p),
         rtl_speed=p["RTL_SPEED"] / 100 if p["RTL_SPEED"] > 0 else p["WPNAV_SPEED"] / 100,
         rtl_loiter=p["RTL_LOIT_TIME"] / 1000,
         rtl_final=p["RTL_ALT_FINAL"] / 100,

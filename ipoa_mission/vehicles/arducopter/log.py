@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.commands import Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.items import Item
-from ipoa_mission.link.logged import Begun, Fixes, Held, Log, LogFormat, item_begun, presence
-from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.logs.logged import Begun, Fixes, Held, Log, LogFormat, item_begun, presence
+from ipoa_mission.logs.measured import Battery, Measured
+from ipoa_mission.mission.commands import Frame
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dataflash import read_records
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.world.frame import Geodetic, LocalFrame

@@ -4,14 +4,14 @@ import math
 import random
 from collections.abc import Callable, Iterator
 
-from ipoa_mission.commands import Command
-from ipoa_mission.items import Item
-from ipoa_mission.itinerary.program import Place
-from ipoa_mission.simulator.conditions import Vehicle
+from ipoa_mission.forecast.itinerary.program import Place
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.conditions import SimulatedVehicle
+from ipoa_mission.simulator.flight import Pilot, Pilots
 from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
-from ipoa_mission.vehicles.arducopter.dynamics.leash import LeashedCopter
 from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT
 from ipoa_mission.vehicles.arducopter.limits import (
     ARMING_DELAY_S,
@@ -27,14 +27,15 @@ from ipoa_mission.vehicles.parameters import Parameters
 class ArduPilotPilot:
     """Whenever a leg is over the copter is told the next: of a procedure under way, or what comes `_then`."""
 
-    def __init__(self, body: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
+    def __init__(
+        self, body: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
+    ) -> None:
         """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
         self._body, self._now, self._parameters = body, situation, parameters
         limits = copter_limits(usable(parameters))
         given = body.conditions
         airframe = airframe_of(given.vehicle).at_altitude(situation.program.frame.home.altitude)
-        made = LeashedCopter if given.vehicle is not None and given.vehicle.leashed else Copter
-        self._copter = made(limits, given.wind, airframe, here=body.place, ground=given.ground)
+        self._copter = Copter(limits, given.wind, airframe, here=body.place, ground=given.ground)
         self._landing_s = THROTTLE_DOWN_S + LAND_DETECTOR_S + airframe.landing_delay
         self._legs: Iterator[None] = iter(())
         self._then: Callable[[], None] | None = None
@@ -191,3 +192,11 @@ class ArduPilotPilot:
         if state.z > self._floor:
             self._floor = -math.inf  # it flies
         body.on_ground = state.z <= self._floor
+
+
+class _Pilots(Pilots):
+    def pilot(self, body: SimulatedVehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
+        return ArduPilotPilot(body, now, parameters, chance)
+
+
+PILOTS = _Pilots()

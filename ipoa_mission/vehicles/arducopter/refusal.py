@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.commands import Command, Frame
+from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.vehicles.firmware import Firmware
 from ipoa_mission.vehicles.refusal import POLYGON, Refused
 

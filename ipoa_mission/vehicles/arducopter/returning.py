@@ -1,37 +1,73 @@
 """Where ArduCopter's RTL leads and how high it goes there: home or a rally point (4.x).
 
 The nearest rally point, unless home is nearer and RALLY_INCL_HOME counts it, or all are farther than RALLY_LIMIT_KM.
-Its height there is at least the rally point's.
+Its height there is at least the rally point's. Rally points outside the fence of its own are none; whether one is
+outside a mission's polygons is not asked here. Ways around obstacles (OA_TYPE) are not modeled.
 """
 
+import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
+from ipoa_mission.vehicles.arducopter.book import BOOK
+from ipoa_mission.vehicles.arducopter.own_fence import is_within, return_ceiling
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, Place, level_distance
+from ipoa_mission.vehicles.returning import HOME, Arrival, Place, level_distance
 
 LEAST_CONE = 0.5  # RTL_CONE_SLOPE counts from here on
+LEAST_HEIGHT = 0.3  # RTL_ALT_MIN [m]
+OVER_TERRAIN = 1.0  # RTL_ALT_TYPE
 
 
-def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
-    """RTL_ALT [cm] at least, RTL_CLIMB_MIN [cm] more than now, less near the goal by RTL_CONE_SLOPE."""
-    least = max(0.0, height + max(0.0, parameters.get("RTL_CLIMB_MIN", 0.0) / 100))
-    cone = parameters.get("RTL_CONE_SLOPE", 3.0)
-    return height_by_cone(least, parameters["RTL_ALT"] / 100, cone, distance, goal_up)
+class CopterReturn(NamedTuple):
+    """How high ArduCopter returns: RTL_ALT, RTL_CLIMB_MIN [m], RTL_CONE_SLOPE, and below its fence's ceiling [m]."""
 
+    altitude: float
+    climb: float
+    cone: float
+    ceiling: float
 
-def height_by_cone(least: float, top: float, cone: float, distance: float, goal_up: float) -> float:
-    """`top` or the goal's height, if that is more; near the goal less, by the cone; `least` at least."""
-    top = max(top, goal_up, least)
-    return min(top, max(distance * cone, least)) if cone >= LEAST_CONE else top
+    @classmethod
+    def of(cls, parameters: Parameters) -> "CopterReturn":
+        """By these parameters, by their older names; what is not given has ArduCopter's default."""
+        p = {**BOOK.moving, **parameters}
+        climb = max(p["RTL_CLIMB_MIN"] / 100, 0.0)
+        return cls(p["RTL_ALT"] / 100, climb, p["RTL_CONE_SLOPE"], return_ceiling(p))
+
+    def height(self, above: float, distance: float, goal_up: float) -> float:
+        """How high above home it returns from so high `above` it [m], so far away, to a goal of the height `goal_up`.
+
+        RTL_ALT, the goal's height and RTL_CLIMB_MIN more than now at least; near the goal no more than the cone asks
+        for, under a fence no more than FENCE_MARGIN below it; it never comes down for that.
+        """
+        least = max(LEAST_HEIGHT, above + self.climb)
+        top = max(self.altitude, goal_up, least)
+        if self.cone >= LEAST_CONE:
+            top = min(top, max(distance * self.cone, least))
+        return max(min(top, self.ceiling), above)
 
 
 def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
     """Which of the rally points a return from `here` leads to; None: home."""
-    if not rally:
+    ways = {n: level_distance(here, place) for n, place in enumerate(rally) if is_within(parameters, place)}
+    if not ways:
         return None
-    ways = [level_distance(here, place) for place in rally]
-    nearest = min(range(len(ways)), key=ways.__getitem__)
+    nearest = min(ways, key=ways.__getitem__)
     limit = 1000.0 * parameters.get("RALLY_LIMIT_KM", 0.3)
     too_far = limit > 0.0 and ways[nearest] > limit
     home_is_nearer = parameters.get("RALLY_INCL_HOME", 1.0) != 0.0 and ways[nearest] >= level_distance(here, HOME)
     return None if too_far or home_is_nearer else nearest
+
+
+def arrival(parameters: Parameters, height: float, radio_lost: bool) -> Arrival:
+    """RTL_LOIT_TIME as high as it came, then RTL_ALT_FINAL; the ground where that is 0, or the radio is lost."""
+    p = BOOK.complete(parameters)
+    final = p["RTL_ALT_FINAL"] / 100
+    return Arrival(height, p["RTL_LOIT_TIME"] / 1000, None if final <= 0.0 or radio_lost else final)
+
+
+def returns_over_terrain(parameters: Parameters) -> bool:
+    """RTL_ALT_TYPE 1, and a range finder that navigation uses, or terrain data; without either it is as 0."""
+    seen = parameters.get("RNGFND1_TYPE", 0.0) > 0.0 and parameters.get("WPNAV_RFND_USE", 1.0) > 0.0
+    knows = seen or parameters.get("TERRAIN_ENABLE", 1.0) > 0.0
+    return math.isclose(parameters.get("RTL_ALT_TYPE", 0.0), OVER_TERRAIN) and knows

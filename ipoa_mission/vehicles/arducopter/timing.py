@@ -8,16 +8,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.commands import LAST_NAV, Command
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.forecast.itinerary.program import Place
+from ipoa_mission.forecast.timing.prediction import Prediction
+from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
+from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points
-from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
-from ipoa_mission.itinerary.program import Place
-from ipoa_mission.timing.prediction import Prediction, Track
-from ipoa_mission.timing.reasons import corner_deg, slow_because
+from ipoa_mission.mission.commands import LAST_NAV, Command
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, Stop, stop_at
-from ipoa_mission.vehicles.arducopter.dynamics.leash import LeashedCopter
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
 from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT, STRAIGHT
 from ipoa_mission.vehicles.arducopter.limits import (
@@ -47,17 +47,15 @@ def fly_arducopter(
     wind: Wind = CALM,
     fast: bool | None = None,
     airframe: Airframe = ARDUPILOT_SIMULATOR,
-    leashed: bool = False,
 ) -> Prediction:
-    """Fly the itinerary as ArduCopter does; `fast` is as in `estimate`. 3.x is `leashed`.
+    """Fly the itinerary as ArduCopter does; `fast` is as in `estimate`.
 
     Raises:
         BadInput: an item never ends, or a parameter has no sense.
         MissionError: the copter does not get on, as against a wind stronger than it can fly.
     """
     limits, height = copter_limits(parameters), flying_already(route)
-    made = LeashedCopter if leashed else Copter
-    copter = made(limits, wind, airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
+    copter = Copter(limits, wind, airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
     flight = _Flight(route, copter, wind, airframe, height is not None)
     for n in range(len(route.visits)):
         try:

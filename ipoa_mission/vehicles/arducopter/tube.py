@@ -1,15 +1,15 @@
 """The tube of ArduCopter as it was measured; docs/safety.md has the flights."""
 
-from ipoa_mission.tube.law import SIMULATED, Law
-from ipoa_mission.tube.spread import Spread
+from ipoa_mission.forecast.tube.law import SIMULATED, DeviationLaw
+from ipoa_mission.forecast.tube.spread import Quantiles
 
-LAW = Law(
-    level=Spread((-0.1, 0.0, 0.02, 0.04, 0.06, 0.12, 0.28, 0.5), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002, 0.0005)),
-    down=Spread((-0.3, 0.0, 0.02, 0.04, 0.1, 0.25), (1.0, 0.5, 0.2, 0.1, 0.01, 0.002)),
-    up=Spread((-0.1, 0.09, 0.11, 0.13, 0.17, 0.27, 0.43), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
-    lowest=Spread((0.0, 0.05, 0.13, 0.30), (1.0, 0.2, 0.05, 0.01)),
-    highest=Spread((0.0, 0.05, 0.2, 0.3, 0.65), (1.0, 0.4, 0.1, 0.05, 0.01)),
-    farthest=Spread((0.0, 0.06, 0.1, 0.17, 0.25, 0.6), (1.0, 0.5, 0.25, 0.1, 0.05, 0.01)),
+LAW = DeviationLaw(
+    level=Quantiles((-0.1, 0.0, 0.02, 0.04, 0.06, 0.12, 0.28, 0.5), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002, 0.0005)),
+    down=Quantiles((-0.3, 0.0, 0.02, 0.04, 0.1, 0.25), (1.0, 0.5, 0.2, 0.1, 0.01, 0.002)),
+    up=Quantiles((-0.1, 0.09, 0.11, 0.13, 0.17, 0.27, 0.43), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
+    lowest=Quantiles((0.0, 0.05, 0.13, 0.30), (1.0, 0.2, 0.05, 0.01)),
+    highest=Quantiles((0.0, 0.05, 0.2, 0.3, 0.65), (1.0, 0.4, 0.1, 0.05, 0.01)),
+    farthest=Quantiles((0.0, 0.06, 0.1, 0.17, 0.25, 0.6), (1.0, 0.5, 0.25, 0.1, 0.05, 0.01)),
     turn=4.0,
     ending=1.5,
     memory=2.0,

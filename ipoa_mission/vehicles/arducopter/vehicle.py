@@ -1,30 +1,30 @@
 """ArduCopter as one object; its times, its tube and its stand-in are loaded when they are asked for."""
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ipoa_mission.commands import WAYPOINTS, Command
-from ipoa_mission.vehicles.arducopter import refusal, returning
+from ipoa_mission.mission.commands import WAYPOINTS, Command
+from ipoa_mission.vehicles.arducopter import failsafes, refusal, returning
 from ipoa_mission.vehicles.arducopter.book import BOOK
+from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON, limits_on
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance import Guidance
+from ipoa_mission.vehicles.guidance import GuidanceHabits
 from ipoa_mission.vehicles.kinds import MULTICOPTERS
 from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
-from ipoa_mission.vehicles.own_fence import Limit, OwnFence
+from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.refusal import Refused
-from ipoa_mission.vehicles.returning import Place
+from ipoa_mission.vehicles.returning import Arrival, Place
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Vector
 
-CEILING_BIT, CIRCLE_BIT, FLOOR_BIT = 1, 2, 8  # of FENCE_TYPE; 4 is the polygons of a mission
 ONLY_REPORTS = 0.0  # FENCE_ACTION
 
 HABITS = Firmware(
@@ -87,7 +87,7 @@ class ArduCopter(Autopilot):
     modes = MODES
     book = BOOK
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
-    guidance = Guidance(
+    guidance = GuidanceHabits(
         flown_on_into=frozenset({*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}),
         zero_is_here=True,
         stops_to_hold=True,
@@ -100,7 +100,6 @@ class ArduCopter(Autopilot):
         lands_below_item=True,
         climb_ends_at_once=True,
         home_is_where_armed=True,
-        was_leashed=True,
         brakes_after=0.1,
     )
     manners = Manners(
@@ -125,11 +124,13 @@ class ArduCopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
-        "Law": "ipoa_mission.vehicles.arducopter.tube:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.arducopter.tube:LAW",
         "Personality": "ipoa_mission.vehicles.arducopter.personality:PERSONALITY",
-        "Pilots": "ipoa_mission.vehicles.arducopter.pilots:PILOTS",
+        "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
     }
-    own_fence_by = ("FENCE_ENABLE", "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
+    own_fence_by = (*MAY_BE_ON, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
+    failsafe_by = failsafes.DECIDED_BY
+    failsafe_rules = failsafes.RULES
 
     def refused(
         self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
@@ -174,19 +175,8 @@ class ArduCopter(Autopilot):
         return SlowStretch(max(p["LAND_SPEED"] / 100, SLOWEST), fast, low, low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """By the bits of FENCE_TYPE, where FENCE_ENABLE is on and FENCE_ACTION does more than report (AC_Fence)."""
-        if not parameters.get("FENCE_ENABLE", 0.0) or parameters.get("FENCE_ACTION", 1.0) <= ONLY_REPORTS:
-            return None
-        bits = int(parameters.get("FENCE_TYPE", 0.0))
-
-        def limit(name: str, bit: int, none: float) -> Limit:
-            return Limit(name, parameters.get(name, none) if bits & bit else none)
-
-        return OwnFence(
-            limit("FENCE_RADIUS", CIRCLE_BIT, math.inf),
-            limit("FENCE_ALT_MAX", CEILING_BIT, math.inf),
-            limit("FENCE_ALT_MIN", FLOOR_BIT, -math.inf),
-        )
+        """By the bits of FENCE_TYPE, where it is switched on and FENCE_ACTION does more than report (AC_Fence)."""
+        return None if parameters.get("FENCE_ACTION", 1.0) <= ONLY_REPORTS else limits_on(parameters)
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
         """As RTL chooses.
@@ -196,8 +186,29 @@ class ArduCopter(Autopilot):
         return returning.goal_of_return(parameters, here, rally)
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        """As its source has it."""
-        return returning.return_height(parameters, height, distance, goal_up)
+        """RTL_ALT, lowered by its cone and its fence.
+
+        >>> ArduCopter().return_height({"RTL_ALT": 6000.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0}, 20.0, 400.0)
+        48.0
+        """
+        return returning.CopterReturn.of(parameters).height(height, distance, goal_up)
+
+    def arrival(self, parameters: Parameters, height: float, goal_up: float = 0.0, radio_lost: bool = False) -> Arrival:
+        """RTL_LOIT_TIME, RTL_ALT_FINAL."""
+        return returning.arrival(parameters, height, radio_lost)
+
+    def returns_over_terrain(self, parameters: Parameters) -> bool:
+        """RTL_ALT_TYPE."""
+        return returning.returns_over_terrain(self.book.by_old_names(parameters))
+
+    def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
+        """As its source has it.
+
+        >>> lost = next(one for one in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if one.cause == "radio control lost")
+        >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)
+        ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')
+        """
+        return failsafes.failsafes(self.book.by_old_names(parameters), (version or self.measured).series)
 
 
 ARDUCOPTER = ArduCopter()

@@ -5,12 +5,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.timing.bound import Kinematics
+from ipoa_mission.forecast.timing.flight_model import FlightModel, SlowedByAir
+from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Vector
-from ipoa_mission.items import Mission
-from ipoa_mission.itinerary.itinerary import Itinerary, itinerary
-from ipoa_mission.timing.bound import Kinematics
-from ipoa_mission.timing.flight_model import FlightModel, SlowedByAir
-from ipoa_mission.timing.prediction import Prediction
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
@@ -41,9 +41,9 @@ class Px4Model(FlightModel):
         """As its simulator has it."""
         return SIH
 
-    def usual(self, mission: Mission) -> Vector:
+    def usual(self, route: Itinerary, mission: Mission) -> Vector:
         """The medians over its noise."""
-        flights = Flights(itinerary(mission), mission.parameters, airframe=airframe_of(mission.vehicle))
+        flights = Flights(route, mission.parameters, airframe=airframe_of(mission.vehicle))
         steps = RUNS * sum(order.patience for order in flights.plan.orders) / STEP
         once = flights.prepared(True, True, steps)
         return np.asarray(np.median([once(seed)[0] for seed in range(1, RUNS + 1)], axis=0))

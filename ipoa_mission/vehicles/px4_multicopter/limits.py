@@ -43,17 +43,19 @@ class Px4Return(NamedTuple):
     def height(self, above: float, distance: float) -> float:
         """How high above home PX4 returns from so high `above` it, `distance` away on the level [m].
 
-        RTL_RETURN_ALT at least, near home less.
+        RTL_RETURN_ALT, near home less, where RTL_CONE_ANG is more than 0.
 
-        Within RTL_MIN_DIST a cone of RTL_CONE_ANG is high enough, though not less than two NAV_ACC_RAD; within
-        NAV_ACC_RAD twice the distance.
+        Within RTL_MIN_DIST the cone is high enough, though not less than two NAV_ACC_RAD; within NAV_ACC_RAD twice the
+        distance. It never comes down for that, and never climbs beyond RTL_RETURN_ALT.
         """
+        if self.cone_deg <= 0.0:
+            return max(above, self.altitude)
         if distance <= self.radius:
-            return max(above, 2.0 * distance)
+            return max(above, min(2.0 * distance, self.altitude))
         top = self.altitude
-        if self.cone_deg > 0.0 and distance <= self.least_distance:
-            top = min(top, distance / math.tan(math.radians(min(max(self.cone_deg, 1.0), 89.0))))
-        return max(above, top, 2.0 * self.radius)
+        if distance <= self.least_distance:
+            top = distance / math.tan(math.radians(min(max(self.cone_deg, 1.0), 89.0)))
+        return max(above, min(max(top, 2.0 * self.radius), self.altitude))
 
 
 class Px4Touchdown(NamedTuple):

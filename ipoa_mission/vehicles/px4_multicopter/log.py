@@ -15,12 +15,12 @@ from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
-from ipoa_mission.link.logged import Fixes, Log, LogFormat, presence, version_name
-from ipoa_mission.link.measured import Battery, Measured
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
-from ipoa_mission.link.px4_items import items_begun
 from ipoa_mission.link.telemetry import HomePosition
+from ipoa_mission.logs.logged import Fixes, Log, LogFormat, presence, version_name
+from ipoa_mission.logs.measured import Battery, Measured
 from ipoa_mission.vehicles.modes import mode_number
+from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 from ipoa_mission.world.sphere import SphericalPlane
 

@@ -3,10 +3,11 @@
 import math
 import random
 
-from ipoa_mission.commands import Command
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.items import Item
-from ipoa_mission.simulator.conditions import Vehicle
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Item
+from ipoa_mission.simulator.conditions import SimulatedVehicle
+from ipoa_mission.simulator.flight import Pilot, Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
@@ -33,7 +34,9 @@ NO_THRUST = Enu(0.0, 0.0, -GRAVITY)
 class PX4Pilot:
     """Flies the orders of one item, or of RTL or LAND, after the other; the vehicle is moved along."""
 
-    def __init__(self, vehicle: Vehicle, situation: Situation, parameters: Parameters, chance: random.Random) -> None:
+    def __init__(
+        self, vehicle: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
+    ) -> None:
         given, limits = vehicle.conditions, px4_limits(parameters)
         airframe = airframe_of(given.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
@@ -236,3 +239,11 @@ class PX4Pilot:
     def _way_to(self, goal: Enu, limits: Px4Limits) -> Order:
         """The leg from here to a place."""
         return leg(self._over_home(), goal, None, limits, limits.cruise)
+
+
+class _Pilots(Pilots):
+    def pilot(self, body: SimulatedVehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
+        return PX4Pilot(body, now, parameters, chance)
+
+
+PILOTS = _Pilots()

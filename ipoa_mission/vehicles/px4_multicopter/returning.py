@@ -1,20 +1,31 @@
-"""Where PX4's RTL leads and how high it goes there: home or a rally point (1.15 and later).
+"""Where PX4's RTL leads and how high it goes there: home, a rally point, or the landing of its mission.
 
-Whichever is nearest, home or a rally point that is 2 m nearer and 10 m away from home; with RTL_TYPE 1 never home where
-there is a rally point. All its heights count from the rally point's. What RTL_TYPE makes of a mission's own landing is
-not modeled.
+Whichever is nearest; a rally point must be 2 m nearer than what is nearest so far and 10 m away from home. All its
+heights count from the goal's. From 1.18 on it flies around the polygons and circles of a fence, where its board has
+that (all but the smallest); that way itself is not modeled.
 """
 
 import math
 from collections.abc import Sequence
 
+from ipoa_mission.vehicles.failsafe import Series
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, Place, level_distance
+from ipoa_mission.vehicles.px4_multicopter.book import BOOK
+from ipoa_mission.vehicles.returning import (
+    HOME,
+    Arrival,
+    MissionLanding,
+    Place,
+    ReturnBy,
+    ReturnRoute,
+    level_distance,
+)
 
-NEARER = 2.0  # by so much a rally point must be nearer than home [m]
+NEARER = 2.0  # by so much a rally point or a landing must be nearer [m]
 OF_ITS_OWN = 10.0  # rally points that are no farther from home are none [m]
-NOT_HOME = 1.0  # RTL_TYPE: a rally point or a mission's landing, home only where there is neither
-ALONG_THE_MISSION = frozenset({2.0, 4.0})  # RTL_TYPE: back along the mission, or on along it
+NOT_HOME, ON, NEAREST, SHORTER, RALLY_ONLY = 1.0, 2.0, 3.0, 4.0, 5.0  # RTL_TYPE; 0: home or a rally point
+ROUNDS_FENCES = (1, 18)  # since this series (pull request 27145)
+RADIUS_SINCE = 10.0  # NAV_ACC_RAD of a 1.18 that does not say it [m]; before that PX4 set 2 for multicopters
 
 
 def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
@@ -24,14 +35,35 @@ def return_height(parameters: Parameters, height: float, distance: float, goal_u
     return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
 
 
-def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-    """Which of the rally points a return from `here` leads to; None: home."""
+def return_route(
+    parameters: Parameters, here: Place, rally: Sequence[Place], landing: MissionLanding | None, series: Series
+) -> ReturnRoute:
+    """By RTL_TYPE; with 1 home only where there is neither a rally point nor a landing, with 5 (1.18) never."""
     kind = parameters.get("RTL_TYPE", 0.0)
-    if kind in ALONG_THE_MISSION:
-        return None
-    goal, nearest = None, math.inf if kind == NOT_HOME else level_distance(here, HOME)
+    if kind in {ON, SHORTER}:
+        ahead = landing is not None and (kind == ON or landing.ahead < landing.behind)
+        return ReturnRoute(ReturnBy.AHEAD if ahead else ReturnBy.BACK)
+    rally_only = kind == RALLY_ONLY and series >= ROUNDS_FENCES
+    best = ReturnRoute(ReturnBy.HERE if rally_only else ReturnBy.DIRECT)
+    nearest = math.inf if rally_only or kind == NOT_HOME else level_distance(here, HOME)
+    if landing is not None and kind in {NOT_HOME, NEAREST} and level_distance(here, landing.place) + NEARER < nearest:
+        best, nearest = ReturnRoute(ReturnBy.LANDING), level_distance(here, landing.place)
     for n, place in enumerate(rally):
         way = level_distance(here, place)
-        if level_distance(HOME, place) > OF_ITS_OWN and way + NEARER < nearest:
-            goal, nearest = n, way
-    return goal
+        if (rally_only or level_distance(HOME, place) > OF_ITS_OWN) and way + NEARER < nearest:
+            best, nearest = ReturnRoute(ReturnBy.DIRECT, n), way
+    return best
+
+
+def arrival(parameters: Parameters, height: float, goal_up: float) -> Arrival:
+    """It lands at once, or waits RTL_LAND_DELAY at RTL_DESCEND_ALT, for ever where that is negative."""
+    p = BOOK.complete(parameters)
+    delay, low = p["RTL_LAND_DELAY"], min(goal_up + p["RTL_DESCEND_ALT"], height)
+    if delay == 0.0:
+        return Arrival(height)
+    return Arrival(low, delay) if delay > 0.0 else Arrival(low, math.inf, low)
+
+
+def room_to_fences(parameters: Parameters, series: Series) -> float | None:
+    """How far it keeps from the fences that it flies around [m]; None: it flies straight, whatever is fenced."""
+    return 2.0 * parameters.get("NAV_ACC_RAD", RADIUS_SINCE) if series >= ROUNDS_FENCES else None

@@ -8,21 +8,25 @@ again and again with it, which gives times and spread.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ipoa_mission.commands import Command
+from ipoa_mission.compiled import sooner
+from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
+from ipoa_mission.forecast.timing.prediction import Missed, Prediction
+from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
+from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.itinerary.itinerary import Itinerary, flying_already
-from ipoa_mission.timing.prediction import Missed, Prediction, Track
-from ipoa_mission.timing.reasons import corner_deg, slow_because
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, Senses
-from ipoa_mission.vehicles.px4_multicopter.dynamics.compiled import flying
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import FLOWN_TO, law, plan
 from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Law, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.wind import CALM, Wind
 
@@ -132,11 +136,14 @@ class Flights:
             MissionError: the vehicle does not get on.
         """
         orders, ends, height = self.plan.orders, list(self.plan.done), flying_already(self.route) or 0.0
-        fly = flying(orders, self.quiet._replace(noisy=noisy), fast, steps)
+        machine, laws = sooner(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
+        asked: Any = orders
+        if machine is not fly:
+            asked, laws = records(orders, Order), records(laws, Law)
 
         def once(seed: int) -> tuple[Vector, Points]:
-            seeds = tuple(float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
-            done, samples = fly(height, seeds, 0 if noisy else SAMPLE_STEPS)
+            one, two = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
+            done, samples = machine(asked, laws, height, (one, two), 0 if noisy else SAMPLE_STEPS)
             if len(done) > len(orders):
                 return np.array(done)[ends], np.array(samples).reshape(-1, 7)
             goal = orders[len(done) - 1].goal

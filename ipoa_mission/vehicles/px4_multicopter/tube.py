@@ -4,17 +4,17 @@ Speed does not drive it: a PX4 at 1.5 m/s lies as far beside its path as one at 
 believes of its own position.
 """
 
-from ipoa_mission.tube.law import SIMULATED, Law
-from ipoa_mission.tube.spread import Spread
+from ipoa_mission.forecast.tube.law import SIMULATED, DeviationLaw
+from ipoa_mission.forecast.tube.spread import Quantiles
 
-LAW = Law(
-    level=Spread(
+LAW = DeviationLaw(
+    level=Quantiles(
         (-1.5, 0.0, 0.12, 0.22, 0.42, 0.62, 1.07, 1.42, 1.72), (1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.01, 0.002, 0.0005)
     ),
-    down=Spread((-2.5, 0.0, 0.75, 1.1, 1.35, 1.75, 2.1), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
-    up=Spread((-2.0, 0.0, 0.55, 1.0, 1.45, 2.1, 2.7), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
-    lowest=Spread((0.0, 0.9, 1.75, 2.0, 2.4), (1.0, 0.5, 0.1, 0.05, 0.01)),
-    highest=Spread((0.0, 1.0, 2.4, 2.85, 3.2), (1.0, 0.5, 0.1, 0.05, 0.01)),
+    down=Quantiles((-2.5, 0.0, 0.75, 1.1, 1.35, 1.75, 2.1), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
+    up=Quantiles((-2.0, 0.0, 0.55, 1.0, 1.45, 2.1, 2.7), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
+    lowest=Quantiles((0.0, 0.9, 1.75, 2.0, 2.4), (1.0, 0.5, 0.1, 0.05, 0.01)),
+    highest=Quantiles((0.0, 1.0, 2.4, 2.85, 3.2), (1.0, 0.5, 0.1, 0.05, 0.01)),
     farthest=None,
     turn=8.0,
     ending=1.5,

@@ -5,19 +5,20 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ipoa_mission.commands import FLOWN_TO, Command
+from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance import Guidance
+from ipoa_mission.vehicles.guidance import GuidanceHabits
 from ipoa_mission.vehicles.kinds import MULTICOPTERS
 from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes, mode_number
-from ipoa_mission.vehicles.own_fence import Limit, OwnFence
+from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter import refusal, returning
+from ipoa_mission.vehicles.px4_multicopter import failsafes, refusal, returning
 from ipoa_mission.vehicles.px4_multicopter.book import BOOK
 from ipoa_mission.vehicles.refusal import Refused
-from ipoa_mission.vehicles.returning import Place
+from ipoa_mission.vehicles.returning import Arrival, MissionLanding, Place, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
@@ -82,7 +83,7 @@ class Px4Multicopter(Autopilot):
     modes = MODES
     book = BOOK
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
-    guidance = Guidance(
+    guidance = GuidanceHabits(
         flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
         zero_lands_here=True,
         least_takeoff=("NAV_MC_ALT_RAD", 1.0),
@@ -106,11 +107,13 @@ class Px4Multicopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
-        "Law": "ipoa_mission.vehicles.px4_multicopter.tube:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.tube:LAW",
         "Personality": "ipoa_mission.vehicles.px4_multicopter.personality:PERSONALITY",
-        "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilots:PILOTS",
+        "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilot:PILOTS",
     }
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
+    failsafe_by = failsafes.DECIDED_BY
+    failsafe_rules = failsafes.RULES
 
     def refused(
         self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
@@ -156,9 +159,9 @@ class Px4Multicopter(Autopilot):
             return None
         across, up = (parameters.get(name, 0.0) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"))
         return OwnFence(
-            Limit("GF_MAX_HOR_DIST", across if across > 0.0 else math.inf),
-            Limit("GF_MAX_VER_DIST", up if up > 0.0 else math.inf),
-            Limit("", -math.inf),
+            FenceLimit("GF_MAX_HOR_DIST", across if across > 0.0 else math.inf),
+            FenceLimit("GF_MAX_VER_DIST", up if up > 0.0 else math.inf),
+            FenceLimit("", -math.inf),
         )
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
@@ -167,11 +170,47 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().goal_of_return({}, (100.0, 0.0, 20.0), [(90.0, 0.0, 10.0)])
         0
         """
-        return returning.goal_of_return(parameters, here, rally)
+        return self.return_route(parameters, here, rally).rally
+
+    def return_route(
+        self,
+        parameters: Parameters,
+        here: Place,
+        rally: Sequence[Place],
+        landing: MissionLanding | None = None,
+        version: Version | None = None,
+    ) -> ReturnRoute:
+        """By RTL_TYPE.
+
+        >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, (100.0, 0.0, 20.0), ()).by)
+        'back along the mission'
+        """
+        return returning.return_route(parameters, here, rally, landing, (version or self.measured).series)
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """As its source has it."""
         return returning.return_height(parameters, height, distance, goal_up)
+
+    def arrival(self, parameters: Parameters, height: float, goal_up: float = 0.0, radio_lost: bool = False) -> Arrival:
+        """RTL_LAND_DELAY, RTL_DESCEND_ALT."""
+        return returning.arrival(parameters, height, goal_up)
+
+    def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
+        """From 1.18 on.
+
+        >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 18))
+        (None, 4.0)
+        """
+        return returning.room_to_fences(parameters, (version or self.measured).series)
+
+    def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
+        """As its source has it.
+
+        >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
+        >>> found["critical battery"].route.ending, found["critical battery"].route.after_s
+        (<Ending.RTL: 'rtl'>, 5.0)
+        """
+        return failsafes.failsafes(parameters, (version or self.measured).series)
 
 
 PX4_MULTICOPTER = Px4Multicopter()

@@ -8,16 +8,29 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.obstacles.nearest import derivative, foot, least, levels, roots, straightened
-from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, ChartRow, Column, expect_positive
-from ipoa_mission.world.obstacles.surface import circle
-from ipoa_mission.world.obstacles.upright import Upright, upright_distance
-from ipoa_mission.world.polygon import Plane, quadratic_roots
+from ipoa_mission.world.obstacles.nearest import derivative, foot, least, levels, roots, straightened, upright_distance
+from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, ChartRow, Column, Part, expect_positive
+from ipoa_mission.world.polygon import Plane, circle, quadratic_roots
 
 
 @dataclass(frozen=True)
-class Cylinder(Upright):
-    """A vertical, closed cylinder from `base` to `top` around (`east`, `north`)."""
+class Cylinder(Part):
+    """A vertical, closed cylinder.
+
+    Attributes:
+        name: what it is called where something comes near it.
+        east: of its axis [m].
+        north: of its axis [m].
+        radius: above zero [m].
+        base: its lowest height [m].
+        top: its greatest [m].
+
+    Example:
+        >>> import numpy as np
+        >>> mast = Cylinder("mast", east=60.0, north=45.0, radius=8.0, base=0.0, top=60.0)
+        >>> mast.distance(np.array([[48.0, 45.0, 30.0]]))
+        array([4.])
+    """
 
     name: str
     east: float

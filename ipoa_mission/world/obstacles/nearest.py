@@ -56,3 +56,10 @@ def roots(ascending: Vector) -> Vector:
         if scale
         else np.zeros(0)
     )
+
+
+def upright_distance(aside: Vector, up: Vector, base: float, top: float) -> NDArray[np.float64]:
+    """Signed distance (n,) to an upright body, from the signed distance to its plan (n,) and heights (n,) [m]."""
+    above = np.maximum(base - up, up - top)
+    outside = np.hypot(np.maximum(aside, 0.0), np.maximum(above, 0.0))
+    return np.asarray(outside + np.minimum(np.maximum(aside, above), 0.0))

@@ -108,17 +108,6 @@ class Obstacle(ABC):
         """Rings of the ground plan, each (n, 2) and open: the outer one, then the holes."""
         return (_rectangle(self.bounds[:, :2]),)
 
-    def tiles(self, size: float) -> list[Points]:
-        """The surface without its underside as flat polygons (n, 3), cut so that few are larger than `size` [m].
-
-        Small polygons can be painted from the far ones to the near ones without knowing which hides which.
-        """
-        return [tile for part in self.parts for tile in part.tiles(size)]
-
-    def edges(self) -> list[Points]:
-        """The lines that a draftsman would draw, each (n, 3)."""
-        return []
-
     def silhouette(self, axis: int) -> Plane:
         """Its shadow on the upright plane through `axis` (0: east, 1: north) and up, (n, 2): its front view."""
         return _rectangle(self.bounds[:, [axis, 2]])

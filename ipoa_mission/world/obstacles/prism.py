@@ -9,17 +9,30 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.obstacles.nearest import least, straightened
-from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Column, expect_positive
-from ipoa_mission.world.obstacles.upright import Upright, upright_distance
+from ipoa_mission.world.obstacles.nearest import least, straightened, upright_distance
+from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Column, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, Polygon, Ring, rings_of
 
 TOUCHING = 1e-6  # a leg that goes through may have been tried at the walls only [m]
 
 
 @dataclass(frozen=True)
-class Prism(Upright):
-    """A polygon footprint with holes, extruded from `base` to `top`: a building with its courtyards. A box is one."""
+class Prism(Part):
+    """A polygon footprint with holes, raised from `base` to `top`: a building with its courtyards. A box is one.
+
+    Attributes:
+        name: what it is called where something comes near it.
+        outer: corners of the footprint (east, north) [m], in either direction, the first not repeated.
+        holes: rings of the same kind inside it.
+        base: its lowest height [m].
+        top: its greatest [m].
+
+    Example:
+        >>> import numpy as np
+        >>> hall = Prism("hall", ((0.0, 0.0), (30.0, 0.0), (30.0, 20.0), (0.0, 20.0)), holes=(), base=0.0, top=12.0)
+        >>> hall.distance(np.array([[15.0, 10.0, 15.0], [33.0, 10.0, 5.0]]))
+        array([3., 3.])
+    """
 
     name: str
     outer: Ring
@@ -85,11 +98,6 @@ class Prism(Upright):
     def outline(self) -> tuple[Plane, ...]:
         """The footprint and its holes."""
         return tuple(np.asarray(ring, float) for ring in (self.outer, *self.holes))
-
-    def edges(self) -> list[Points]:
-        """Roof and foot, and the corners between."""
-        corners = [np.array([(e, n, self.base), (e, n, self.top)]) for ring in self.outline() for e, n in ring]
-        return super().edges() + corners
 
     @property
     def plan_radius(self) -> float:

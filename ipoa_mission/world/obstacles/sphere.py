@@ -10,13 +10,23 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.nearest import foot, least, straightened
 from ipoa_mission.world.obstacles.obstacle import NO_EDGES, SPHERE, ChartRow, Part, Passing, expect_positive
-from ipoa_mission.world.obstacles.surface import CIRCLE, circle
-from ipoa_mission.world.polygon import Plane
+from ipoa_mission.world.polygon import Plane, circle
 
 
 @dataclass(frozen=True)
 class Sphere(Part):
-    """A ball."""
+    """A ball.
+
+    Attributes:
+        name: what it is called where something comes near it.
+        center: east, north and up [m].
+        radius: above zero [m].
+
+    Example:
+        >>> import numpy as np
+        >>> Sphere("ball", (50.0, 0.0, 30.0), 10.0).distance(np.array([[30.0, 0.0, 30.0]]))
+        array([10.])
+    """
 
     name: str
     center: tuple[float, float, float]
@@ -76,17 +86,6 @@ class Sphere(Part):
     def silhouette(self, axis: int) -> Plane:
         """A circle."""
         return circle(self.center[axis], self.center[2], self.radius)
-
-    def tiles(self, size: float) -> list[Points]:
-        """Facets between meridians and parallels, as many whatever `size` is."""
-        around = np.arange(CIRCLE + 1) * 2 * np.pi / CIRCLE
-        height = np.linspace(-np.pi / 2, np.pi / 2, CIRCLE // 2 + 1)
-        turn, rise = np.meshgrid(around, height)
-        unit = np.stack([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)], axis=-1)
-        nodes = np.asarray(self.center) + self.radius * unit
-        return [
-            nodes[[i, i, i + 1, i + 1], [j, j + 1, j + 1, j]] for i in range(len(height) - 1) for j in range(CIRCLE)
-        ]
 
     @property
     def plan_radius(self) -> float:

@@ -6,13 +6,13 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import closing
 from pathlib import Path
 
-from ipoa_mission.items import Item
 from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.firmware import compare, to_wire
+from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station

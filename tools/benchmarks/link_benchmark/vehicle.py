@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
-from ipoa_mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import Peer, UdpChannel
+from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.server import Server

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import threading
 
-from ipoa_mission.items import Mission
+from ipoa_mission.mission.items import Mission
 from tools import REPOSITORY
 from tools.benchmarks.link_benchmark import clients
 from tools.benchmarks.link_benchmark.clients import LIMIT_S, NotConnected

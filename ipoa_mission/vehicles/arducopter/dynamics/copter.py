@@ -8,14 +8,16 @@ import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from ipoa_mission.commands import Command
+import numpy as np
+
+from ipoa_mission.compiled import sooner
+from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.itinerary.copter_arc import turn_of
+from ipoa_mission.forecast.itinerary.program import Place, Program
 from ipoa_mission.geometry import Points
-from ipoa_mission.items import Item
-from ipoa_mission.itinerary.copter_arc import turn_of
-from ipoa_mission.itinerary.program import Place, Program, is_passed
-from ipoa_mission.vehicles.arducopter.compiled import stepping
-from ipoa_mission.vehicles.arducopter.dynamics import steps as plain_steps
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.legs import (
     at_speeds,
@@ -37,17 +39,10 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     Bounds,
     Leg,
     State,
-    flat,
-    packed,
-    packed_legs,
-    room_for,
-    rows,
     tuning,
-    unpacked,
 )
-from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS
+from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS, fly_leg, step
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
-from ipoa_mission.vehicles.arducopter.returning import height_by_cone
 from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
@@ -72,25 +67,23 @@ SETTLED = 10.0  # a hold that lasts longer changes nothing more [s]
 class Stop(NamedTuple):
     """Where to fly: straight, or on a `spline` that leaves towards the place `after` it (True: by another spline).
 
-    A `turn` [rad], clockwise positive, makes the way an arc. `stays`: the copter is to stand there, and not only to
-    have been there; before 4.0 that makes a difference.
+    A `turn` [rad], clockwise positive, makes the way an arc.
     """
 
     place: Place
     spline: bool = False
     after: tuple[Place, bool] | None = None
-    stays: bool = True
     turn: float = 0.0
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
     """Item n of a program as a stop; what it leaves open is that of `here`."""
     place, spline = program.place(n, here), program.items[n].command == Command.NAV_SPLINE_WAYPOINT
-    onward, stays = program.onward(n) if spline else None, not is_passed(program.items[n])
+    onward = program.onward(n) if spline else None
     if onward is None:
-        return Stop(place, spline, stays=stays, turn=turn_of(program.items[n]))
+        return Stop(place, spline, turn=turn_of(program.items[n]))
     after = program.place(onward, place), program.items[onward].command == Command.NAV_SPLINE_WAYPOINT
-    return Stop(place, spline, after, stays)
+    return Stop(place, spline, after)
 
 
 class Copter:
@@ -109,10 +102,9 @@ class Copter:
         self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = Bounds(limits.speed, limits.climb, limits.descent)
-        self._steps = stepping(plain_steps, fast, 0.0)
-        self._compiled = self._steps is not plain_steps
+        self._fly_leg = sooner(fly_leg, fast, 0.0)
         self.state = _at_rest(here, 0.0)
-        self._flat: dict[int, tuple[Leg, Any]] = {}
+        self._records: dict[int, tuple[Leg, Any]] = {}
         self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
         self.passed = True
         self._left = 0.0  # how fast the last spline that was planned ahead is left [m/s]
@@ -142,7 +134,7 @@ class Copter:
 
     def step(self) -> bool:
         """Let one step pass; whether the leg is over. Beyond its end the copter stays there."""
-        over = plain_steps.step(self.state, self._before, self.this, self.following, self._tuning)
+        over = step(self.state, self._before, self.this, self.following, self._tuning)
         self.passed = self.passed or over
         return self.passed
 
@@ -157,19 +149,21 @@ class Copter:
             skipped = self.this.lasts - SETTLED
             self.this = self.this._replace(lasts=SETTLED)
         room = int((60 + 4 * self._least_time() + self.this.length / self._slowest) / (STEP * SAMPLE_STEPS))
-        samples = room_for(room, self._compiled)
-        legs: Any = (self._before, self.this, self.following)
-        if self._compiled:
-            self._flat = {id(leg): self._flat.get(id(leg)) or (leg, flat(leg)) for leg in legs}
-            legs = packed_legs([self._flat[id(leg)][1] for leg in legs])
-        state = packed(self.state) if self._compiled else [self.state]
-        used = self._steps.fly_leg(state, legs, packed(self._tuning) if self._compiled else [self._tuning], samples)
-        self.state = unpacked(state) if self._compiled else self.state
+        samples, legs = np.empty((room, 7)), (self._before, self.this, self.following)
+        before, this, following = [[leg] for leg in legs]
+        states: Any = [self.state]
+        if self._fly_leg is not fly_leg:
+            self._records = {id(leg): self._records.get(id(leg)) or (leg, records([leg], Leg)) for leg in legs}
+            before, this, following = (self._records[id(leg)][1] for leg in legs)
+            states = records(states, State)
+        used = self._fly_leg(states, before, this, following, self._tuning, samples)
+        if self._fly_leg is not fly_leg:
+            self.state = State(*states[0].item())
         if used < 0:
             raise MissionError(self._lost(used), hint=TOO_WINDY)
         self.state.time += skipped
         self.passed = True
-        return rows(samples[:used])
+        return samples[:used]
 
     def _lost(self, why: int) -> str:
         """In words, where the copter does not get on."""
@@ -332,8 +326,8 @@ class Copter:
         `goal`: home, or the rally point that it returns to instead, with that one's height.
         """
         limits, (x, y, z), (east, north, _) = self.limits, self.brake(), goal
-        least, far = z + max(limits.rtl_climb, 0.0), math.hypot(x - east, y - north)
-        height = height_by_cone(least, limits.rtl_height, limits.rtl_cone, far, goal[2])
+        far = math.hypot(x - east, y - north)
+        height = limits.returning.height(z, far, goal[2])
         self.speeds = Bounds(limits.rtl_speed, limits.climb, limits.descent)
         self._follow_with_nose(limits.rtl_turns)
         height = max(z + RETURN_ROUNDING, height)

@@ -4,9 +4,9 @@ import math
 from dataclasses import replace
 from functools import lru_cache
 
-from ipoa_mission.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
-from ipoa_mission.itinerary.copter_spline import cubic, minus, spline_tangents
-from ipoa_mission.itinerary.program import Place
+from ipoa_mission.forecast.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
+from ipoa_mission.forecast.itinerary.copter_spline import cubic, minus, spline_tangents
+from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.vehicles.arducopter.dynamics.motion import HOLD, SPLINE, STRAIGHT, ZERO, Bounds, Leg, Vector
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Limits, change, profile
 from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
@@ -83,12 +83,12 @@ def spline_leg(
     """A curve that begins as the leg before ended and ends towards `after`, as `spline_tangents` has it."""
     flown_in = None
     if previous is not None:
-        flown_in = previous.tangents[1] if previous.kind == SPLINE else minus(previous.target, previous.origin)
+        flown_in = previous.end if previous.kind == SPLINE else minus(previous.target, previous.origin)
     tangents = spline_tangents(origin, target, flown_in, after)
     level, vertical = SPLINE_SHARE * copter.accel, SPLINE_SHARE * copter.accel_z
     return _leg(SPLINE, origin, target, speeds)._replace(
-        cubic=tuple(Vector(*one) for one in cubic(origin, target, tangents)),
-        tangents=tuple(Vector(*one) for one in tangents),
+        cubic=[Vector(*one) for one in cubic(origin, target, tangents)],
+        end=Vector(*tangents[1]),
         accel=Bounds(level, vertical, vertical),
     )
 
@@ -122,7 +122,7 @@ def joined(this: Leg, following: Leg, copter: CopterLimits, left: float = math.i
 
 def speed_left(leg: Leg) -> float:
     """The speed at which a spline may be left, for all that comes after it; nothing where it ends at rest."""
-    return _speed_at(leg, 1.0) if any(leg.tangents[1]) else 0.0
+    return _speed_at(leg, 1.0) if any(leg.end) else 0.0
 
 
 def at_speeds(leg: Leg, speeds: Bounds, elapsed: float, copter: CopterLimits) -> Leg:

@@ -1,22 +1,16 @@
-"""What the stepping code works on: a leg, the tuning, the state of a flight, a sample of its track.
+"""What the stepping code works on: a leg, the tuning, the state of a flight.
 
 The types are such that plain Python and numba read the same lines: what is only read is a NamedTuple, and what changes
-is an object with attributes; for numba both are records with the same names.
+is an object with attributes; for numba legs and states are records with the same names.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from itertools import chain
-from operator import attrgetter
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
 
-import numpy as np
-
-from ipoa_mission.geometry import GRAVITY, Points
-from ipoa_mission.geometry import Vector as Numbers
+from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import Airframe
-from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, MOST_SEGMENTS, Profile, Segment
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Profile
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import Wind
 
@@ -50,7 +44,7 @@ class Bounds(NamedTuple):
 class Leg(NamedTuple):
     """From `origin` to `target` at up to `speeds`: straight with a `profile`, along a `cubic`, or straight up or down.
 
-    A spline keeps `accel` and leaves at up to `leave` [m/s]; its `tangents` are those of its ends. A HOLD `lasts` [s].
+    A spline keeps `accel` and leaves at up to `leave` [m/s]; its tangent there is `end`. A HOLD `lasts` [s].
     A straight leg with a `turn` [rad] is an arc: by so much it turns around its `center`, clockwise positive.
     """
 
@@ -61,8 +55,8 @@ class Leg(NamedTuple):
     length: float
     speeds: Bounds
     profile: Profile = AT_REST
-    cubic: tuple[Vector, ...] = (ZERO,) * 4
-    tangents: tuple[Vector, ...] = (ZERO,) * 2
+    cubic: Annotated[list[Vector], 4] = [ZERO] * 4
+    end: Vector = ZERO
     accel: Bounds = Bounds(0.0, 0.0, 0.0)
     leave: float = 0.0
     lasts: float = 0.0
@@ -182,71 +176,3 @@ class State:
     aim_z: float = 0.0
     push_x: float = 0.0  # and its acceleration
     push_y: float = 0.0
-
-
-@dataclass(slots=True)
-class Sample:
-    """A moment of a track [s, m, m/s]."""
-
-    time: float = 0.0
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
-    vx: float = 0.0
-    vy: float = 0.0
-    vz: float = 0.0
-
-
-def _numbers(*names: str) -> np.dtype[Any]:
-    return np.dtype([(name, np.float64) for name in names])
-
-
-_VECTOR, _BOUNDS, _SEGMENT, _TUNING = (_numbers(*kind._fields) for kind in (Vector, Bounds, Segment, Tuning))
-_STATE, _SAMPLE = (_numbers(*(field.name for field in fields(kind))) for kind in (State, Sample))
-_PROFILE = np.dtype([("segments", _SEGMENT, (MOST_SEGMENTS,)), *_numbers(*Profile._fields[1:]).descr])
-_OF_A_LEG = {
-    **dict.fromkeys(("origin", "target", "direction", "center"), (_VECTOR,)),
-    **dict.fromkeys(("speeds", "accel"), (_BOUNDS,)),
-    "profile": (_PROFILE,),
-    "cubic": (_VECTOR, (4,)),
-    "tangents": (_VECTOR, (2,)),
-}
-_LEG = np.dtype([(name, *_OF_A_LEG.get(name, (np.float64,))) for name in Leg._fields])
-_NO_SEGMENT = Segment(math.inf, *[0.0] * 6)
-_state, _sample = attrgetter(*_STATE.names or ()), attrgetter(*_SAMPLE.names or ())
-
-
-def packed(one: State | Tuning) -> Any:
-    """An array of one record, for the compiled code."""
-    return np.array(_state(one)).view(_STATE) if isinstance(one, State) else np.array(one).view(_TUNING)
-
-
-def flat(leg: Leg) -> Numbers:
-    """All numbers of a leg, for `packed_legs`."""
-    segments, *rest = leg.profile
-    missing = MOST_SEGMENTS - len(segments)
-    numbers = [leg.kind, *leg.origin, *leg.target, *leg.direction, leg.length, *leg.speeds]
-    numbers += [*chain(*segments, _NO_SEGMENT * missing), *rest, *chain(*leg.cubic, *leg.tangents)]
-    return np.array([*numbers, *leg.accel, leg.leave, leg.lasts, leg.turn, *leg.center])
-
-
-def packed_legs(legs: Sequence[Numbers]) -> Any:
-    """An array of as many records as `flat` legs, for the compiled code."""
-    return np.concatenate(legs).view(_LEG)
-
-
-def unpacked(state: Any) -> State:
-    """The state that the compiled code has left."""
-    return State(*state[0].item())
-
-
-def room_for(count: int, compiled: bool) -> Any:
-    """Room for so many samples."""
-    return np.empty(count, dtype=_SAMPLE) if compiled else [Sample() for _ in range(count)]
-
-
-def rows(samples: Any) -> Points:
-    """Samples as numbers: time, place, velocity (n, 7)."""
-    if isinstance(samples, np.ndarray):
-        return samples.view(np.float64).reshape(-1, 7)
-    return np.array([_sample(one) for one in samples], dtype=np.float64).reshape(-1, 7)

@@ -6,7 +6,7 @@ time t_j as (J/2)(1 - cos(pi t/t_j)), may stay at J, and falls again; S = pi J /
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # shapes of jerk over a segment
 MOST_SEGMENTS = 24  # of a profile: three changes of speed, and what lies between them
@@ -35,16 +35,23 @@ class Segment(NamedTuple):
 
 
 class Profile(NamedTuple):
-    """A leg's segments; it `lasts` [s], accelerates until `risen`, brakes from `falls`, peaks at `peak` [m/s]."""
+    """A leg's segments; it `lasts` [s], accelerates until `risen`, brakes from `falls`, peaks at `peak` [m/s].
 
-    segments: tuple[Segment, ...]
+    After the last segment come those that never begin, so that there are `MOST_SEGMENTS`.
+    """
+
+    segments: Annotated[list[Segment], MOST_SEGMENTS]
     lasts: float
     risen: float
     falls: float
     peak: float
 
 
-AT_REST = Profile((Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0),), 0.0, 0.0, 0.0, 0.0)
+def _filled(segments: list[Segment]) -> list[Segment]:
+    return segments + [Segment(math.inf, *[0.0] * 6)] * (MOST_SEGMENTS - len(segments))
+
+
+AT_REST = Profile(_filled([Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0)]), 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -102,7 +109,7 @@ def profile(length: float, limits: Limits, enter: float = 0.0, leave: float = 0.
     segments.append(Segment(state[0], cruise, CONSTANT, 0.0, 0.0, peak, state[3]))
     falls = risen + cruise
     state = _append(segments, down, -1.0, (falls, 0.0, peak, state[3] + peak * cruise))
-    return Profile(tuple(segments), state[0], risen, falls, peak)
+    return Profile(_filled(segments), state[0], risen, falls, peak)
 
 
 def _covers(peak: float, enter: float, leave: float, limits: Limits) -> float:
@@ -129,7 +136,7 @@ def change(current: Profile, at: float, length: float, limits: Limits) -> Profil
     As in the autopilot a leg that brakes already is left alone; a higher speed is one that the way left has room for.
     """
     before = current.peak
-    if at >= current.falls or limits.speed == before or not current.segments:
+    if at >= current.falls or limits.speed == before:
         return current
     begin = max(at, current.risen)
     segments = [s for s in current.segments if s.begin + s.lasts <= current.risen]
@@ -156,7 +163,7 @@ def change(current: Profile, at: float, length: float, limits: Limits) -> Profil
     segments.append(Segment(state[0], lasts, CONSTANT, 0.0, 0.0, peak, state[3]))
     falls = state[0] + lasts
     state = _append(segments, down, -1.0, (falls, 0.0, peak, state[3] + peak * lasts))
-    return Profile(tuple(segments), state[0], current.risen, falls, max(peak, before))
+    return Profile(_filled(segments), state[0], current.risen, falls, max(peak, before))
 
 
 def _peak(length: float, limits: Limits) -> float:

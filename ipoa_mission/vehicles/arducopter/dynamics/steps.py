@@ -5,11 +5,9 @@ what the arguments are.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from collections.abc import Sequence
 
-from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.vehicles.arducopter.dynamics import ways
+from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import THINNING
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     CLIMB,
@@ -21,16 +19,13 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     STRAIGHT,
     Bounds,
     Leg,
-    Sample,
     State,
     Tuning,
 )
+from ipoa_mission.vehicles.arducopter.dynamics.ways import along, on_way
 
-Function = TypeVar("Function", bound=Callable[..., Any])
 Triple = tuple[float, float, float]
-jit: Callable[[Function], Function] = globals().get("jit", lambda function: function)
 
-along, on_way = jit(ways.along), jit(ways.on_way)
 SAMPLE_STEPS = 5  # a sample of the track every so many steps
 SETTLED_S, STEADY = 30.0, 1e-6  # after so long, and with no more acceleration, a cruise goes on as it is [s, m/s^2]
 
@@ -38,7 +33,6 @@ SETTLED_S, STEADY = 30.0, 1e-6  # after so long, and with no more acceleration, 
 # --- legs -----------------------------------------------------------------------------------------------------------
 
 
-@jit
 def along_limit(x: float, y: float, z: float, limits: Bounds) -> float:
     """The most that a vector along the unit direction (x, y, z) may have: `limits` are those level, up and down."""
     level, vertical = math.sqrt(x * x + y * y), limits.up if z > 0.0 else limits.down
@@ -49,7 +43,6 @@ def along_limit(x: float, y: float, z: float, limits: Bounds) -> float:
     return min(limits.level / level, vertical / abs(z))
 
 
-@jit
 def bend(leg: Leg, u: float) -> tuple[Triple, Triple, float, float]:
     """A spline leg at parameter u: place, unit direction, length of its derivative, speed that the bend allows."""
     a, b, c, d = leg.cubic[0], leg.cubic[1], leg.cubic[2], leg.cubic[3]
@@ -77,7 +70,6 @@ def bend(leg: Leg, u: float) -> tuple[Triple, Triple, float, float]:
 # --- guidance: where the target is, and how it moves ---------------------------------------------------------------
 
 
-@jit
 def clock_step(state: State, tuning: Tuning) -> float:
     """The path's clock, which slows down where the vehicle does not keep up; how far it moves in a step [s]."""
     wanted = 1.0
@@ -90,7 +82,6 @@ def clock_step(state: State, tuning: Tuning) -> float:
     return state.rate * STEP
 
 
-@jit
 def add_leg(state: State, leg: Leg, t: float, way_back: float) -> None:
     """Add the motion along a leg to the target's; `way_back` is where its way counts from [m]."""
     a, v, s = along(leg, t)
@@ -100,7 +91,6 @@ def add_leg(state: State, leg: Leg, t: float, way_back: float) -> None:
     state.target_z, state.aim_z = state.target_z + z, state.aim_z + vz
 
 
-@jit
 def turn_is_gentle(this: Leg, following: Leg, elapsed: float, tuning: Tuning) -> bool:
     """Whether the next leg may begin now: the middle of the overlap lies within radius and corner acceleration."""
     half = (this.profile.lasts - elapsed) / 2
@@ -115,7 +105,6 @@ def turn_is_gentle(this: Leg, following: Leg, elapsed: float, tuning: Tuning) ->
     return x * x + y * y < tuning.corner_accel**2 and abs(z) < tuning.accel_z
 
 
-@jit
 def along_legs(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning, h: float) -> bool:
     """What is left of the leg before, this leg, and the next one where they overlap; whether this one is over."""
     state.clock += h
@@ -143,7 +132,6 @@ def along_legs(state: State, before: Leg, this: Leg, following: Leg, tuning: Tun
     return finished
 
 
-@jit
 def along_spline(state: State, this: Leg, h: float) -> bool:
     """The target on a curve, as fast as its bends and its end allow; whether it is over."""
     state.clock += h
@@ -167,7 +155,6 @@ def along_spline(state: State, this: Leg, h: float) -> bool:
     return state.share >= 1.0
 
 
-@jit
 def towards(error: float, accel: float, gain: float) -> float:
     """The square-root law: linear near the goal, then the speed from which `accel` can still stop in time."""
     linear = accel / (gain * gain)
@@ -176,7 +163,6 @@ def towards(error: float, accel: float, gain: float) -> float:
     return math.copysign(math.sqrt(2 * accel * (abs(error) - linear / 2)), error)
 
 
-@jit
 def upright(state: State, this: Leg, tuning: Tuning) -> bool:
     """Over one place: stay, or climb or come down by velocity shaping; whether that is over."""
     state.target_x, state.target_y, top = this.target.x, this.target.y, this.target.z
@@ -205,7 +191,6 @@ def upright(state: State, this: Leg, tuning: Tuning) -> bool:
 # --- control and body -----------------------------------------------------------------------------------------------
 
 
-@jit
 def control(state: State, tuning: Tuning) -> None:
     """Position to velocity to lean, on the vehicle as it will be at the end of the step."""
     x, y = state.target_x - state.x - state.vx * STEP, state.target_y - state.y - state.vy * STEP
@@ -225,7 +210,6 @@ def control(state: State, tuning: Tuning) -> None:
     state.asked_x, state.asked_y = x, y
 
 
-@jit
 def within_lean(x: float, y: float, aim_x: float, aim_y: float, most: float) -> tuple[float, float]:
     """What is asked for cut to the greatest lean: what is across the path is served before what is along it."""
     flat = math.sqrt(aim_x * aim_x + aim_y * aim_y)
@@ -239,7 +223,6 @@ def within_lean(x: float, y: float, aim_x: float, aim_y: float, most: float) -> 
     return onward * dx - across * dy, onward * dy + across * dx
 
 
-@jit
 def move(state: State, tuning: Tuning) -> None:
     """The vehicle: lean follows the command, drag acts along the leaning body; its height is the target's."""
     state.shaped_x += (state.asked_x - state.shaped_x) * tuning.leaning
@@ -257,7 +240,6 @@ def move(state: State, tuning: Tuning) -> None:
     state.time += STEP
 
 
-@jit
 def turn_nose(state: State, tuning: Tuning) -> None:
     """Turn the nose to where the target moves, once it moves, as quickly as the autopilot does."""
     fast = state.aim_x**2 + state.aim_y**2
@@ -271,7 +253,6 @@ def turn_nose(state: State, tuning: Tuning) -> None:
     state.nose_x, state.nose_y = math.sin(state.yaw), math.cos(state.yaw)
 
 
-@jit
 def drag(state: State, tuning: Tuning) -> Triple:
     """Acceleration by the air: of the rotors against the way through it, of the body along each of its axes."""
     gust = 1.0
@@ -297,7 +278,6 @@ def drag(state: State, tuning: Tuning) -> Triple:
     )
 
 
-@jit
 def step(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning) -> bool:
     """Let one step pass; whether the leg counts as passed."""
     if this.kind == STRAIGHT:
@@ -314,7 +294,6 @@ def step(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning) -
     return finished and ex * ex + ey * ey <= tuning.radius**2
 
 
-@jit
 def pass_over_cruise(state: State, this: Leg) -> None:
     """Pass over the middle of a long level leg, where all has settled and nothing changes until it brakes."""
     left = this.profile.falls - state.clock - SETTLED_S
@@ -333,19 +312,23 @@ def pass_over_cruise(state: State, this: Leg) -> None:
     state.time, state.clock = state.time + left / state.rate, state.clock + left
 
 
-@jit
-def fly_leg(states: Sequence[State], legs: Sequence[Leg], tunings: Sequence[Tuning], samples: Sequence[Sample]) -> int:
-    """Fly until the leg counts as passed; how many samples that took.
+def fly_leg(
+    states: Sequence[State],
+    before: Sequence[Leg],
+    this: Sequence[Leg],
+    following: Sequence[Leg],
+    tuning: Tuning,
+    samples: Points,
+) -> int:
+    """Fly until this leg counts as passed; how many samples that took, rows of time, place and velocity (n, 7).
 
-    -1 if there is not room for as many, -2 if the copter is blown off its path. The legs are the one before, this and
-    the following; states and tunings are one of each.
+    -1 if there is not room for as many, -2 if the copter is blown off its path. States and legs are one of each, as a
+    row of one.
     """
-    state, tuning = states[0], tunings[0]
-    before, this, following = legs[0], legs[1], legs[2]
-    used, count, passed = 0, 0, False
+    state, leg, used, count, passed = states[0], this[0], 0, 0, False
     while not passed:
-        passed = step(state, before, this, following, tuning)
-        pass_over_cruise(state, this)
+        passed = step(state, before[0], leg, following[0], tuning)
+        pass_over_cruise(state, leg)
         count += 1
         if count % SAMPLE_STEPS == 0:
             if used >= len(samples):
@@ -358,8 +341,7 @@ def fly_leg(states: Sequence[State], legs: Sequence[Leg], tunings: Sequence[Tuni
     return used
 
 
-@jit
-def keep(state: State, sample: Sample) -> None:
+def keep(state: State, row: Vector) -> None:
     """Note the vehicle as it is now."""
-    sample.time, sample.x, sample.y, sample.z = state.time, state.x, state.y, state.z
-    sample.vx, sample.vy, sample.vz = state.vx, state.vy, state.vz
+    row[0], row[1], row[2], row[3] = state.time, state.x, state.y, state.z
+    row[4], row[5], row[6] = state.vx, state.vy, state.vz

@@ -1,6 +1,6 @@
 """Motion along one of ArduCopter's S-curve legs: how far it is at a time, and where that is, on a line or on an arc.
 
-The same lines run as Python and compiled, by `steps`; so no function here calls another.
+The same lines run as Python and compiled, by `steps`.
 """
 
 import math
@@ -15,7 +15,7 @@ def along(leg: Leg, t: float) -> Triple:
     segments = leg.profile.segments
     at = len(segments) - 1
     if t <= 0.0:
-        return 0.0, segments[0].speed if at >= 0 else 0.0, 0.0
+        return 0.0, segments[0].speed, 0.0
     if t >= leg.profile.lasts:
         return 0.0, 0.0, leg.length
     while at > 0 and segments[at].begin > t:

@@ -3,11 +3,11 @@
 import math
 from typing import NamedTuple
 
-from ipoa_mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.items import Item
-from ipoa_mission.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits

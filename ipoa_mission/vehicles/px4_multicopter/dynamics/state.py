@@ -1,14 +1,11 @@
 """What PX4's flight is made of at one moment, and what it is asked to do; all in SI units, east, north, up.
 
 Tuples with names, which plain Python and numba take alike: a step makes a new state of the last one. What does not
-change in a flight, `Order` and `Law`, goes to compiled code as numpy records of the same names (`record_type`).
+change in a flight, `Order` and `Law`, goes to compiled code as numpy records of the same names.
 """
 
 import math
-from functools import cache
-from typing import NamedTuple, get_type_hints
-
-import numpy as np
+from typing import NamedTuple
 
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
@@ -183,11 +180,3 @@ ZERO = Enu(0.0, 0.0, 0.0)
 def of(place: Enu) -> Enu:
     """A place of an order as a tuple, which a record is not."""
     return Enu(place.east, place.north, place.up)
-
-
-@cache
-def record_type(kind: type) -> np.dtype[np.void]:
-    """The numpy type of records with the names and kinds of a tuple's fields."""
-    plain = {float: np.float64, int: np.int64, bool: np.bool_}
-    hints = get_type_hints(kind)
-    return np.dtype([(name, plain.get(hint) or record_type(hint)) for name, hint in hints.items()])

@@ -1,0 +1,106 @@
+"""What the vehicle meets in flight, one visit after the other: jumps followed, nothing left open."""
+
+import math
+from dataclasses import dataclass, field, replace
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown
+from ipoa_mission.mission.commands import LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.returning import HOME
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import LEVEL, Ground
+
+#: ArduPilot's own bound on what a mission may hold, taken here as a bound on what a loop may unroll to.
+MOST_VISITS = 20_000
+#: Above LAST_NAV, but they take time all the same.
+UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})
+#: They put off the commands after them, which the models take as done at once.
+CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
+
+
+@dataclass(frozen=True)
+class Visit:
+    """An item as its turn comes; `seq` counts from 1 (home is 0)."""
+
+    seq: int
+    item: Item
+
+
+@dataclass(frozen=True)
+class Itinerary:
+    """Visits in order, and the same as a program without jumps; `over_terrain` names items whose height is.
+
+    Landings come down to the `ground`; a return leads home or to one of the `rally` points, by the `parameters`.
+    """
+
+    visits: tuple[Visit, ...]
+    program: Program
+    over_terrain: tuple[int, ...]
+    ground: Ground = LEVEL
+    rally: tuple[Place, ...] = ()
+    parameters: Parameters = field(default_factory=dict)
+
+    def goal_of_return(self, here: Place) -> Place:
+        """Where a return from `here` leads: home, or a rally point and its height."""
+        n = self.program.autopilot.goal_of_return(self.parameters, here, self.rally)
+        return HOME if n is None else self.rally[n]
+
+
+def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
+    """Unroll the mission's DO_JUMP loops and put its items into metres around home; it lands on the `ground`.
+
+    Heights over terrain are taken as heights over home (the time model knows no terrain); `over_terrain` names them.
+
+    Raises:
+        BadInput: a jump leads nowhere or never ends.
+    """
+    order = _unrolled(mission)
+    items = as_flown(replace(mission, items=tuple(mission.items[n] for n in order))).items
+    over_terrain = (
+        n + 1
+        for n, item in sorted(dict(zip(order, items, strict=True)).items())
+        if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT and item.has_position
+    )
+    visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
+    program = Program(items, LocalFrame(mission.home), mission.autopilot)
+    by_names = mission.autopilot.book.by_old_names(mission.parameters)
+    return Itinerary(visits, program, tuple(over_terrain), ground, rally_places(mission), by_names)
+
+
+def rally_places(mission: Mission) -> tuple[Place, ...]:
+    """Its rally points, east, north and up of home as the autopilot keeps it [m]."""
+    if not mission.rally:
+        return ()
+    frame, home = LocalFrame(mission.home), mission.home
+    places = (frame.local(Geodetic(at.latitude_deg, at.longitude_deg, home.altitude)) for at in mission.rally)
+    return tuple((float(p[0]), float(p[1]), at.altitude) for p, at in zip(places, mission.rally, strict=True))
+
+
+def flying_already(route: Itinerary) -> float | None:
+    """The height over home [m] at which a mission without a take-off begins: that of its first place; else None."""
+    for visit, place in zip(route.visits, route.program.places, strict=True):
+        command = visit.item.command
+        if command <= LAST_NAV and command != Command.NAV_DELAY:
+            return None if command in TAKEOFFS or math.isnan(place[0]) else max(0.0, float(place[2]))
+    return None
+
+
+def _unrolled(mission: Mission) -> list[int]:
+    """Indices of the items in the order in which they come up, every DO_JUMP followed as often as it asks."""
+    count = len(mission.items)
+    for n, item in enumerate(mission.items):
+        if item.command == Command.DO_JUMP and not 1 <= item.params[0] < count + 1:
+            raise BadInput(f"items[{n}].param1: expected an item from 1 to {count} to jump to, not {item.params[0]:g}")
+        if item.command == Command.DO_JUMP and not item.params[1] >= 0:
+            raise BadInput(f"items[{n}].param2: the jump never ends, so the flight has no time")
+    program = Program(mission.items, LocalFrame(mission.home), mission.autopilot)
+    order: list[int] = []
+    at = program.after(-1)
+    while at is not None:
+        if len(order) > MOST_VISITS:
+            raise BadInput(f"items[{at}]: the mission's jumps make more than {MOST_VISITS} visits")
+        order.append(at)
+        at = program.after(at)
+    return order

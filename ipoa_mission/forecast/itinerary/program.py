@@ -1,0 +1,169 @@
+"""The one reader of mission items: in which order they come up, where each is done, what is flown on to after it.
+
+Places are east, north, up of home [m]; `up` is the height above home as the autopilot keeps it (a flat Earth), not the
+height over home's tangent plane. ArduCopter takes latitude and longitude 0 for the place, and altitude 0 for the
+height, of the item before (ArduPilot's ModeAuto, since 2014). PX4 flies to what it is given; a null place of its
+take-off and landing is "here".
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, WAYPOINTS, Command, Frame, plain_frame
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.world.frame import LocalFrame
+
+Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
+
+JUMPS_WITHOUT_END = 10_000  # a loop of nothing but jumps must not hang
+
+
+def is_here(item: Item, autopilot: Autopilot) -> bool:
+    """Whether it does this item where it is: it names latitude 0, longitude 0, and that is "here" to it."""
+    return (
+        autopilot.guidance.zero_is_here
+        and item.command in FLOWN_TO
+        and item.frame != Frame.MISSION
+        and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0)
+    )
+
+
+def is_as_high_as_now(item: Item, autopilot: Autopilot) -> bool:
+    """Whether it keeps its height on the way to this item: it names altitude 0, in whatever frame."""
+    return (
+        autopilot.guidance.zero_is_here
+        and item.command in FLOWN_TO - TO_THE_GROUND
+        and item.frame != Frame.MISSION
+        and item.altitude == 0.0
+    )
+
+
+def as_flown(mission: Mission) -> Mission:
+    """The mission with a place and a height in every item that is flown to, items taken in their order.
+
+    >>> from ipoa_mission.mission.items import takeoff, waypoint
+    >>> from ipoa_mission.world.frame import Geodetic
+    >>> home, there = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.398642, 8.545594)
+    >>> items = (takeoff(home, 15.0), waypoint(there, 0.0))
+    >>> as_flown(Mission(home, items, Autopilot.ARDUPILOT)).items[1].altitude
+    15.0
+    """
+    latitude, longitude = mission.home.latitude_deg, mission.home.longitude_deg
+    altitude, frame = 0.0, int(Frame.GLOBAL_RELATIVE_ALT)
+    items: list[Item] = []
+    for item in mission.items:
+        if is_as_high_as_now(item, mission.autopilot):
+            item = replace(item, altitude=altitude, frame=frame)
+        if is_here(item, mission.autopilot) and item.command not in TO_THE_GROUND:
+            item = replace(item, latitude_deg=latitude, longitude_deg=longitude)
+        items.append(item)
+        if item.has_position and item.command != Command.NAV_TAKEOFF:  # that climbs where the vehicle stands
+            latitude, longitude = item.latitude_deg, item.longitude_deg
+        keeps_height = item.command == Command.NAV_LAND or item.frame == Frame.MISSION
+        if item.command in FLOWN_TO and math.isfinite(item.altitude) and not keeps_height:
+            altitude, frame = item.altitude, plain_frame(item.frame)
+    return replace(mission, items=tuple(items))
+
+
+def is_passed(item: Item) -> bool:
+    """Whether it is to have been at this waypoint, and not to stay there, as ArduCopter holds for whole seconds."""
+    if item.command == Command.NAV_ARC_WAYPOINT:  # whose param1 is an angle
+        return True
+    return item.command in WAYPOINTS and item.params[0] < 1
+
+
+def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
+    """The item that is flown on to without stopping at item n; those that do not move the vehicle are no hindrance.
+
+    `later` are the items that follow in the order in which they come up; without it, in the order of their numbers.
+    """
+    if autopilot.guidance.stops_to_hold and not is_passed(items[n]):
+        return None
+    for index in range(n + 1, len(items)) if later is None else later:
+        if items[index].command <= LAST_NAV:
+            return index if items[index].command in autopilot.guidance.flown_on_into else None
+    return None
+
+
+@dataclass
+class Program:
+    """Items in the frame of their home, and how often each jump has been taken; indices count from 0.
+
+    `first` is what a jump calls the first item: 1 in a mission file, 0 in the store of PX4.
+    """
+
+    items: tuple[Item, ...]
+    frame: LocalFrame
+    autopilot: Autopilot
+    first: int = 1
+    jumped: dict[int, int] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.items)
+
+    @cached_property
+    def places(self) -> Points:
+        """Where each item lies, (n, 3) [m]; NaN for what it leaves open. A height over terrain counts as over home."""
+        items, home = self.items, self.frame.home
+        rows = [(item.latitude_deg, item.longitude_deg, item.height(home)) for item in items]
+        latitude, longitude, up = np.array(rows).reshape(-1, 3).T
+        flat = self.frame.to_local(latitude, longitude, np.full(len(items), home.altitude)).reshape(-1, 3)
+        placed = np.array([item.has_position for item in items], dtype=bool) & np.isfinite(flat).all(axis=1)
+        kept = [is_as_high_as_now(i, self.autopilot) or i.command == Command.NAV_PAYLOAD_PLACE for i in items]
+        up = np.where(np.array(kept, dtype=bool) | ~np.isfinite(up), math.nan, up)
+        return np.column_stack([np.where(placed[:, None], flat[:, :2], math.nan), up])
+
+    @cached_property
+    def _numbers(self) -> list[list[float]]:
+        """The same, quicker to look up one by one."""
+        return self.places.tolist()  # type: ignore[no-any-return]
+
+    def leaves_open(self, index: int) -> bool:
+        """Whether item `index` names no place, or no height."""
+        return any(map(math.isnan, self._numbers[index]))
+
+    def place(self, index: int, here: Place) -> Place:
+        """Where item `index` is; what it leaves open is that of `here`."""
+        east, north, up = self._numbers[index]
+        return (
+            here[0] if math.isnan(east) else east,
+            here[1] if math.isnan(north) else north,
+            here[2] if math.isnan(up) else up,
+        )
+
+    def after(self, index: int, taking: bool = True) -> int | None:
+        """The item that follows `index` once jumps are followed; `taking` a jump counts it, looking ahead does not."""
+        counts = self.jumped if taking else dict(self.jumped)
+        index += 1
+        for _ in range(JUMPS_WITHOUT_END):
+            if index >= len(self.items):
+                return None
+            item = self.items[index]
+            if item.command != Command.DO_JUMP:
+                return index
+            times, target = item.params[1], int(item.params[0]) - self.first
+            if (times < 0 or counts.get(index, 0) < times) and 0 <= target < len(self.items):
+                counts[index] = counts.get(index, 0) + 1
+                index = target
+            else:
+                index += 1
+        return None
+
+    def ahead(self, index: int) -> Iterator[int]:
+        """The items that will come up after `index`, as many as there are items."""
+        for _ in self.items:
+            following = self.after(index, taking=False)
+            if following is None:
+                return
+            yield (index := following)
+
+    def onward(self, index: int) -> int | None:
+        """The item that is flown on to without stopping at item `index`, jumps followed."""
+        return onward(self.items, index, self.autopilot, self.ahead(index))

@@ -1,0 +1,47 @@
+"""Where a flight would come to a stand if it were broken off: after it has flown on for a moment, and braked."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Points, Vector
+
+LOOK_EVERY_S = 0.2  # between the places at which the vehicle may be when its flight is broken off [s]
+STANDS = 0.1  # [m/s]
+
+
+@dataclass(frozen=True, eq=False)
+class Stops:
+    """Where the vehicle is (n, 3) at `times` (n,) [s], on its way to items `seqs` (n,), and where it stands then."""
+
+    times: Vector
+    places: Points
+    stands: Points
+    seqs: NDArray[np.intp]
+
+    def at(self, time: float) -> tuple[Vector, Vector]:
+        """Where it is at any time from the first to the last, and where it stands then, each (3,) [m]."""
+        place, stand = (
+            np.array([np.interp(time, self.times, axis) for axis in points.T]) for points in (self.places, self.stands)
+        )
+        return place, stand
+
+
+def stops_of(forecast: Forecast, begin: float | None = None, end: float | None = None) -> Stops:
+    """From one time to another [s], at the end of which it stands; left out, from the take-off to the last waypoint."""
+    mission, flight = forecast.mission, forecast.promise.flight
+    begin, end = flight.way[0] if begin is None else begin, flight.way[1] if end is None else end
+    times = np.append(np.arange(begin, end, LOOK_EVERY_S), end)
+    then = np.minimum(times + mission.autopilot.guidance.brakes_after, end)
+    before, places, stands, after = map(flight.pieces.at, (then - LOOK_EVERY_S, times, then, then + LOOK_EVERY_S))
+    velocity = (after - before) / (2 * LOOK_EVERY_S)
+    speed = np.hypot(*velocity[:, :2].T)
+    if mission.autopilot.guidance.climb_ends_at_once:
+        velocity[:, 2] = 0.0  # it stops its climb by itself, within half a meter
+    accel = np.gradient(speed, LOOK_EVERY_S) if len(speed) > 1 else np.zeros(1)
+    way = mission.autopilot.braking_distance(mission.parameters, speed, accel)
+    stands += velocity * (way / np.maximum(speed, STANDS))[:, None]
+    seqs = np.array([visit.seq for visit in flight.route.visits])
+    return Stops(times, places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)])

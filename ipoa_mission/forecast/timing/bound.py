@@ -1,0 +1,131 @@
+"""The least time in which a curve can be flown: no autopilot, no waypoints, only speed, acceleration and jerk.
+
+Time-optimal path parametrisation by one pass forward and one back over the curve (as Bobrow and others have it): at
+each place the speed is cut by what the bend and the slope allow, and between places it changes by what the bend leaves
+of the acceleration. Jerk counts where the motion starts from rest and comes to rest; elsewhere it is left out, so that
+the result stays a bound: nothing that keeps the limits is quicker. (toppra solves the same for joints, whose limits
+are a box; a vehicle's acceleration is limited in length.)
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.timing.cubic import derivatives
+from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
+
+SPACING = 0.25  # of the places at which the speed is found [m]
+MOST_PLACES = 40_000  # on a curve that is longer they stand farther apart
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """What the vehicle can do: speeds level, up and down [m/s], acceleration and jerk along the path.
+
+    Across the path it may have another acceleration than along it (left out: the same); both together stay within the
+    ellipse of the two.
+    """
+
+    speed: float
+    climb: float
+    descent: float
+    accel: float
+    jerk: float = np.inf
+    across: float | None = None
+
+    @property
+    def accel_across(self) -> float:
+        """The most across the path [m/s^2]."""
+        return self.accel if self.across is None else self.across
+
+
+@dataclass(frozen=True)
+class Bound:
+    """The least time [s], and the speeds (n,) [m/s] at the lengths flown (n,) [m] that it takes."""
+
+    seconds: float
+    lengths: Vector
+    speeds: Vector
+
+
+def least_time(points: Points, kinematics: Kinematics) -> Bound:
+    """The least time along the smooth curve through points (n, 3), from rest to rest.
+
+    The points should stand closely enough that a cubic spline through them is the curve that is meant.
+
+    Raises:
+        BadInput: fewer than two different points, or a limit that is not positive.
+    """
+    for name in ("speed", "climb", "descent", "accel", "jerk"):
+        if not getattr(kinematics, name) > 0:
+            raise BadInput(f"{name}: expected more than 0, not {getattr(kinematics, name):g}")
+    points = np.asarray(points, float)
+    points = points[np.concatenate([[True], leg_lengths(points) > 1e-9])]
+    if len(points) < 2:
+        raise BadInput("curve: expected at least two different points")
+    lengths, tangents, curvature = _sampled(points)
+    top = _speed_limits(tangents, curvature, kinematics)
+    top = np.minimum(top, np.minimum(_from_rest(lengths, kinematics), _from_rest(lengths[-1] - lengths, kinematics)))
+    squares = top**2
+    steps = np.diff(lengths)
+    for n in range(len(steps)):
+        squares[n + 1] = min(squares[n + 1], _after(squares[n], curvature[n], curvature[n + 1], steps[n], kinematics))
+    for n in range(len(steps) - 1, -1, -1):
+        squares[n] = min(squares[n], _after(squares[n + 1], curvature[n + 1], curvature[n], steps[n], kinematics))
+    speeds = np.sqrt(squares)
+    # Between places the acceleration is constant, so a step takes its length over the mean speed; but for the first
+    # and the last, in which jerk alone builds up speed.
+    times = 2 * steps / (speeds[:-1] + speeds[1:])
+    times[[0, -1]] = np.maximum(times[[0, -1]], np.cbrt(6 * steps[[0, -1]] / kinematics.jerk))
+    return Bound(float(times.sum()), lengths, speeds)
+
+
+def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
+    """Lengths (m,), unit tangents (m, 3) and curvatures (m,) [1/m] of the spline through the points."""
+    chords = arc_lengths(points)
+    count = min(max(int(np.ceil(chords[-1] / SPACING)), 40), MOST_PLACES) + 1
+    even = np.linspace(0.0, 1.0, count)
+    near = even[1] * np.linspace(0.0, 1.0, 12)[1:-1] ** 3  # where speed builds up from nothing, or falls to it
+    at = chords[-1] * np.sort(np.concatenate([even, near, 1.0 - near]))
+    if len(points) == 2:
+        unit = (points[1] - points[0]) / chords[-1]
+        return at, np.tile(unit, (len(at), 1)), np.zeros(len(at))
+    first, second = derivatives(chords, points, at)
+    rate = np.linalg.norm(first, axis=1)
+    curvature = np.linalg.norm(np.cross(first, second), axis=1) / rate**3
+    lengths = np.concatenate([[0.0], np.cumsum(np.diff(at) * (rate[:-1] + rate[1:]) / 2)])
+    return lengths, first / rate[:, None], curvature
+
+
+def _speed_limits(tangents: Points, curvature: Vector, kinematics: Kinematics) -> Vector:
+    level, rise = np.hypot(tangents[:, 0], tangents[:, 1]), tangents[:, 2]
+    vertical = np.where(rise > 0, kinematics.climb, kinematics.descent)
+    with np.errstate(divide="ignore", over="ignore"):
+        by_level = kinematics.speed / level
+        by_rise = vertical / np.abs(rise)
+        by_bend = np.sqrt(kinematics.accel_across / curvature)
+    return np.asarray(np.minimum(np.minimum(by_level, by_rise), by_bend))
+
+
+def _after(square: float, bend: float, next_bend: float, step: float, kinematics: Kinematics) -> float:
+    """The greatest square of the speed one step on: the bend takes its part of the acceleration first.
+
+    Of the two ends of the step the gentler bend counts, so that the step is not too slow anywhere.
+    """
+    used = min(bend, next_bend) * square / kinematics.accel_across
+    along = kinematics.accel * math.sqrt(max(1.0 - used**2, 0.0))
+    return square + 2 * along * step
+
+
+def _from_rest(lengths: Vector, kinematics: Kinematics) -> Vector:
+    """The speed that can be reached from rest within each length: jerk up to full acceleration, then that."""
+    accel, jerk = kinematics.accel, kinematics.jerk
+    if not np.isfinite(jerk):
+        return np.sqrt(2 * accel * lengths)
+    ramp = accel / jerk
+    ramp_way, ramp_speed = jerk * ramp**3 / 6, jerk * ramp**2 / 2
+    short = np.cbrt(6 * lengths / jerk) ** 2 * jerk / 2
+    beyond = np.maximum(lengths - ramp_way, 0.0)
+    return np.where(lengths < ramp_way, short, np.sqrt(ramp_speed**2 + 2 * accel * beyond))

@@ -1,0 +1,97 @@
+"""A mission's route, from its first place to its last waypoint: how long it flies, and how long it must at least.
+
+What comes before (take-off) and after (RTL, LAND) no choice of waypoints can better, so the two are held together here.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.timing.bound import Kinematics, least_time
+from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
+from ipoa_mission.mission.commands import WAYPOINTS, Command
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.parameters import Parameters
+
+FIRST = WAYPOINTS | {Command.NAV_TAKEOFF}
+PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # the flown path is taken every metre, and averaged over so many [m]
+MOST_STEPS = 10_000  # a longer path is taken in longer steps
+
+
+@dataclass(frozen=True)
+class RouteTime:
+    """The route takes `seconds`; no vehicle that keeps the same limits flies the same path in less than `least` [s].
+
+    An autopilot may break its own limits, before the wind or where an ArduCopter's spline bends down steeply; what it
+    then takes is the least. Both are NaN where a mission has no route: no two places that are waypoints or a take-off.
+    """
+
+    seconds: float
+    least: float
+
+    @property
+    def ratio(self) -> float:
+        """How many times the least time it takes."""
+        return self.seconds / self.least
+
+
+NO_ROUTE = RouteTime(math.nan, math.nan)
+
+
+def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
+    """The limits that parameters set; `speed` is what DO_CHANGE_SPEED asks for [m/s]."""
+    return autopilot.part(FlightModel).kinematics(parameters, speed)
+
+
+def route_time(
+    route: Itinerary, done: Sequence[float] | Vector, track: Track, autopilot: Autopilot, parameters: Parameters
+) -> RouteTime:
+    """The time of the route of a flight whose visits are `done` (n,) [s] along `track`."""
+    ends = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS]
+    starts = [n for n, visit in enumerate(route.visits) if visit.item.command in FIRST]
+    if not ends or starts[0] == ends[-1]:
+        return NO_ROUTE
+    begin, end = float(done[starts[0]]), float(done[ends[-1]])
+    standard = kinematics(autopilot, parameters).speed
+    limits = kinematics(autopilot, parameters, _most_asked(route, ends[0], ends[-1], standard))
+    path = _smoothed(track.between(begin, end).points)
+    if len(path) < 2:
+        return NO_ROUTE
+    return RouteTime(end - begin, min(least_time(path, limits).seconds, end - begin))
+
+
+def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:
+    """The highest level speed that is in force between two visits [m/s]; `standard` before the first DO_CHANGE_SPEED.
+
+    A leg that is under way when the speed changes has been begun at the speed before, so that one counts as well.
+    """
+    asked = [
+        (n, visit.item.params[1])
+        for n, visit in enumerate(route.visits[:last])
+        if visit.item.command == Command.DO_CHANGE_SPEED and visit.item.params[0] < 2 and visit.item.params[1] > 0
+    ]
+    begun = standard if not asked or asked[0][0] > first else 0.0
+    return max([begun, *(speed for _, speed in asked)])
+
+
+def _smoothed(path: Points) -> Points:
+    """The path at equal steps and averaged, so that it bends as the vehicle does and not as its samples do."""
+    path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
+    if len(path) < 2:
+        return path
+    traveled = arc_lengths(path)
+    stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / PATH_STEP) + 1), MOST_STEPS))
+    even = np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
+    if len(even) <= SMOOTHED_STEPS:
+        return even[[0, -1]]
+    wide = np.pad(even, ((SMOOTHED_STEPS // 2, SMOOTHED_STEPS // 2), (0, 0)), mode="edge")
+    middle = np.column_stack(
+        [np.convolve(axis, np.full(SMOOTHED_STEPS, 1 / SMOOTHED_STEPS), "valid") for axis in wide.T]
+    )
+    middle[[0, -1]] = even[[0, -1]]
+    return middle

@@ -1,0 +1,52 @@
+"""Where a vehicle is when: the path of a flight as it is predicted, or as it was flown."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.world.ground import EARTH_RADIUS
+
+STRAY = 0.02  # how far a thinned path may be from the predicted one [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """A path: times (n,) from arming [s], points (n, 3) east, north, up [m], speeds (n,) over the ground [m/s]."""
+
+    times: Vector
+    points: Points
+    speeds: Vector
+
+    def at(self, times: Vector) -> Points:
+        """Where it is at times (m,) [s], (m, 3)."""
+        return np.column_stack([np.interp(times, self.times, axis) for axis in self.points.T])
+
+    def nearest(self, time: float) -> int:
+        """The number of the sample that is nearest to a time [s]."""
+        return int(np.argmin(np.abs(self.times - time)))
+
+    def between(self, begin: float, end: float) -> "Track":
+        """The samples from one time to another [s]."""
+        taken = (self.times >= begin) & (self.times <= end)
+        return Track(self.times[taken], self.points[taken], self.speeds[taken])
+
+    def local(self) -> "Track":
+        """Of a path whose `up` is counted on a round Earth the same over home's tangent plane, as the world has it."""
+        sunk = self.points.copy()
+        sunk[:, 2] -= (sunk[:, 0] ** 2 + sunk[:, 1] ** 2) / (2 * EARTH_RADIUS)
+        return Track(self.times, sunk, self.speeds)
+
+
+def thinned(path: Points, stray: float = STRAY) -> Points:
+    """The path (n, 3) with points left out where the legs that remain pass them within about `stray` [m]."""
+    if len(path) < 3:
+        return path
+    import shapely  # only what looks at a world needs it
+
+    traveled = arc_lengths(path[:, :2])
+    kept = {0}
+    for view in (path[:, :2], np.column_stack([traveled, path[:, 2]])):  # from above, and from the side
+        numbered = shapely.linestrings(np.column_stack([view, np.arange(len(path))]))
+        kept |= set(shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2].astype(int))
+    return np.asarray(path[sorted(kept)])

@@ -1,0 +1,117 @@
+"""What a tube leaves of the limits that are no obstacles: ground, ceiling, bounds.
+
+Over sloping ground the path is moved to the tube's rim, to eight sides; what each of these paths keeps is exact. Near a
+place that the scenario itself puts nearer to a limit than the tube is wide, that limit holds for the predicted path.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from ipoa_mission.forecast.tube.law import DeviationLaw
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.planning.proof import Check, prove_heights
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Clearance
+
+SIDES = 8
+SHARE = 0.25  # of the chance that is left to what is level; the rest is left to the heights
+ROUND_A_PLACE = 15.0  # a place that is near to a limit is left within so much [m]
+BOUNDS = (
+    "the west bound",
+    "the south bound",
+    "the lower bound",
+    "the east bound",
+    "the north bound",
+    "the upper bound",
+)
+
+
+@dataclass(frozen=True)
+class Rim:
+    """How far the tube reaches to the side, down and up [m]."""
+
+    level: float
+    down: float
+    up: float
+
+
+NO_TUBE = Rim(0.0, 0.0, 0.0)
+
+
+def rim_of(law: DeviationLaw, chance: float) -> Rim:
+    """The rim beyond which a flight gets with at most this chance, in a straight flight."""
+    heights = (1 - SHARE) * chance
+    return Rim(law.beside(SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights))
+
+
+def limits_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:
+    """Ground, ceiling and bounds, each with the least that the tube round a path (n, 3) keeps."""
+    yield from _heights_kept(path, scenario, rim)
+    if (bounds := _bounds_kept(path, scenario, rim)) is not None:
+        yield bounds
+
+
+def raised(scenario: Scenario, by: float) -> Scenario:
+    """The scenario with a greater least height above ground [m]."""
+    least = scenario.limits.height_above_ground + by
+    planning = scenario.planning.model_copy(update={"min_height_above_ground": least})
+    return scenario.model_copy(update={"planning": planning})
+
+
+def _heights_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:
+    """Round a place that lies lower than the tube allows, its own height is what the predicted path must keep."""
+    higher, least = raised(scenario, rim.down), scenario.limits.height_above_ground
+    sides = _sides(rim.level if scenario.airspace.terrain.steepness > 0 else 0.0)
+    to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
+    for check in prove_heights(np.vstack(to_and_fro), higher):
+        if check.limit == "ceiling":
+            yield replace(check, nearest=_more(check.nearest, rim.up))
+        elif check.limit == "ground" and check.required >= least + rim.down:
+            yield replace(check, nearest=_more(check.nearest, -rim.down), required=least)
+
+
+def _bounds_kept(path: Points, scenario: Scenario, rim: Rim) -> Check | None:
+    bounds = scenario.airspace.bounds
+    fixed = np.vstack([np.zeros(3), scenario.places])
+    fixed = fixed[_inside(fixed, scenario, rim).min(axis=1) < 0]
+    away = np.linalg.norm(path[:, None, :2] - fixed[None, :, :2], axis=2).min(axis=1, initial=np.inf) > ROUND_A_PLACE
+    if not away.any():
+        return None
+    margins = _inside(path[away], scenario, rim)
+    spot, side = np.unravel_index(int(np.argmin(margins)), margins.shape)
+    place = path[away][spot]
+    least, what = float(margins[spot, side]), BOUNDS[side]
+    if bounds.footprint is not None:
+        edge = shapely.boundary(bounds.footprint.shape)
+        way = shapely.LineString(path[:, :2])
+        way = way.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), ROUND_A_PLACE)))
+        if not way.is_empty and (margin := float(shapely.distance(way, edge)) - rim.level) < least:
+            near = np.array(shapely.shortest_line(way, edge).coords[0])
+            least, what = margin, "the flight area"
+            place = path[np.argmin(np.linalg.norm(path[:, :2] - near, axis=1))]
+    east, north, up = (float(x) for x in place)
+    return Check("bounds", Clearance(least, (east, north, up), what), 0.0)
+
+
+def _inside(points: Points, scenario: Scenario, rim: Rim) -> Points:
+    """What the tube at points (n, 3) leaves to each side of the box, (n, 6) [m]."""
+    bounds = scenario.airspace.bounds
+    lower = points - np.asarray(bounds.lower) - np.array([rim.level, rim.level, rim.down])
+    upper = np.asarray(bounds.upper) - points - np.array([rim.level, rim.level, rim.up])
+    return np.hstack([lower, upper])
+
+
+def _sides(level: float) -> Iterator[Vector]:
+    yield np.zeros(3)
+    if level > 0:
+        for side in range(SIDES):
+            turn = 2 * math.pi * side / SIDES
+            yield level * np.array([math.cos(turn), math.sin(turn), 0.0])
+
+
+def _more(clearance: Clearance, by: float) -> Clearance:
+    return replace(clearance, distance=clearance.distance + by)

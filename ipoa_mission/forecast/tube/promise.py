@@ -1,0 +1,236 @@
+"""The promise: what clearance the predicted path of a mission has, and what is left of it in 99 % of flights."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.timing.prediction import Prediction
+from ipoa_mission.forecast.timing.track import STRAY, thinned
+from ipoa_mission.forecast.tube.approach import approaches
+from ipoa_mission.forecast.tube.law import DeviationLaw
+from ipoa_mission.forecast.tube.limits import NO_TUBE, Rim, limits_kept, rim_of
+from ipoa_mission.forecast.tube.measured import law_of
+from ipoa_mission.forecast.tube.pieces import Pieces, pieces_of
+from ipoa_mission.forecast.tube.places import TightPlace, round_places, runs, tight_places
+from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS
+from ipoa_mission.planning.proof import Check
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.vehicles.autopilot import Autopilot
+
+TAKE_OFF, ENDING = "the take-off", "the ending"
+
+
+@dataclass(frozen=True)
+class Kept:
+    """One limit in one part of the flight: what the predicted path has of it and what flights keep [m].
+
+    `nominal` and `kept` are distances, of a ceiling heights; `to` is what is near, `item` the item on the way to which
+    it is (as in mission files, home is 0), `place` where. `part` is empty on the way; else "the take-off", "the
+    ending", or the place that the scenario itself puts nearer than the tube is wide, as in "via[2]": the promise of the
+    flight is not about these.
+    """
+
+    limit: str
+    required: float
+    nominal: float
+    kept: float
+    to: str
+    item: int
+    place: tuple[float, float, float]
+    part: str = ""
+
+    @property
+    def on_the_way(self) -> bool:
+        """Whether it is between the take-off and the last waypoint, and no given place is in its way."""
+        return not self.part
+
+    @property
+    def forbids(self) -> bool:
+        """Whether a mission may not be flown for it: it falls short on the way, or at a given place even as predicted.
+
+        What is predicted there may be as near as the place itself, seen by legs that stand for the path.
+        """
+        if self.part in (TAKE_OFF, ENDING):
+            return False
+        return self.falls_short and (self.on_the_way or self.nominal < self.required - 2 * STRAY)
+
+    @property
+    def slack(self) -> float:
+        """How much more than required is kept [m]."""
+        return self.required - self.kept if self.limit == "ceiling" else self.kept - self.required
+
+    @property
+    def falls_short(self) -> bool:
+        """Whether less is kept than is required, as both are printed."""
+        if self.limit == "ceiling":
+            return goes_beyond(self.kept, self.required)
+        return falls_short(self.kept, self.required)
+
+    def words(self, confidence: float | None) -> str:
+        """What flights keep, what is predicted and what is required, in one line without a full stop."""
+        least, most, bound = (up, down, "at most ") if self.limit == "ceiling" else (down, up, "")
+        predicted, required = f"{least(self.nominal):.2f} m", f"{bound}{most(self.required):.2f} m required"
+        if confidence is None:
+            return f"predicted {predicted}; {required}"
+        share = f"{100 * confidence:g} % of flights keep"
+        return f"{share} {bound}{least(self.kept):.2f} m (predicted {predicted}); {required}"
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What a mission keeps of every limit, on the way and in its ending, at the scenario's confidence."""
+
+    confidence: float | None
+    limits: tuple[Kept, ...]
+    flight: "PredictedFlight" = field(repr=False, compare=False)
+
+    @property
+    def broken(self) -> tuple[Kept, ...]:
+        """The limits that fewer flights keep than must, as they are printed."""
+        return tuple(kept for kept in self.limits if kept.falls_short)
+
+    @property
+    def clearance(self) -> Kept | None:
+        """The promise of the flight: the least that is kept to anything solid on the way, by what is required of it."""
+        solid = [k for k in self.limits if k.on_the_way and k.limit in ("obstacles", "ground") and np.isfinite(k.kept)]
+        return min(solid, key=lambda kept: (not kept.falls_short, kept.kept), default=None)
+
+    @property
+    def elsewhere(self) -> tuple[Kept, ...]:
+        """Where less is kept than required, and no promise is about: take-off and ending, and places that are given."""
+        return tuple(kept for kept in self.broken if not kept.on_the_way)
+
+
+def tube_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenario) -> bool:
+    """Whether flights keep every limit on a path, as often as the scenario asks."""
+    chance, law = scenario.safety.chance, law_of(autopilot, scenario.wind.speed)
+    required, airspace = up(scenario.limits.obstacle_distance), scenario.airspace
+    if airspace.obstacles:
+        free = round_places(flown.points, _tight(scenario, law)) < 0
+        for stretch in runs(flown.points, free):
+            nearest = airspace.obstacle_clearance(thinned(stretch), within=required + 2 * STRAY)
+            if nearest.distance - STRAY < required:
+                return False
+        for stretch in runs(flown.points, ~free):
+            near = airspace.obstacle_clearance(thinned(stretch), within=required)
+            if near.distance < required - STRAY:
+                return False
+        if chance is not None:
+            pairs = approaches(flown, airspace, law, required)
+            if pairs.of(free[pairs.piece]).chance(required) > chance:
+                return False
+    path = thinned(flown.points)
+    return not any(_breaks(check) for check in limits_kept(path, scenario, _rim(law, chance)))
+
+
+def _breaks(check: Check) -> bool:
+    """Whether too little is kept, as it is printed."""
+    if check.at_most:
+        return goes_beyond(check.nearest.distance, check.required)
+    return falls_short(check.nearest.distance, check.required)
+
+
+def _rim(law: DeviationLaw, chance: float | None) -> Rim:
+    """The rim of the tube, and what the thinned path may be from the predicted one."""
+    rim = NO_TUBE if chance is None else rim_of(law, chance)
+    return Rim(rim.level + STRAY, rim.down + STRAY, rim.up + STRAY)
+
+
+def _tight(scenario: Scenario, law: DeviationLaw) -> tuple[TightPlace, ...]:
+    """Given places nearer to an obstacle than the tube is wide in one pass."""
+    chance = scenario.safety.chance
+    return tight_places(scenario, 2 * STRAY + (0.0 if chance is None else law.beside(chance)))
+
+
+def promise_of(flight: "PredictedFlight") -> Promise:
+    """What a mission promises that is flown so."""
+    chance = flight.scenario.safety.chance
+    return Promise(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)), flight)
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedFlight:
+    """A mission as the time model flies it in the world of a scenario."""
+
+    route: Itinerary
+    prediction: Prediction
+    autopilot: Autopilot
+    scenario: Scenario
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The whole of it, from the ground to the ground; wider after the last waypoint."""
+        return pieces_of(self.prediction.track.local())
+
+    @cached_property
+    def way(self) -> tuple[float, float]:
+        """When the take-off ends and when the last waypoint is done [s]."""
+        done, visits = self.prediction.done, self.route.visits
+        begins = [float(at) for at, visit in zip(done, visits, strict=True) if visit.item.command in TAKEOFFS]
+        ends = [
+            float(at)
+            for at, visit in zip(done, visits, strict=True)
+            if visit.item.command in FLOWN_TO and visit.item.command not in ENDINGS | TAKEOFFS
+        ]
+        begin = min(begins, default=0.0)
+        return begin, max(ends[-1] if ends else begin, begin)
+
+    def limits(self, chance: float | None) -> Iterator[Kept]:
+        """Obstacles on the way, before it, after it and at given places; ground, ceiling and bounds on the way."""
+        begin, end = self.way
+        last = float(self.pieces.times[-1])
+        law = law_of(self.autopilot, self.scenario.wind.speed)
+        if self.scenario.airspace.obstacles:
+            for first, then, its_law, name in (
+                (0.0, begin, law, TAKE_OFF),
+                (end, last, law.after_the_way(), ENDING),
+            ):
+                if then > first:
+                    part = self.pieces.part(first, then)
+                    yield self._obstacles(part, its_law, chance, np.full(len(part.points) - 1, True), name)
+            if end > begin:
+                part, tight = self.pieces.part(begin, end), _tight(self.scenario, law)
+                at = round_places(part.points, tight)
+                for n in np.unique(at).tolist():
+                    yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
+        yield from self._others(self.pieces.part(begin, end), _rim(law, chance))
+
+    def _obstacles(
+        self, part: Pieces, law: DeviationLaw, chance: float | None, taken: NDArray[np.bool_], name: str
+    ) -> Kept:
+        airspace, required = self.scenario.airspace, self.scenario.limits.obstacle_distance
+        stretches = (airspace.obstacle_clearance(thinned(stretch)) for stretch in runs(part.points, taken))
+        nominal = min(stretches, key=lambda clearance: clearance.distance)
+        least, to, place = nominal.distance - STRAY, nominal.what, nominal.place
+        kept = least
+        if chance is not None:
+            near = approaches(part, airspace, law, least)
+            near = near.of(taken[near.piece])
+            kept = min(near.kept(chance), least)
+            if len(near.piece):
+                piece, body = near.likeliest(kept)
+                east, north, height = (float(x) for x in part.points[piece])
+                to, place = airspace.obstacles[body].name, (east, north, height)
+        return Kept("obstacles", required, least, kept, to, self._item(part, place), place, name)
+
+    def _others(self, part: Pieces, rim: Rim) -> Iterator[Kept]:
+        path = thinned(part.points)
+        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, Rim(STRAY, STRAY, STRAY))}
+        for check in limits_kept(path, self.scenario, rim):
+            meant = nominal.get((check.limit, check.required), check).nearest.distance
+            found = check.nearest
+            item = self._item(part, found.place)
+            yield Kept(check.limit, check.required, meant, found.distance, found.what, item, found.place)
+
+    def _item(self, part: Pieces, place: tuple[float, float, float]) -> int:
+        """The item that is flown to where a part of the flight is nearest to a place."""
+        nearest = int(np.argmin(np.linalg.norm(part.points - np.array(place), axis=1)))
+        at = float(part.times[nearest])
+        seqs = [visit.seq for visit in self.route.visits]
+        later = np.searchsorted(self.prediction.done, at - 1e-6)
+        return seqs[min(int(later), len(seqs) - 1)] if seqs else 0

@@ -1,0 +1,117 @@
+"""Room for the tube while a path is sought: the same scene, with everything larger by what the tube needs there.
+
+Obstacles grow by the tube at a usual number of tight places. One grows less where it would close in on a place that the
+scenario gives, and, if asked, where it would close a gap that is wide enough for the predicted path.
+"""
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.tube.limits import Rim, raised, rim_of
+from ipoa_mission.forecast.tube.measured import law_of
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.polygon import Polygon, rings_of
+
+LEAST_GROWTH = 0.01  # obstacles that would grow by less are left as they are [m]
+
+
+def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: float = 9.0) -> Scenario:
+    """The scenario with room for its autopilot's tube at so many tight places; with `keep_gaps` it closes no gap.
+
+    Over steep ground the path is to be higher, by that `share` at most of what the lowest given place has to spare.
+    """
+    chance = scenario.safety.chance
+    if chance is None:
+        return scenario
+    law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
+    rim, level = rim_of(law, chance), law.level.distance(chance / tight)
+    airspace = scenario.airspace
+    growth = _growth(scenario, level, keep_gaps)
+    bodies = tuple(
+        body.grown(by, by / level * rim.up, by / level * rim.down) if by else body
+        for body, by in zip(airspace.obstacles, growth.tolist(), strict=True)
+    )
+    slope = _usual_slope(airspace) * rim.level
+    roomier = raised(scenario, max(rim.down, min(rim.down + slope, share * _spare_height(scenario))))
+    roomier = lowered(roomier, rim.up + slope)
+    world = Airspace(shrunk(airspace.bounds, scenario, rim), airspace.terrain, bodies)
+    return roomier.in_airspace(world)
+
+
+def lowered(scenario: Scenario, by: float) -> Scenario:
+    """The scenario with a lower greatest height above ground [m], if it has one."""
+    ceiling = scenario.planning.max_height_above_ground
+    if ceiling is None or by == 0.0:
+        return scenario
+    lower = max(ceiling - by, scenario.planning.min_height_above_ground or 0.0)
+    planning = scenario.planning.model_copy(update={"max_height_above_ground": lower})
+    return scenario.model_copy(update={"planning": planning})
+
+
+def _spare_height(scenario: Scenario) -> float:
+    """How much higher above ground than required the lowest of the given places is [m]."""
+    heights = scenario.places[:, 2] - scenario.airspace.ground(scenario.places)
+    return float(heights.min()) - scenario.limits.height_above_ground
+
+
+def _growth(scenario: Scenario, level: float, keep_gaps: bool) -> Vector:
+    """By how much each obstacle grows to its sides, (n,) [m]."""
+    airspace, distance = scenario.airspace, scenario.limits.obstacle_distance
+    fixed = scenario.places
+    growth = np.full(len(airspace.obstacles), level)
+    for n, body in enumerate(airspace.obstacles):
+        spare = float(body.distance(fixed).min()) - distance
+        growth[n] = np.clip(spare - LEAST_GROWTH, 0.0, level)
+    if keep_gaps and len(growth) > 1:
+        keep_gaps_open(growth, airspace.obstacles, distance, level)
+    return np.where(growth < LEAST_GROWTH, 0.0, growth)
+
+
+def keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, level: float) -> None:
+    """Let no two neighbors close, in place, a gap that the required distance on both sides leaves open."""
+    outlines = np.array([body.plan for body in bodies])
+    one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + level))
+    pairs = one < other
+    one, other = one[pairs], other[pairs]
+    spare = (shapely.distance(outlines[one], outlines[other]) - 2 * distance) / 2 - LEAST_GROWTH
+    open_ = spare > 0
+    for bodies_of in (one[open_], other[open_]):
+        np.minimum.at(growth, bodies_of, spare[open_])
+
+
+def shrunk(bounds: Bounds, scenario: Scenario, rim: Rim) -> Bounds:
+    """Bounds that leave the tube inside, but for sides that a given place is nearer to."""
+    fixed: Points = scenario.places
+    lower, upper = np.array(bounds.lower), np.array(bounds.upper)
+    near = np.array([rim.level, rim.level, rim.down]), np.array([rim.level, rim.level, rim.up])
+    lower += np.clip(fixed.min(axis=0) - lower - LEAST_GROWTH, 0.0, near[0])
+    upper -= np.clip(upper - fixed.max(axis=0) - LEAST_GROWTH, 0.0, near[1])
+    try:
+        return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), _narrower(bounds.footprint, fixed, rim))
+    except BadInput:
+        return bounds
+
+
+def _narrower(footprint: Polygon | None, fixed: Points, rim: Rim) -> Polygon | None:
+    """A flight area that leaves the tube inside, if it stays in one piece and the given places in it."""
+    if footprint is None:
+        return None
+    shape = footprint.buffered(-rim.level)
+    if not isinstance(shape, shapely.Polygon) or not shape.covers(shapely.MultiPoint(fixed[:, :2])):
+        return footprint
+    return Polygon(*rings_of(shape))
+
+
+def _usual_slope(airspace: Airspace) -> float:
+    """A slope of the ground that is exceeded in one place of twenty [m/m]."""
+    if airspace.terrain.steepness == 0:
+        return 0.0
+    lower, upper = airspace.bounds.lower, airspace.bounds.upper
+    east, north = np.meshgrid(np.linspace(lower[0], upper[0], 40), np.linspace(lower[1], upper[1], 40))
+    heights = airspace.ground(np.column_stack([east.ravel(), north.ravel()])).reshape(east.shape)
+    along, across = np.gradient(heights, north[:, 0], east[0])
+    return float(np.quantile(np.hypot(along, across), 0.95))

@@ -1,0 +1,1 @@
+"""Flights out of logs, and what one vehicle is like, learned from them."""

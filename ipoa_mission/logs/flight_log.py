@@ -1,0 +1,242 @@
+"""Flights out of logs: what ground stations (`.tlog`), ArduPilot (`.bin`) and PX4 (`.ulg`) wrote down on the way.
+
+All three are told to one `Logbook`, as a live link would tell it, so that a flight means the same wherever it comes
+from. What an autopilot writes down more finely than it sends is told at its own time.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.link.logbook import FlightRecord, Logbook
+from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
+from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
+from ipoa_mission.logs.logged import Begun, Held, Log, log_format, told
+from ipoa_mission.logs.measured import Measured
+from ipoa_mission.logs.telemetry_log import read_telemetry_log
+from ipoa_mission.mission.firmware import from_wire, home_item
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.world.frame import Geodetic
+
+#: Who rises by so much was in the air [m].
+RISEN = 1.0
+#: Home is set anew by the arming; it is told within this time [s].
+HOME_SET_S = 2.0
+
+
+@dataclass(frozen=True)
+class LoggedFlight:
+    """One flight in a log: from armed until disarmed; `in_mission`: some of it in the mission mode.
+
+    `mission` is what the log says that the vehicle held, None where it does not say; `parameters` are those that the
+    log has of it; `armed_s` is the autopilot's clock at time zero, from which the times of `measured` are.
+    """
+
+    autopilot: Autopilot
+    version: str
+    armed_s: float
+    mission: Mission | None
+    parameters: Mapping[str, float]
+    in_mission: bool
+    messages: tuple[Message, ...] = field(repr=False)
+    measured: Measured = field(default_factory=Measured, repr=False)
+
+    def record(self, mission: Mission | None = None) -> FlightRecord:
+        """This flight as one of `mission`: when its items were done, and where it was; without one, only that."""
+        logbook = Logbook(() if mission is None else mission.items, self.autopilot)
+        for message in self.messages:
+            logbook.note(message)
+        return logbook.record()
+
+
+@dataclass(frozen=True)
+class FlightLog:
+    """All flights of a log, those without a mission among them, and what the user should know of it."""
+
+    autopilot: Autopilot
+    version: str
+    flights: tuple[LoggedFlight, ...]
+    remarks: tuple[str, ...]
+
+
+def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
+    """Read the first flight in a log as one of a mission; time zero is the arming.
+
+    Args:
+        path: of a `.tlog`, a `.bin` or a `.ulg`.
+        mission: what was flown.
+
+    Returns:
+        What happened.
+
+    Raises:
+        BadInput: another ending, or not a log of that kind.
+        MissionError: nothing in it was flown in the mission mode, or a package to read it is missing.
+
+    Example:
+        >>> from ipoa_mission import fly, read_flight, read_mission
+        >>> mission = read_mission("missions/sitl.plan")
+        >>> flown = fly(mission, log="sitl.tlog")
+        >>> abs(read_flight("sitl.tlog", mission).total_s - flown.total_s) < 1.0
+        True
+    """
+    log = read_flights(path)
+    if log.autopilot is not mission.autopilot:
+        raise MissionError(f"{path}: expected a log of {mission.autopilot.firmware_name}, as the mission is for")
+    flown = [flight for flight in log.flights if flight.in_mission]
+    if not flown:
+        raise _nothing_flown(path, log)
+    return flown[0].record(mission)
+
+
+def read_flights(path: str | Path) -> FlightLog:
+    """The flights in a `.tlog`, `.bin` or `.ulg`, one at least.
+
+    A flight is armed in the mission mode, or rises.
+
+    Raises:
+        BadInput: another ending, or not a log of that kind.
+        MissionError: nothing in it was flown, or a package to read it is missing.
+    """
+    path = Path(path)
+    written = log_format(path.suffix)
+    if written is not None:
+        log = written.read(path)
+    elif path.suffix.lower() == ".tlog":
+        log = read_telemetry_log(path)
+    else:
+        raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
+    mode = log.autopilot.modes.mission
+    stretches = list(_stretches(log))
+    flights = [stretch for stretch in stretches if stretch.flew_in(mode) or stretch.rose]
+    whole = tuple(stretch.flight(log) for stretch in flights if stretch.is_whole)
+    remarks = [*log.remarks]
+    if len(whole) < len(flights):
+        remarks.append("the log begins in flight: when that one was armed is not known, and it is left out")
+    if len(flights) < len(stretches):
+        others = len(stretches) - len(flights)
+        remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
+    flight_log = FlightLog(log.autopilot, log.version, whole, tuple(remarks))
+    if not whole:
+        raise _nothing_flown(path, flight_log)
+    return flight_log
+
+
+def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
+    words = [f"nothing in it was flown in {log.autopilot.firmware_name}'s mission mode", *log.remarks]
+    return MissionError(f"{path}: {'; '.join(words)}", hint="is it the log of this flight?")
+
+
+@dataclass
+class _Known:
+    """What the log has told of the vehicle by now."""
+
+    items: tuple[Item, ...] = ()
+    home: Geodetic | None = None
+    parameters: dict[str, float] = field(default_factory=dict)
+
+    def note(self, message: Message) -> None:
+        match message:
+            case Held(items):
+                self.items = items
+            case HomePosition(latitude, longitude, altitude):
+                self.home = Geodetic(latitude, longitude, altitude)
+            case ParamValue(name, value):
+                self.parameters[name] = value
+
+
+@dataclass
+class _Stretch:
+    """From armed until disarmed, or to the end of the log; `at_arming` is what was known then, `later` what came."""
+
+    is_whole: bool  # the log has its arming
+    armed_s: float
+    at_arming: _Known
+    messages: list[Message]
+    later: _Known = field(default_factory=_Known)
+    begun: dict[int, Begun] = field(default_factory=dict)
+    ends_s: float = 0.0
+
+    def note(self, message: Message, now: float) -> None:
+        self.messages.append(message)
+        self.ends_s = now
+        by_the_arming = self.later.home is None and now - self.armed_s < HOME_SET_S
+        if by_the_arming or not isinstance(message, HomePosition):
+            self.later.note(message)
+        if isinstance(message, Begun):
+            self.begun[message.seq] = message
+
+    def flew_in(self, mode: int) -> bool:
+        return any(
+            isinstance(message, Heartbeat) and message.armed and message.custom_mode == mode
+            for message in self.messages
+        )
+
+    @property
+    def rose(self) -> bool:
+        heights = [message.height for message in self.messages if isinstance(message, Position)]
+        return bool(heights) and max(heights) - heights[0] > RISEN
+
+    def flight(self, log: Log) -> LoggedFlight:
+        parameters = self.later.parameters | self.at_arming.parameters
+        mission, flown = self._mission(log.autopilot), self.flew_in(log.autopilot.modes.mission)
+        messages, measured = tuple(self.messages), log.measured.between(self.armed_s, self.ends_s)
+        return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, messages, measured)
+
+    def _mission(self, autopilot: Autopilot) -> Mission | None:
+        """The list that was held; a log opened by the arming tells it just after.
+
+        PX4 does not write down its list, nor ArduPilot one that came as a file: what it flew then tells of it, item
+        by item.
+        """
+        home = self.later.home or self.at_arming.home or self._first_place()
+        first = autopilot.counts_home
+        items = self.at_arming.items or self.later.items
+        if self.begun:
+            total = max(begun.total for begun in self.begun.values())
+            agrees = len(items) == total and all(
+                seq < total and items[seq] == begun.item for seq, begun in self.begun.items()
+            )
+            if not agrees:
+                flown = [self.begun[seq].item for seq in range(first, total) if seq in self.begun]
+                before = (home_item(home),) * first if home else ()
+                items = (*before, *flown) if len(flown) == total - first else ()
+        if len(items) <= first or home is None:
+            return None
+        return from_wire(items, autopilot, home)
+
+    def _first_place(self) -> Geodetic | None:
+        first = next((message for message in self.messages if isinstance(message, Position)), None)
+        if first is None:
+            return None
+        return Geodetic(first.latitude_deg, first.longitude_deg, first.altitude - first.height)
+
+
+def _stretches(log: Log) -> Iterator[_Stretch]:
+    """Every time that the vehicle was armed."""
+    known = _Known()
+    current: Current | None = None
+    stretch: _Stretch | None = None
+    seen, now = False, 0.0
+    clock: Message | None = None
+    for message in told(log):
+        if isinstance(message, Position | SystemTime):
+            clock, now = message, message.time_s if isinstance(message, Position) else message.boot_s
+        if stretch is not None:
+            stretch.note(message, now)
+        elif isinstance(message, Current):
+            current = message
+        if isinstance(message, Heartbeat):
+            if message.armed and stretch is None:
+                at_arming = _Known(known.items, known.home, dict(known.parameters))
+                before = [heard for heard in (current, clock, message) if heard is not None]
+                stretch = _Stretch(seen, now, at_arming, before)
+            elif not message.armed and stretch is not None:
+                yield stretch
+                stretch, current = None, None
+            seen = True
+        known.note(message)
+    if stretch is not None:
+        yield stretch

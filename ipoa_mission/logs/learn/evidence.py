@@ -1,0 +1,141 @@
+"""Flights to learn from: how long each item took, flown and by the model of a vehicle, and what the log measured."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.geometry import Vector
+from ipoa_mission.link.logbook import brings_down
+from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
+from ipoa_mission.logs.learn.witness import Witness, witness_of
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.energy.flight import hovering
+from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.world.frame import Geodetic
+
+NOWHERE = Geodetic(0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """A flight of a mission on a vehicle with its parameters: its items (`visits` of the itinerary) lasted so long.
+
+    `seconds` (n,) are from the visit before that the log knows, `scatter` (n,) their standard deviations [s]. A flight
+    of no mission has no items.
+    """
+
+    name: str
+    mission: Mission
+    visits: tuple[int, ...]
+    seconds: Vector
+    scatter: Vector
+    witness: Witness = field(default_factory=Witness)
+
+    def energy(self, vehicle: LearnedVehicle) -> float | None:
+        """What the mission takes of this vehicle [Wh]; None where its hover power or the mission's end is not known."""
+        if not self.visits or vehicle.hover_power is None:
+            return None
+        forecast = Forecast(replace(self.mission, vehicle=vehicle))
+        if self.visits[-1] + 1 < len(forecast.itinerary.visits):
+            return None
+        track = forecast.predicted(sure=False, fast=True).track
+        return hovering(vehicle.hover_power.value, track.times, track.points, track.speeds).energy_wh
+
+    def forecast(self, vehicle: LearnedVehicle | None) -> Vector:
+        """How long the items take on this vehicle (n,) [s].
+
+        Raises:
+            MissionError: the vehicle does not get on.
+        """
+        if not self.visits:
+            return np.empty(0)
+        forecast = Forecast(replace(self.mission, vehicle=vehicle))
+        done = self.mission.autopilot.part(FlightModel).usual(forecast.itinerary, forecast.mission)
+        return np.diff(done[list(self.visits)], prepend=0.0)
+
+
+def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None) -> Evidence:
+    """A flight of a log as evidence; `mission` where the log does not tell what was flown.
+
+    Raises:
+        MissionError: nothing says what was flown, or the log knows of too few items.
+    """
+    flown = mission or flight.mission
+    if flown is None:
+        raise MissionError(f"{name}: it does not say which mission was flown")
+    flown = flown.with_parameters(flight.parameters)
+    return evidence_between(name, flown, flight.record(flown).item_reached_s)
+
+
+def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -> Evidence:
+    """A flight as evidence, by when the items of `Mission.items` were done [s since arming], by their index.
+
+    Raises:
+        MissionError: too few of them are known.
+    """
+    visits, done, met = [], [], set[int]()
+    route = Forecast(mission).itinerary
+    for n, visit in enumerate(route.visits):
+        at = done_s.get(visit.seq - 1)
+        if at is not None and visit.seq not in met:
+            visits.append(n)
+            done.append(at)
+        met.add(visit.seq)
+    if len(visits) < 2 or min(done_s) > 0:
+        raise MissionError(f"{name}: it knows when {len(visits)} of {len(mission.items)} items were done")
+    seconds = np.diff(done, prepend=0.0)
+    least, share, ending = mission.autopilot.part(FlightModel).scatter
+    ends = np.array([brings_down(route.visits[n].item.command) for n in visits])
+    return Evidence(name, mission, tuple(visits), seconds, np.where(ends, ending, least) + share * seconds)
+
+
+def errors(flights: Sequence[Evidence], vehicle: LearnedVehicle | None) -> Vector:
+    """By how much the forecasts are too long (m,) [s], item after item of all flights."""
+    return _joined(flight.forecast(vehicle) - flight.seconds for flight in flights)
+
+
+def scatter(flights: Sequence[Evidence]) -> Vector:
+    """The standard deviations of `errors` of a right model (m,) [s]."""
+    return _joined(flight.scatter for flight in flights)
+
+
+def _joined(parts: Iterable[Vector]) -> Vector:
+    return np.concatenate([*parts, np.empty(0)])
+
+
+def flights_in(
+    path: Path, read: Callable[[Autopilot], Mission] | None = None
+) -> tuple[list[Evidence], list[str], str, Autopilot]:
+    """All flights of a log that tell something, remarks, the firmware's version, and which it is.
+
+    `read` gives the mission for that firmware where the log does not have it.
+
+    Raises:
+        BadInput: not a log.
+        MissionError: nothing in it was flown.
+    """
+    log = read_flights(path)
+    mission = None if read is None else read(log.autopilot)
+    usable, left_out = [], [*log.remarks, *filter(None, [log.autopilot.beyond_the_model(log.version)])]
+    for number, flight in enumerate(log.flights, 1):
+        name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
+        witness = witness_of(flight)
+        evidence = Evidence(name, Mission(NOWHERE, (), log.autopilot), (), np.empty(0), np.empty(0))
+        try:
+            if flight.in_mission:
+                evidence = evidence_of(name, flight, mission)
+            else:
+                left_out.append(f"{name}: not in a mission")
+        except MissionError as error:
+            left_out.append(str(error))
+        if evidence.visits or witness.leaned or witness.hover_w:
+            usable.append(replace(evidence, witness=witness))
+        else:
+            left_out += [f"{name}: {reason}" for reason in witness.reasons.values()]
+    return usable, left_out, log.version, log.autopilot

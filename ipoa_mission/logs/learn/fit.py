@@ -1,0 +1,90 @@
+"""Least squares: the numbers of a vehicle with which its model takes as long, item by item, and leans as it flew.
+
+The simulated vehicle is what is believed before a flight is seen, with a wide standard deviation (`UNSURE`). A number
+that the flights do not make at least twice as sure is one that they do not tell, and one whose interval holds the
+simulated vehicle's is not another: both stay as they are. What hovering takes is the mean of what was measured.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.logs.learn.evidence import Evidence, errors, scatter
+from ipoa_mission.logs.learn.witness import hover_power
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
+
+NINE_IN_TEN = 1.645  # standard deviations on either side
+TOLD = 0.5  # of the standard deviation before: a number that is less sure than that has not been told
+#: Standard deviations of what is believed before: of logarithms, and of delays [s]; and the steps of the slopes.
+UNSURE = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}
+STEPS = {"drag": 0.1, "lag": 0.2, "lift_delay": 0.2, "landing_delay": 0.2}
+LOGARITHMIC = frozenset({"drag", "lag"})
+
+
+def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
+    """The vehicle of these flights, all of one autopilot; numbers that they do not tell are None.
+
+    Raises:
+        MissionError: the flights tell none of them.
+    """
+    autopilot = flights[0].mission.autopilot
+    blank = LearnedVehicle(autopilot, flights=len(flights))
+    names = tuple(UNSURE)
+    told = tuple(
+        name
+        for name, value, deviation in zip(names, *_solve(flights, blank, names), strict=True)
+        if deviation < TOLD * UNSURE[name] and abs(value) > NINE_IN_TEN * deviation
+    )
+    power = hover_power([flight.witness for flight in flights])
+    if not told and power is None:
+        raise MissionError(
+            "the flights do not tell anything that sets this vehicle apart",
+            hint="without attitudes in the log drag shows only near the top speed; fly faster, or give more logs",
+        )
+    blank = replace(blank, hover_power=power)
+    values, sure = _solve(flights, blank, told) if told else ((), ())
+    intervals = {
+        name: Learned(*(_number(autopilot, name, value + n * deviation) for n in (0.0, -NINE_IN_TEN, NINE_IN_TEN)))
+        for name, value, deviation in zip(told, values, sure, strict=True)
+    }
+    return blank.with_numbers(intervals)
+
+
+def _number(autopilot: Autopilot, name: str, change: float) -> float:
+    """A number of the vehicle by its change from the simulated one's."""
+    simulated = autopilot.part(FlightModel).simulated[name]
+    return simulated * math.exp(change) if name in LOGARITHMIC else simulated + change
+
+
+def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
+    """The changes of these numbers (k,) that fit best, and their standard deviations (k,)."""
+    deviations, prior = scatter(flights), np.array([UNSURE[name] for name in names])
+    leaned = [flight.witness.leaned for flight in flights if flight.witness.leaned and "drag" in names]
+    drags = np.array(leaned).reshape(-1, 2)
+
+    def misfit(changes: Vector) -> Vector:
+        values = {name: _number(blank.autopilot, name, change) for name, change in zip(names, changes, strict=True)}
+        vehicle = blank.with_numbers({name: Learned(value, value, value) for name, value in values.items()})
+        by_lean = (changes[names.index("drag")] - drags[:, 0]) / drags[:, 1] if leaned else np.empty(0)
+        return np.concatenate([errors(flights, vehicle) / deviations, by_lean, changes / prior])
+
+    def slopes(changes: Vector) -> Points:
+        columns = []
+        for n, name in enumerate(names):
+            step = np.zeros(len(names))
+            step[n] = STEPS[name]
+            columns.append((misfit(changes + step) - misfit(changes - step)) / (2 * STEPS[name]))
+        return np.column_stack(columns)
+
+    found = least_squares(misfit, np.zeros(len(names)), slopes, x_scale=prior, xtol=1e-3, ftol=1e-3, max_nfev=12)
+    freedom = max(len(deviations) + len(leaned) - len(names), 1)
+    spread = max(float((found.fun[: -len(names)] ** 2).sum()) / freedom, 1.0)
+    covariance = np.linalg.inv(found.jac.T @ found.jac) * spread
+    return found.x, np.sqrt(np.diag(covariance))

@@ -1,0 +1,75 @@
+"""What a learned vehicle is worth: each flight timed with what the others tell."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.logs.learn.evidence import Evidence
+from ipoa_mission.logs.learn.fit import fit
+from ipoa_mission.vehicles.learned import LearnedVehicle
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A flight forecast without having been learned from: seconds flown, by the simulated vehicle, by the learned one.
+
+    And the energy [Wh] that its log measured and that was forecast; None where either is not known.
+    """
+
+    name: str
+    flown_s: float
+    before_s: float
+    after_s: float
+    energy_wh: float | None = None
+    forecast_wh: float | None = None
+
+    @property
+    def better(self) -> float:
+        """By how many seconds the learned vehicle is nearer."""
+        return abs(self.before_s - self.flown_s) - abs(self.after_s - self.flown_s)
+
+
+def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
+    """Each flight by what all others tell; by the simulated vehicle, where they tell nothing.
+
+    Raises:
+        MissionError: fewer than two flights.
+    """
+    if len(flights) < 2:
+        raise MissionError("expected two flights or more: what one tells is judged by another")
+    judged = []
+    for one in flights:
+        try:
+            vehicle = fit([each for each in flights if each is not one])
+        except MissionError:
+            vehicle = LearnedVehicle(one.mission.autopilot)
+        judged.append(_timed(one, vehicle))
+    return tuple(judged)
+
+
+def timed(flights: Sequence[Evidence], vehicle: LearnedVehicle) -> tuple[LeftOut, ...]:
+    """Each flight by a vehicle that was learned from others."""
+    return tuple(_timed(one, vehicle) for one in flights)
+
+
+def _timed(one: Evidence, vehicle: LearnedVehicle) -> LeftOut:
+    before, after = (float(one.forecast(each).sum()) for each in (None, vehicle))
+    measured_wh = one.witness.energy_wh
+    forecast_wh = one.energy(vehicle) if measured_wh else None
+    return LeftOut(one.name, float(one.seconds.sum()), before, after, measured_wh, forecast_wh)
+
+
+def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
+    """The median error of a flight's time before and after, as a share of it; none where no flight has a time."""
+    flown = [one for one in judged if one.flown_s]
+    before = [abs(one.before_s / one.flown_s - 1) for one in flown]
+    after = [abs(one.after_s / one.flown_s - 1) for one in flown]
+    return (float(np.median(before)), float(np.median(after))) if flown else (0.0, 0.0)
+
+
+def energy_error(judged: Sequence[LeftOut]) -> float | None:
+    """The median error of a flight's energy, as a share of what was measured; None where none was forecast."""
+    shares = [abs(one.forecast_wh / one.energy_wh - 1) for one in judged if one.energy_wh and one.forecast_wh]
+    return float(np.median(shares)) if shares else None

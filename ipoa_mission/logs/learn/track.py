@@ -1,0 +1,43 @@
+"""Where a logged flight was, as arrays by the time since its arming."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.logs.flight_log import LoggedFlight
+
+CLEAR = 2.0  # above home [m]: out of the ground's reach
+LONGEST_S = 86_400.0  # of a flight
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Times (n,) [s], heights above home (n,) [m], velocity north, east, down (n, 3) [m/s]; home's altitude [m]."""
+
+    times: Vector
+    heights: Vector
+    velocity: Points
+    home_altitude: float
+
+    def at(self, times: Vector) -> tuple[Vector, Points]:
+        """Heights (m,) [m] and velocities (m, 3) [m/s] at these times."""
+        velocity = np.column_stack([np.interp(times, self.times, axis) for axis in self.velocity.T])
+        return np.interp(times, self.times, self.heights), velocity
+
+
+def track_of(flight: LoggedFlight) -> Track:
+    """The track of a flight.
+
+    Raises:
+        MissionError: it has no positions, or its clock is wrong.
+    """
+    places = (place for place in flight.messages if isinstance(place, Position))
+    rows = np.array([(p.time_s - flight.armed_s, p.height, *p.velocity, p.altitude - p.height) for p in places])
+    rows = rows[np.isfinite(rows).all(axis=1)] if len(rows) else np.empty((0, 6))
+    if not len(rows) or np.ptp(rows[:, 0]) > LONGEST_S:
+        raise MissionError("it has no positions" if not len(rows) else "its clock is wrong")
+    rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
+    return Track(rows[:, 0], rows[:, 1], rows[:, 2:5], float(rows[0, 5]))

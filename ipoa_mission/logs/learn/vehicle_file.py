@@ -1,0 +1,100 @@
+"""`vehicle.toml`: a learned vehicle as a file."""
+
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import read_bytes
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
+
+NUMBERS = ("drag", "lag", "lift_delay", "landing_delay", "hover_power")
+PLAIN = {"autopilot", "version", "flights"}
+UNITS = {
+    "drag": "times that of the simulated vehicle",
+    "lag": "of rotors and rate loop [s]",
+    "lift_delay": "how much later it lifts off [s]",
+    "landing_delay": "how much later it disarms after landing [s]",
+    "hover_power": "out of the batteries in hover [W]",
+}
+POSITIVE = ("drag", "lag", "hover_power")
+MOST = {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0, "hover_power": 100_000.0}
+LARGEST = 100_000  # bytes of a file
+
+
+def write_vehicle(vehicle: LearnedVehicle) -> str:
+    """The text of the file.
+
+    >>> print(write_vehicle(LearnedVehicle(Autopilot.PX4, drag=Learned(1.6, 1.5, 1.7), flights=4)))
+    autopilot = "px4"
+    flights = 4
+    <BLANKLINE>
+    [drag]  # times that of the simulated vehicle
+    value = 1.6
+    low = 1.5
+    high = 1.7
+    <BLANKLINE>
+    """
+    lines = [f'autopilot = "{vehicle.autopilot}"']
+    lines += [f'version = "{vehicle.version}"'] if vehicle.version else []
+    lines += [f"flights = {vehicle.flights}", ""]
+    for name in NUMBERS:
+        learned: Learned | None = getattr(vehicle, name)
+        if learned is not None:
+            lines.append(f"[{name}]  # {UNITS[name]}")
+            lines += [f"{field.name} = {getattr(learned, field.name):.4g}" for field in fields(Learned)] + [""]
+    return "\n".join(lines)
+
+
+def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehicle:
+    """The vehicle in a file, of this autopilot if one is given.
+
+    Raises:
+        BadInput: the file cannot be read, or something in it is not as `write_vehicle` has it; with the place.
+    """
+    text = read_bytes(path, LARGEST + 1)
+    if len(text) > LARGEST:
+        raise BadInput(f"{path}: expected a vehicle.toml of at most {LARGEST} bytes")
+    try:
+        found = tomllib.loads(text.decode())
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"{path}: expected TOML: {error}") from error
+    for key in found.keys() - PLAIN - set(NUMBERS):
+        raise BadInput(f"{path}: {key}: expected one of {', '.join(sorted([*PLAIN, *NUMBERS]))}")
+    return _vehicle(path, found, autopilot)
+
+
+def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> LearnedVehicle:
+    name = found.get("autopilot")
+    known = {one.name: one for one in registered()}
+    if name not in known:
+        names = " or ".join(f'"{one}"' for one in sorted(known))
+        raise BadInput(f"{path}: autopilot: expected {names}, not {name!r:.40}")
+    flies = known[name]
+    if autopilot not in (None, flies):
+        raise BadInput(f"{path}: expected a vehicle with {autopilot}, not with {name}")
+    kinds: dict[str, tuple[type, Any]] = {"version": (str, ""), "flights": (int, 0)}
+    plain: dict[str, Any] = {}
+    for key, (kind, otherwise) in kinds.items():
+        plain[key] = found.get(key, otherwise)
+        if type(plain[key]) is not kind:
+            raise BadInput(f"{path}: {key}: expected {kind.__name__}, not {plain[key]!s:.40}")
+    numbers = {key: _learned(path, key, found[key]) for key in NUMBERS if key in found}
+    return LearnedVehicle(flies, **plain).with_numbers(numbers)
+
+
+def _learned(path: Path, name: str, given: Any) -> Learned:
+    keys = [field.name for field in fields(Learned)]
+    if not isinstance(given, dict) or given.keys() != set(keys):
+        raise BadInput(f"{path}: {name}: expected {', '.join(keys)}")
+    least, most = (0.0 if name in POSITIVE else -MOST[name]), MOST[name]
+    for key in keys:
+        value = given[key]
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not is_number or not least <= value <= most or (key == "value" and name in POSITIVE and value <= 0):
+            raise BadInput(f"{path}: {name}.{key}: expected a number up to {most:g}, not {value!s:.40}")
+    if not given["low"] <= given["value"] <= given["high"]:
+        raise BadInput(f"{path}: {name}: expected low, value and high in this order")
+    return Learned(*(float(given[key]) for key in keys))

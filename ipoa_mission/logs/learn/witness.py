@@ -1,0 +1,79 @@
+"""What a log measured of a flight besides its times: the power in hover, the energy, and the drag by the lean."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.special import stdtrit
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.logs.flight_log import LoggedFlight
+from ipoa_mission.logs.learn.lean import drag_by_lean
+from ipoa_mission.logs.learn.track import CLEAR, Track, track_of
+from ipoa_mission.vehicles.learned import Learned
+
+SLOW, LEVEL, LEAST_S = 2.0, 0.3, 3.0  # hovering: the most level and upright [m/s], and how long at least [s]
+SECONDS_AN_HOUR = 3600.0
+WHOLE = 0.95  # of a flight: who measured so much of it measured its energy
+NINE_IN_TEN = 0.95  # quantile of the upper end
+TOLD = 0.25  # of the power: a hover power that is less sure on either side has not been told
+
+
+@dataclass(frozen=True)
+class Witness:
+    """None where the log does not tell, and `reasons` says why, by the name of the vehicle's number.
+
+    `leaned`: the logarithm of the drag over the simulated vehicle's, and its standard deviation.
+    """
+
+    leaned: tuple[float, float] | None = None
+    hover_w: float | None = None
+    energy_wh: float | None = None
+    reasons: Mapping[str, str] = field(default_factory=dict)
+
+
+def witness_of(flight: LoggedFlight) -> Witness:
+    """All that the log measured of a flight."""
+    leaned = hover_w = energy_wh = None
+    reasons = {}
+    try:
+        track = track_of(flight)
+    except MissionError as error:
+        return Witness(reasons={"drag": str(error), "hover_power": str(error)})
+    try:
+        leaned = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
+    except MissionError as error:
+        reasons["drag"] = str(error)
+    try:
+        times, watts = flight.measured.power().T
+        if np.ptp(times) > WHOLE * np.ptp(track.times):
+            energy_wh = float(np.trapezoid(watts, times)) / SECONDS_AN_HOUR
+        hover_w = _in_hover(times, watts, track)
+    except MissionError as error:
+        reasons["hover_power"] = str(error)
+    return Witness(leaned, hover_w, energy_wh, reasons)
+
+
+def _in_hover(times: np.ndarray, watts: np.ndarray, track: Track) -> float:
+    heights, velocity = track.at(times)
+    hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < SLOW) & (np.abs(velocity[:, 2]) < LEVEL)
+    hovers &= heights > CLEAR
+    lasts = np.gradient(times)[hovers]
+    if lasts.sum() < LEAST_S:
+        raise MissionError(f"it hovers, or flies slowly and level, for {lasts.sum():.0f} s")
+    return float(watts[hovers] @ lasts / lasts.sum())
+
+
+def hover_power(flights: Sequence[Witness]) -> Learned | None:
+    """The mean over flights [W] with its interval; None where they do not tell, as one alone does not.
+
+    >>> power = hover_power([Witness(hover_w=watts) for watts in (264.0, 266.0, 268.0)])
+    >>> round(power.low), power.value, round(power.high)
+    (263, 266.0, 269)
+    """
+    powers = np.array([flight.hover_w for flight in flights if flight.hover_w is not None])
+    if len(powers) < 2:
+        return None
+    mean, error = float(powers.mean()), powers.std(ddof=1) / np.sqrt(len(powers))
+    aside = float(stdtrit(len(powers) - 1, NINE_IN_TEN) * error)
+    return Learned(mean, mean - aside, mean + aside) if aside <= TOLD * mean else None

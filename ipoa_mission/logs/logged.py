@@ -1,0 +1,140 @@
+"""What a log tells, whoever wrote it: where the vehicle was, what happened when, what it held and how it was set."""
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message
+from ipoa_mission.link.telemetry import Position, SystemTime
+from ipoa_mission.logs.measured import Measured
+from ipoa_mission.mission.items import Item
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.version import Version
+
+#: What ArduPilot says when an item begins: "Mission: 4 WP".
+ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
+
+
+@dataclass(frozen=True)
+class Fixes:
+    """Positions of a log by the autopilot's clock [s]: degrees, altitude AMSL and height above home [m], each (n,),
+    and velocity north, east, down (n, 3) [m/s]. Times grow.
+    """
+
+    times: Vector
+    latitude_deg: Vector
+    longitude_deg: Vector
+    altitude: Vector
+    height: Vector
+    velocity: Points
+
+    @classmethod
+    def of(cls, rows: Points) -> "Fixes":
+        """Out of rows (n, 8) with these columns, in any order of time; of two at the same time the first counts."""
+        rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
+        times, latitude, longitude, altitude, height = rows.T[:5]
+        return cls(times, latitude, longitude, altitude, height, rows[:, 5:])
+
+
+@dataclass(frozen=True)
+class Held(Message):
+    """No message of the link: from now on the vehicle holds these items, as on the wire."""
+
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True)
+class Begun(Message):
+    """No message of the link: the item at `seq` of `total`, as the vehicle itself holds it, begins."""
+
+    seq: int
+    total: int
+    item: Item
+
+
+@dataclass(frozen=True)
+class Log:
+    """A whole log. `events` are messages at their times by the autopilot's clock [s], in any order.
+
+    A heartbeat among the events stands where arming or mode changed, to the time when it did. `remarks` are for the
+    user: what of this log is not as one would wish.
+    """
+
+    autopilot: Autopilot
+    fixes: Fixes
+    events: tuple[tuple[float, Message], ...]
+    version: str = ""
+    remarks: tuple[str, ...] = field(default=())
+    measured: Measured = field(default_factory=Measured)
+
+
+def told(log: Log) -> Iterator[Message]:
+    """All that a log holds in the order of time; before an event comes the position at its own time."""
+    events = sorted(log.events, key=lambda event: event[0])
+    fixes = log.fixes
+    at = np.concatenate([fixes.times, np.array([time for time, _ in events])])
+    order = np.argsort(at, kind="stable")
+    clock = _clock(fixes, at[order])
+    last = None
+    for n, now in zip(order, clock, strict=True):
+        if at[n] != last:
+            yield now
+            last = at[n]
+        if n >= len(fixes.times):
+            yield events[n - len(fixes.times)][1]
+
+
+def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
+    """The position at each of these times; where there is none, the time alone."""
+    if not len(fixes.times):
+        return (SystemTime(0.0, float(time)) for time in times)
+    columns = (fixes.latitude_deg, fixes.longitude_deg, fixes.altitude, fixes.height, *fixes.velocity.T)
+    rows = np.column_stack([times, *(np.interp(times, fixes.times, column) for column in columns)]).tolist()
+    return (Position(t, lat, lon, alt, up, (north, east, down)) for t, lat, lon, alt, up, north, east, down in rows)
+
+
+def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
+    """The heartbeat of a vehicle in this state."""
+    flags = CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0)
+    return Heartbeat(QUADROTOR, autopilot.mav_autopilot, flags, custom_mode)
+
+
+def item_begun(text: str) -> Current | None:
+    """The item that begins by ArduPilot's words; None where they say nothing of that."""
+    match = ITEM_BEGINS.match(text)
+    return Current(int(match[1])) if match else None
+
+
+def version_name(flight_sw_version: int) -> str:
+    """The version in AUTOPILOT_VERSION in words, like 4.7.0-dev; nothing where the autopilot does not tell."""
+    return str(Version.said(flight_sw_version) or "")
+
+
+class LogFormat(ABC):
+    """What an autopilot writes on board."""
+
+    suffix: ClassVar[str]
+    no_mission: ClassVar[str]
+    """Why such a log may not tell which mission was flown."""
+
+    @abstractmethod
+    def read(self, path: Path) -> Log:
+        """What of a log is of use here.
+
+        Raises:
+            BadInput: the file cannot be read, or is no log of this kind.
+            MissionError: a package to read it is missing.
+        """
+
+
+def log_format(suffix: str) -> LogFormat | None:
+    """The format of files that end so; None where no autopilot writes such logs."""
+    formats = (one.part(LogFormat) for one in registered() if one.has(LogFormat))
+    return next((one for one in formats if one.suffix == suffix.lower()), None)

@@ -1,0 +1,216 @@
+"""A ground station's log (`.tlog`): what one vehicle said and was told, set right in time.
+
+A heartbeat comes once a second. So the motors were armed, or disarmed, where something told it first since the last
+heartbeat that knew nothing of it: the answer to the order, the autopilot's words, PX4's event.
+"""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Vector
+from ipoa_mission.link.codec import Codec, Heard
+from ipoa_mission.link.messages import (
+    AUTOPILOT_COMPONENT,
+    STATION_COMPONENT,
+    STATION_SYSTEM,
+    CommandAck,
+    CommandInt,
+    CommandLong,
+    CommandResult,
+    Current,
+    Event,
+    Heartbeat,
+    MavAutopilot,
+    Message,
+    ParamValue,
+    Reached,
+    Text,
+)
+from ipoa_mission.link.orders import parameter_value
+from ipoa_mission.link.telemetry import (
+    Attitude,
+    AutopilotVersion,
+    BatteryStatus,
+    HomePosition,
+    Position,
+    SystemStatus,
+)
+from ipoa_mission.link.tlog import read_tlog
+from ipoa_mission.link.transfers import Transfers
+from ipoa_mission.logs.logged import Fixes, Held, Log, item_begun, presence, version_name
+from ipoa_mission.logs.measured import Battery, Measured
+from ipoa_mission.logs.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
+from ipoa_mission.vehicles.kind import Kind
+from ipoa_mission.vehicles.kinds import with_article
+
+ARMING = ("Arming motors", "Armed by", "ARMED by")
+DISARMING = ("Disarming motors", "Disarmed by", "DISARMED by")
+#: PX4's events commander_armed_by and commander_disarmed_by: of component 1, and 24 bits of the FNV-1a of the name.
+ARMED_BY, DISARMED_BY = 0x190CAF3, 0x1F46777
+KEPT = (Position, Reached, Current, HomePosition, ParamValue, Text)
+NO_CLOCK = "nothing in the log tells the vehicle's clock: its times are those of the ground station"
+
+
+@dataclass
+class _Gathered:
+    """What one vehicle said so far, each with the number of its record."""
+
+    transfers: Transfers = field(default_factory=Transfers)
+    said: list[tuple[int, Message]] = field(default_factory=list)
+    times: list[tuple[int, float]] = field(default_factory=list)
+    state: Heartbeat | None = None
+    ordered: bool | None = None  # the last order to arm or disarm
+    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, told of since the last heartbeat
+    doubted: bool = False  # a heartbeat since knew nothing of them
+    version: str = ""
+    measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
+
+
+def read_telemetry_log(path: Path) -> Log:
+    """Positions and events of the first autopilot in a log.
+
+    Raises:
+        BadInput: the file cannot be read, holds no autopilot, or is not of a multicopter.
+    """
+    codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
+    gathered = _Gathered()
+    stamps: list[float] = []
+    system, autopilot = None, default_autopilot()
+    for record in read_tlog(path):
+        heard = codec.decode(record.frame)
+        if heard is None or heard.message is None:
+            continue
+        if system is None and _is_autopilot(heard):
+            beat = heard.message
+            assert isinstance(beat, Heartbeat)
+            system = heard.system
+            kind = Kind(beat.autopilot, beat.type)
+            autopilot = kind.autopilot
+            if not kind.is_flown and beat.type not in autopilot.mav_types:
+                raise BadInput(f"{path}: expected the log of a multicopter, not of {with_article(str(kind))}")
+        if system is None:
+            continue
+        number = len(stamps)
+        stamps.append(record.unix_s)
+        if (heard.system, heard.component) == (system, AUTOPILOT_COMPONENT):
+            _note_vehicle(gathered, number, heard.message, autopilot)
+        elif heard.target.system in (0, system):
+            _note_station(gathered, number, heard.message)
+    if system is None:
+        raise BadInput(f"{path}: expected a .tlog with an autopilot's heartbeat, but there is none")
+    if gathered.state and gathered.changes and not gathered.changes[-1][1]:  # the log ends before the next heartbeat
+        _change(gathered, gathered.state.custom_mode, autopilot)
+    return _dated(gathered, growing(stamps), autopilot)
+
+
+def _is_autopilot(heard: Heard) -> bool:
+    beat = heard.message
+    return (
+        isinstance(beat, Heartbeat)
+        and heard.component == AUTOPILOT_COMPONENT
+        and beat.autopilot != MavAutopilot.INVALID
+    )
+
+
+def _note_station(gathered: _Gathered, number: int, message: Message) -> None:
+    match message:
+        case CommandLong(Command.COMPONENT_ARM_DISARM, params) | CommandInt(Command.COMPONENT_ARM_DISARM, _, params):
+            gathered.ordered = params[0] >= 0.5
+    _note_transfer(gathered, number, message, by_vehicle=False)
+
+
+def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot: Autopilot) -> None:
+    if (time := vehicle_time(message)) is not None:
+        gathered.times.append((number, time))
+    match message:
+        case Heartbeat():
+            _beat(gathered, number, message, autopilot)
+        case CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.ACCEPTED):
+            _tell_of(gathered, number, not _is_armed(gathered) if gathered.ordered is None else gathered.ordered)
+        case Event(event) if event in (ARMED_BY, DISARMED_BY):
+            _tell_of(gathered, number, event == ARMED_BY)
+        case Text(_, text):
+            if text.startswith((*ARMING, *DISARMING)) and not gathered.changes:  # else an echo of what was told
+                _tell_of(gathered, number, text.startswith(ARMING))
+            if autopilot.manners.tells_items and (begun := item_begun(text)):
+                gathered.said.append((number, begun))
+        case AutopilotVersion(_, version):
+            gathered.version = version_name(version)
+        case Attitude() | BatteryStatus() | SystemStatus():
+            gathered.measured.append((number, message))
+        case ParamValue():
+            message = replace(message, param_value=parameter_value(message, autopilot))
+    if isinstance(message, KEPT):
+        gathered.said.append((number, message))
+    _note_transfer(gathered, number, message, by_vehicle=True)
+
+
+def _note_transfer(gathered: _Gathered, number: int, message: Message, by_vehicle: bool) -> None:
+    held = gathered.transfers.note(message, by_vehicle)
+    if held is not None:
+        gathered.said.append((number, Held(held)))
+
+
+def _is_armed(gathered: _Gathered) -> bool:
+    if gathered.changes:
+        return gathered.changes[-1][1]
+    return gathered.state is not None and gathered.state.armed
+
+
+def _tell_of(gathered: _Gathered, number: int, armed: bool) -> None:
+    """Something told that the vehicle is now armed, or not; the first to do so gives the time."""
+    if armed != _is_armed(gathered):
+        gathered.changes.append((number, armed))
+        gathered.doubted = False
+
+
+def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
+    """A heartbeat: what changed since the last one is dated back to what told of it."""
+    before = gathered.state
+    if before and gathered.changes and gathered.changes[-1][1] == beat.armed:
+        _change(gathered, before.custom_mode, autopilot)
+    elif gathered.doubted:  # two heartbeats know nothing of it
+        gathered.changes.clear()
+    gathered.state, gathered.doubted = beat, bool(gathered.changes)
+    if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
+        gathered.said.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
+
+
+def _change(gathered: _Gathered, mode: int, autopilot: Autopilot) -> None:
+    """Arming changed, as was told since the last heartbeat."""
+    gathered.said += [(number, presence(autopilot, armed, mode)) for number, armed in gathered.changes]
+    gathered.changes.clear()
+
+
+def _dated(gathered: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
+    """The same by the vehicle's clock."""
+    known_at = stamps[[number for number, _ in gathered.times]] if gathered.times else np.empty(0)
+    clock = unwrapped(known_at, np.array([time for _, time in gathered.times]))
+    times = vehicle_times(stamps, known_at, clock)
+    placed = [(float(times[n]), message) for n, message in gathered.said if isinstance(message, Position)]
+    rows = [(time, p.latitude_deg, p.longitude_deg, p.altitude, p.height, *p.velocity) for time, p in placed]
+    fixes = Fixes.of(np.array(rows).reshape(-1, 8))
+    events = tuple((float(times[n]), message) for n, message in gathered.said if not isinstance(message, Position))
+    remarks = () if len(clock) else (NO_CLOCK,)
+    return Log(autopilot, fixes, events, gathered.version, remarks, _measured(gathered, times))
+
+
+def _measured(gathered: _Gathered, times: Vector) -> Measured:
+    """Batteries by their numbers; the one of SYS_STATUS where no other tells."""
+    batteries: dict[int, list[Battery]] = {}
+    general: list[Battery] = []
+    attitude = []
+    for number, message in gathered.measured:
+        match message:
+            case Attitude(_, roll, pitch, yaw):
+                attitude.append((float(times[number]), roll, pitch, yaw))
+            case BatteryStatus(battery, voltage, current):
+                batteries.setdefault(battery, []).append((float(times[number]), voltage, current))
+            case _:
+                general.append((float(times[number]), message.voltage, message.current))
+    return Measured.of(batteries.values() or [general], attitude)

@@ -1,0 +1,215 @@
+"""A mission as MAVLink means it: items, fence, rally points, and the home they refer to.
+
+Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPilot) or nowhere (PX4) is decided in
+`firmware`, and nowhere else.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+
+from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
+from ipoa_mission.vehicles.kinds import MULTICOPTERS, QUADROTOR, class_name, with_article
+from ipoa_mission.vehicles.known_parameters import expect_own
+from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.version import Version
+from ipoa_mission.world.frame import Geodetic
+
+
+@dataclass(frozen=True)
+class Item:
+    """One mission item, numbered from 1 as in mission files, which DO_JUMP's param1 counts too.
+
+    Attributes:
+        command: MAV_CMD.
+        frame: MAV_FRAME.
+        params: param1 to param4; NaN: "the autopilot's own".
+        latitude_deg: param5, whatever the command makes of it.
+        longitude_deg: param6.
+        altitude: param7.
+        autocontinue: go on with the next item when this one is done.
+
+    Example:
+        >>> up = Item(Command.NAV_TAKEOFF, Frame.GLOBAL_RELATIVE_ALT, (0.0, 0.0, 0.0, math.nan), 47.3977, 8.5456, 15.0)
+        >>> up.has_position, up.height(Geodetic(47.3977, 8.5456, 488.0))
+        (True, 15.0)
+    """
+
+    command: int
+    frame: int
+    params: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    latitude_deg: float = 0.0
+    longitude_deg: float = 0.0
+    altitude: float = 0.0
+    autocontinue: bool = True
+
+    @property
+    def has_position(self) -> bool:
+        """Whether the vehicle flies to this item's latitude and longitude."""
+        return (
+            self.command in FLOWN_TO
+            and self.frame != Frame.MISSION
+            and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
+        )
+
+    def height(self, home: Geodetic) -> float:
+        """Its altitude over home [m]; one over terrain is taken as one over home."""
+        return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude
+
+
+@dataclass(frozen=True)
+class FencePolygon:
+    """A polygon of a geofence.
+
+    Attributes:
+        vertices: (latitude, longitude) [degrees], the first not repeated.
+        inclusion: whether to stay inside, or outside.
+
+    Example:
+        >>> len(FencePolygon(((39.100, 121.819), (39.100, 121.823), (39.103, 121.821))).vertices)
+        3
+    """
+
+    vertices: tuple[tuple[float, float], ...]
+    inclusion: bool = True
+
+
+@dataclass(frozen=True)
+class FenceCircle:
+    """A circle of a geofence.
+
+    Attributes:
+        center: (latitude, longitude) [degrees].
+        radius: [m].
+        inclusion: whether to stay inside, or outside.
+
+    Example:
+        >>> FenceCircle((39.1, 121.8), 500.0).inclusion
+        True
+    """
+
+    center: tuple[float, float]
+    radius: float
+    inclusion: bool = True
+
+
+@dataclass(frozen=True)
+class Mission:
+    """What the vehicle will do.
+
+    Attributes:
+        home: where it is armed, and what heights count from.
+        items: what is done, one after the other; home is none of them.
+        autopilot: whom it is for; left out, PX4.
+        cruise_speed: what ground stations show in a plan's header [m/s]; the vehicle obeys DO_CHANGE_SPEED.
+        fence: polygons and circles to stay inside or outside of.
+        rally: where it may return to instead of home; altitudes above home [m].
+        parameters: those of the vehicle that differ from its autopilot's defaults, by the autopilot's own names.
+        vehicle_type: the MAV_TYPE that a `.plan` names.
+        vehicle: what was learned of the one that flies it.
+        landing_ground: the place where it lands and how high above home the ground is there, where that is known; it
+            says nothing of a mission that lands elsewhere.
+        firmware_version: whose tables hold; left out, the newest.
+        scanned: for each structure scan the index of its first item and the height scanned [m], which QGroundControl
+            counts as way.
+
+    Example:
+        >>> home = Geodetic(47.397742, 8.545594, 488.0)
+        >>> there = Geodetic(47.398642, 8.545594, 488.0)
+        >>> mission = Mission(home, (takeoff(home, 15.0), waypoint(there, 20.0), return_to_launch()))
+        >>> mission.altitude_above_home(mission.items[1])
+        20.0
+        >>> dict(mission.with_parameters({"MPC_XY_CRUISE": 8.0}).parameters)
+        {'MPC_XY_CRUISE': 8.0}
+    """
+
+    home: Geodetic
+    items: tuple[Item, ...]
+    autopilot: Autopilot = field(default_factory=default_autopilot)
+    cruise_speed: float | None = None
+    fence: tuple[FencePolygon | FenceCircle, ...] = ()
+    rally: tuple[Geodetic, ...] = ()
+    parameters: Parameters = field(default_factory=dict, hash=False)
+    vehicle_type: int = QUADROTOR
+    vehicle: LearnedVehicle | None = field(default=None, compare=False, repr=False)
+    landing_ground: Geodetic | None = field(default=None, compare=False, repr=False)
+    firmware_version: Version | None = field(default=None, compare=False, repr=False)
+    scanned: tuple[tuple[int, float], ...] = field(default=(), compare=False, repr=False)
+
+    @property
+    def other_vehicle(self) -> str | None:
+        """What it is for, in words, where that is no multicopter: "a plane"; nobody here flies it."""
+        if self.vehicle_type in MULTICOPTERS:
+            return None
+        return with_article(class_name(self.vehicle_type))
+
+    def with_parameters(self, parameters: Parameters) -> "Mission":
+        """The same on a vehicle that has these parameters too; they go before those that it carries.
+
+        Raises:
+            BadInput: one of them is the other firmware's.
+        """
+        expect_own(parameters, self.autopilot)
+        return (
+            replace(self, parameters=self.autopilot.book.overridden(self.parameters, parameters))
+            if parameters
+            else self
+        )
+
+    def assuming(self, parameters: Parameters) -> "Mission":
+        """The same on a vehicle that has these parameters too; those that it carries go before them."""
+        return (
+            replace(self, parameters=self.autopilot.book.overridden(parameters, self.parameters))
+            if parameters
+            else self
+        )
+
+    def altitude_above_home(self, item: Item) -> float:
+        """Altitude of an item over home [m]; NaN where it is given over terrain."""
+        match plain_frame(item.frame):
+            case Frame.GLOBAL:
+                return item.altitude - self.home.altitude
+            case Frame.GLOBAL_RELATIVE_ALT:
+                return item.altitude
+            case _:
+                return math.nan
+
+
+def _above_home(command: Command, place: Geodetic, height: float, *params: float) -> Item:
+    first, second, third, fourth = params
+    where = place.latitude_deg, place.longitude_deg, height
+    return Item(command, Frame.GLOBAL_RELATIVE_ALT, (first, second, third, fourth), *where)
+
+
+def takeoff(place: Geodetic, height: float) -> Item:
+    """Climb to `height` above home at `place`."""
+    return _above_home(Command.NAV_TAKEOFF, place, height, 0.0, 0.0, 0.0, math.nan)
+
+
+def waypoint(place: Geodetic, height: float, hold_s: float = 0.0, radius: float = 0.0) -> Item:
+    """Fly straight to `place` at `height` above home, and hold there.
+
+    PX4 turns to the next waypoint within `radius` [m] of this one; 0: NAV_ACC_RAD. ArduCopter does not read it.
+    """
+    return _above_home(Command.NAV_WAYPOINT, place, height, hold_s, radius, 0.0, math.nan)
+
+
+def spline_waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item:
+    """Fly a smooth curve through `place` (ArduPilot only)."""
+    return _above_home(Command.NAV_SPLINE_WAYPOINT, place, height, hold_s, 0.0, 0.0, 0.0)
+
+
+def change_speed(speed: float) -> Item:
+    """Fly at this ground speed from here on [m/s]; the form that QGroundControl recognizes."""
+    return Item(Command.DO_CHANGE_SPEED, Frame.MISSION, (1.0, speed, -1.0, 0.0))
+
+
+def return_to_launch() -> Item:
+    """Return to home and land there."""
+    return Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION)
+
+
+def land(place: Geodetic) -> Item:
+    """Land at `place`; the altitude is that of home."""
+    return _above_home(Command.NAV_LAND, place, 0.0, 0.0, 0.0, 0.0, math.nan)

@@ -1,0 +1,56 @@
+"""What an item of a mission does, in words: the same in tables, in the report and on its maps."""
+
+import math
+
+from ipoa_mission.mission.commands import Command, short_name
+from ipoa_mission.mission.items import Item
+
+HOLDS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME, Command.NAV_DELAY})
+PLAIN = HOLDS | {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH, Command.DO_CHANGE_SPEED}
+
+
+def hold_of(item: Item) -> float | None:
+    """For how long it has the vehicle stay [s]; None where it does not."""
+    return item.params[0] if item.command in HOLDS and item.params[0] > 0 else None
+
+
+def details_of(item: Item) -> str:
+    """What its command, its hold and its speed do not say.
+
+    >>> from ipoa_mission.mission.items import waypoint
+    >>> from ipoa_mission.world.frame import Geodetic
+    >>> details_of(waypoint(Geodetic(47.4, 8.5, 500.0), 20.0, hold_s=3.0, radius=2.0))
+    'within 2 m'
+    """
+    first, second = item.params[:2]
+    match item.command:
+        case Command.DO_JUMP:
+            return f"to item {first:g}, {second:g} times"
+        case Command.NAV_LOITER_TURNS:
+            return f"{first:g} turns"
+        case Command.NAV_ARC_WAYPOINT:
+            return f"{first:g} degrees"
+        case Command.NAV_WAYPOINT if second > 0:
+            return f"within {second:g} m"
+        case plain if plain in PLAIN:
+            return ""
+    given = (f"param{n} {value:g}" for n, value in enumerate(item.params, 1) if value and math.isfinite(value))
+    return ", ".join(given)
+
+
+def item_words(item: Item) -> str:
+    """All that it does.
+
+    >>> from ipoa_mission.mission.items import change_speed
+    >>> item_words(change_speed(6.0))
+    'speed 6 m/s'
+    """
+    match item.command:
+        case Command.NAV_TAKEOFF:
+            name = "take off"
+        case Command.DO_CHANGE_SPEED:
+            name = f"speed {item.params[1]:g} m/s"
+        case _:
+            name = short_name(item.command)
+    hold = hold_of(item)
+    return ", ".join(filter(None, [name, details_of(item), "" if hold is None else f"hold {hold:g} s"]))

@@ -1,0 +1,57 @@
+"""Missions for other people's programs: KML, GeoJSON, CSV and GPX, chosen by the suffix."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ipoa_mission.checks.positions import refuse_unsound
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import write_atomically
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.report.exports.comma_separated import to_csv
+from ipoa_mission.report.exports.geojson import to_geojson
+from ipoa_mission.report.exports.gpx import to_gpx
+from ipoa_mission.report.exports.kml import to_kml
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
+
+#: Suffix -> the mission of a forecast, under a name, as the text of such a file.
+EXPORTS: dict[str, Callable[[Forecast, str], str]] = {
+    ".kml": to_kml,
+    ".geojson": to_geojson,
+    ".csv": to_csv,
+    ".gpx": to_gpx,
+}
+
+
+def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None" = None) -> None:
+    """Write the mission in the format of the suffix, named as the file; the same mission gives the same bytes.
+
+    Args:
+        mission: what is written.
+        path: ends in `.kml`, `.geojson`, `.csv` or `.gpx`.
+        scenario: makes heights above its ground known; a landing goes down to it.
+
+    Raises:
+        BadInput: no such format, a position or height that cannot be drawn, or the file cannot be written.
+
+    Example:
+        >>> from ipoa_mission import read_mission, write_export
+        >>> write_export(read_mission("missions/sitl.plan"), "sitl.kml")
+    """
+    path = Path(path)
+    if path.suffix.lower() not in EXPORTS:
+        raise BadInput(f'{path}: expected a name that ends in {", ".join(EXPORTS)}, not in "{path.suffix}"')
+    write_atomically(path, forecast_text(Forecast(mission, scenario), path.suffix.lower(), path.stem))
+
+
+def forecast_text(forecast: Forecast, suffix: str, name: str) -> str:
+    """The text of such a file.
+
+    Raises:
+        BadInput: a position or height that cannot be drawn.
+    """
+    refuse_unsound(forecast.given)
+    return EXPORTS[suffix](forecast, name)

@@ -1,0 +1,147 @@
+"""A mission as a table: for each item where it lies and the leg that leads to it."""
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ipoa_mission.checks.positions import refusals
+from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.legs import Leg
+from ipoa_mission.geometry import leg_lengths
+from ipoa_mission.mission.commands import Command, Frame, command_name, plain_frame
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.words import details_of, hold_of
+from ipoa_mission.world.frame import Geodetic
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
+
+LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
+LEAST_LEVEL = 0.5  # [m] below which a leg has no heading
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table; what an item has none of is None. `seq` 0 is home. Lengths in metres.
+
+    `length` and `climb` are of the whole way from the item before (for a return: home and down to the ground);
+    `heading_deg` is clockwise from north, of its last level part.
+    """
+
+    seq: int
+    command: str
+    latitude_deg: float | None = None
+    longitude_deg: float | None = None
+    altitude_amsl: float | None = None
+    height: float | None = None  # above home
+    height_above_ground: float | None = None  # where the terrain is known, or the item says so
+    length: float | None = None
+    heading_deg: float | None = None
+    climb: float | None = None
+    hold_s: float | None = None
+    speed: float | None = None  # [m/s] that it changes to
+    detail: str = ""
+
+
+def shown(value: float | None, form: str = "z.1f") -> str:
+    """A number of the table for reading; nothing for what an item has none of."""
+    return "" if value is None else format(value, form)
+
+
+def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Row, ...]:
+    """Put a mission into rows: home and every item.
+
+    Args:
+        mission: where a position or height makes no sense no item has a leg.
+        scenario: makes heights above its ground known.
+
+    Returns:
+        A row each: lengths and heights [m], headings [degrees], None where it has none.
+
+    Example:
+        >>> from ipoa_mission import mission_table, read_mission
+        >>> home, first, *others = mission_table(read_mission("missions/sitl.plan"))
+        >>> home.command, first.command
+        ('home', 'NAV_TAKEOFF')
+    """
+    return rows_of(Forecast(mission, scenario))
+
+
+def rows_of(forecast: Forecast) -> tuple[Row, ...]:
+    """The same of a mission whose flight is forecast already."""
+    mission, scenario = forecast.mission, forecast.scenario
+    legs: dict[int, list[Leg]] = defaultdict(list)
+    for leg in forecast.legs if not refusals(mission) else ():
+        if not leg.alternative:
+            legs[leg.seq].append(leg)
+    home = Row(0, "home", mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude, 0.0)
+    items = (_row(seq, item, mission, legs[seq], scenario) for seq, item in enumerate(mission.items, start=1))
+    return (home, *_repeated(items, forecast))
+
+
+def _repeated(rows: Iterable[Row], forecast: Forecast) -> Iterator[Row]:
+    """The rows; of an item to which a jump leads again it is said which of its passes stands there."""
+    mission = forecast.mission
+    jumps = any(item.command == Command.DO_JUMP for item in mission.items)
+    passes = Counter[int]()
+    if jumps and not refusals(mission):
+        with suppress(BadInput):  # a jump without end
+            passes.update(visit.seq for visit in forecast.itinerary.visits)
+    for row in rows:
+        if passes[row.seq] > 1 and row.length is not None:
+            words = f"leg of the first of {passes[row.seq]} passes, done with the last"
+            yield replace(row, detail=", ".join(filter(None, (row.detail, words))))
+        else:
+            yield row
+
+
+def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Scenario | None") -> Row:
+    placed = item.command in mission.autopilot.firmware().placed and item.frame != Frame.MISSION
+    on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
+    height = mission.altitude_above_home(item) if placed else math.nan
+    points = np.vstack([leg.points for leg in legs]) if legs else None
+    if scenario is not None and points is not None and item.command in LANDINGS:  # down to the ground there
+        height = scenario.frame.geodetic(points[-1]).altitude - mission.home.altitude
+    return Row(
+        seq=seq,
+        command=command_name(item.command),
+        latitude_deg=item.latitude_deg if on_map else None,
+        longitude_deg=item.longitude_deg if on_map else None,
+        altitude_amsl=_known(mission.home.altitude + height),
+        height=_known(height),
+        height_above_ground=_above_ground(item, mission, height, scenario) if on_map else None,
+        length=None if points is None else float(leg_lengths(points).sum()),
+        heading_deg=_heading(legs),
+        climb=None if points is None else float(points[-1, 2] - points[0, 2]),
+        hold_s=hold_of(item),
+        speed=item.params[1] if item.command == Command.DO_CHANGE_SPEED else None,
+        detail=details_of(item),
+    )
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _above_ground(item: Item, mission: Mission, height: float, scenario: "Scenario | None") -> float | None:
+    if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
+        return item.altitude
+    if scenario is None or not math.isfinite(height):
+        return None
+    place = Geodetic(item.latitude_deg, item.longitude_deg, mission.home.altitude + height)
+    point = scenario.frame.local(place)
+    return float(point[2] - scenario.airspace.ground(point[None, :])[0])
+
+
+def _heading(legs: list[Leg]) -> float | None:
+    for leg in reversed(legs):
+        for step in np.diff(leg.points, axis=0)[::-1]:
+            if np.hypot(step[0], step[1]) > LEAST_LEVEL:
+                return float(np.degrees(np.arctan2(step[0], step[1])) % 360.0)
+    return None

@@ -1,0 +1,137 @@
+"""What ArduCopter does when something fails.
+
+Read in 4.7.0-dev (2598e9d4): ArduCopter/events.cpp, fence.cpp, ekf_check.cpp, AP_BattMonitor, AC_Fence, AP_SmartRTL.
+Armed on the ground it disarms instead. Where it lands by a failsafe, but for a fence, it holds for 4 s first. Not here:
+avoidance of other aircraft (AVD_*), advanced failsafe (AFS_*, in no build), crash check, lost thrust, scripts.
+"""
+
+import math
+from dataclasses import replace
+
+from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON
+from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.failsafe import BY_HAND, GOES_ON, Failsafe, FailsafeAction, FailsafeRule, Series, ordered
+from ipoa_mission.vehicles.parameters import Parameters
+
+LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS [s]
+LANDS = FailsafeAction(Ending.LAND, after_s=LAND_PAUSE)
+RETURNS = FailsafeAction(Ending.RTL, (Ending.LAND,))
+SMART = FailsafeAction(Ending.SMART_RTL, (Ending.RTL, Ending.LAND))
+SMART_OR_LANDS = FailsafeAction(Ending.SMART_RTL, (Ending.LAND,))
+LAND_START = FailsafeAction(Ending.LAND_START, (Ending.RTL, Ending.LAND), "by DO_RETURN_PATH_START or DO_LAND_START")
+BRAKES = FailsafeAction(Ending.HOLD, (Ending.LAND,))
+STOPS = FailsafeAction(Ending.TERMINATE)
+
+ACTIONS = {0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES}
+RADIO = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES}
+STATION = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES}
+NO_POSITION = replace(LANDS, words="without a position it drifts")
+ESTIMATE = {
+    0: GOES_ON,
+    1: NO_POSITION,
+    2: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), "ALT_HOLD: keeps its height, drifts, waits for the sticks"),
+    3: NO_POSITION,
+}
+OUTSIDE = "100 m outside it lands"
+FENCE = {
+    0: GOES_ON,
+    1: replace(RETURNS, words=OUTSIDE),
+    2: FailsafeAction(Ending.LAND),
+    3: replace(SMART, words=OUTSIDE),
+    4: replace(BRAKES, words=OUTSIDE),
+    5: replace(SMART_OR_LANDS, words=OUTSIDE),
+}
+LOW, CRITICAL, BREACH = "low battery", "critical battery", "fence breached"
+
+RULES = (
+    FailsafeRule(LOW, "BATT_FS_LOW_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0}),
+    FailsafeRule(CRITICAL, "BATT_FS_CRT_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_CRT_VOLT": 0.0, "BATT_CRT_MAH": 0.0}),
+    FailsafeRule("radio control lost", "FS_THR_ENABLE", 1.0, RADIO, LANDS),
+    FailsafeRule("ground station lost", "FS_GCS_ENABLE", 0.0, STATION, RETURNS),
+    FailsafeRule(BREACH, "FENCE_ACTION", 1.0, FENCE, FENCE[1], MAY_BE_ON),
+    FailsafeRule("position lost (EKF)", "FS_EKF_ACTION", 1.0, ESTIMATE, NO_POSITION, {"FS_EKF_THRESH": 0.8}),
+    FailsafeRule("position by dead reckoning", "FS_DR_ENABLE", 2.0, ACTIONS, GOES_ON),
+    FailsafeRule("terrain data missing", "", math.nan, {}, replace(RETURNS, words="in RTL it goes on without terrain")),
+    *ordered(Ending.RTL, Ending.LAND, Ending.HOLD, Ending.SMART_RTL, Ending.LAND_START, Ending.TERMINATE),
+)
+
+#: The bit of FS_OPTIONS by which a mission goes on, which no other cause has; and the one by which a landing does.
+GOES_ON_BY = {"FS_THR_ENABLE": 1, "FS_GCS_ENABLE": 2}
+LANDS_ON, OPTIONS = 8, 16.0
+LANDINGS_GO_ON = ("BATT_FS_LOW_ACT", "BATT_FS_CRT_ACT", *GOES_ON_BY)
+URGENCY = (5, 1, 2, 4, 3, 0)  # of the actions of a battery; those that are not here come after all others
+BATTERIES = tuple(f"BATT{n}" for n in "23456789")  # more than the first
+
+DECIDED_BY = tuple(
+    dict.fromkeys(
+        (
+            *(name for rule in RULES for name in (rule.parameter, *rule.needs) if name),
+            *("FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY"),
+        )
+    )
+)
+
+
+def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
+    """What follows each cause; parameters by their older names."""
+    first = [_failsafe(rule, parameters, series) for rule in RULES]
+    more = [
+        _failsafe(_of(rule, battery), parameters, series)
+        for battery in BATTERIES
+        if parameters.get(f"{battery}_MONITOR", 0.0) > 0.0
+        for rule in RULES[:2]
+    ]
+    return tuple(_with_its_urgency(one, parameters, series) for one in (*first, *more))
+
+
+def _of(rule: FailsafeRule, battery: str) -> FailsafeRule:
+    """The same rule of another battery than the first."""
+    named = {name.replace("BATT", battery, 1): usual for name, usual in rule.needs.items()}
+    return replace(rule, parameter=rule.parameter.replace("BATT", battery, 1), needs=named)
+
+
+def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
+    answer = _with_a_path(rule.answer(parameters, series), parameters, rule.cause not in {BREACH, BY_HAND})
+    options, landing = int(parameters.get("FS_OPTIONS", OPTIONS)), answer
+    if answer.ending is not Ending.CONTINUE and rule.cause != BY_HAND:
+        if options & GOES_ON_BY.get(rule.parameter, 0):
+            answer = landing = replace(GOES_ON, words="by FS_OPTIONS")
+        acts = _first(rule.parameter) in LANDINGS_GO_ON
+        landing = replace(LANDS, words="by FS_OPTIONS") if acts and options & LANDS_ON else landing
+    differs = {} if landing == answer else {FlightStage.LANDING: landing}
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
+
+
+def _first(name: str) -> str:
+    """The same parameter of the first battery."""
+    return f"BATT{name[5:]}" if name[:5] in BATTERIES else name
+
+
+def _with_a_path(answer: FailsafeAction, parameters: Parameters, pauses: bool) -> FailsafeAction:
+    """SmartRTL keeps no path where it has no points or no accuracy."""
+    keeps = parameters.get("SRTL_POINTS", 300.0) > 0.0 and parameters.get("SRTL_ACCURACY", 2.0) > 0.0
+    if answer.ending is not Ending.SMART_RTL or keeps:
+        return answer
+    instead = replace(answer.in_place(), words="SmartRTL is switched off")
+    return replace(instead, after_s=LAND_PAUSE) if instead.ending is Ending.LAND and pauses else instead
+
+
+def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> Failsafe:
+    """A critical battery does nothing where a less urgent action is set for it than for a low one, which came before.
+
+    Several batteries are not held against each other.
+    ArduCopter 4.7 has no urgency for the actions 6 and 7: they come after a low battery that does nothing at all.
+    """
+    if one.cause != CRITICAL:
+        return one
+    both = [_of(rule, one.parameter.split("_")[0]) for rule in RULES[:2]]
+    low = _failsafe(both[0], parameters, series)
+    if not all(rule.looks(parameters) for rule in both) or _urgency(one.value) <= _urgency(low.value):
+        return one
+    words = f"{one.parameter} {one.value:g} is less urgent than {low.parameter} {low.value:g}, and is left out"
+    differs = {stage: replace(answer, words=words) for stage, answer in low.differs.items()}
+    return replace(one, route=replace(low.route, words=words), differs=differs)
+
+
+def _urgency(action: float) -> int:
+    return URGENCY.index(int(action)) if action in URGENCY else len(URGENCY)

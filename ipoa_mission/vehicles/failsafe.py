@@ -1,0 +1,95 @@
+"""What a vehicle does by itself when something fails: rules as tables, and what its parameters make of them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.parameters import Parameters
+
+Series = tuple[int, int]
+BY_HAND = "by hand"
+"""The cause of what a pilot or a ground station orders; it is refused where it is not to be had."""
+
+
+@dataclass(frozen=True)
+class FailsafeAction:
+    """An ending, what is tried in its place where that is not to be had, and what is to be known of it.
+
+    `after_s`: for so long it first brakes and holds [s]. `since`: the first series that knows the value.
+    """
+
+    ending: Ending
+    otherwise: tuple[Ending, ...] = ()
+    words: str = ""
+    after_s: float = 0.0
+    since: Series = (0, 0)
+
+    def in_place(self) -> "FailsafeAction":
+        """What is done where the ending is not to be had; nothing where nothing else is tried."""
+        first, *rest = self.otherwise or (Ending.CONTINUE,)
+        return replace(self, ending=first, otherwise=tuple(rest), after_s=0.0)
+
+    def __str__(self) -> str:
+        return " or ".join((self.ending, *self.otherwise)) + (f" ({self.words})" if self.words else "")
+
+
+GOES_ON = FailsafeAction(Ending.CONTINUE)
+NO_NUMBER = FailsafeAction(Ending.UNKNOWN, words="the value is no number")
+
+
+@dataclass(frozen=True)
+class FailsafeRule:
+    """A cause, the parameter that decides what follows it, and what follows each of its values.
+
+    `parameter` is empty where nothing is to be chosen; `other` is what the firmware does then, and at a value that
+    `answers` does not have. It looks for the cause only where one of `needs` (name and default) is more than 0.
+    `until`: the first series that has it no more.
+    """
+
+    cause: str
+    parameter: str
+    default: float
+    answers: Mapping[int, FailsafeAction]
+    other: FailsafeAction
+    needs: Mapping[str, float] = field(default_factory=dict)
+    since: Series = (0, 0)
+    until: Series = (99, 0)
+
+    def value(self, parameters: Parameters) -> float:
+        """Of the parameter that decides; NaN where there is none."""
+        return parameters.get(self.parameter, self.default) if self.parameter else math.nan
+
+    def looks(self, parameters: Parameters) -> bool:
+        """Whether the vehicle looks for the cause at all."""
+        return not self.needs or any(parameters.get(name, usual) > 0.0 for name, usual in self.needs.items())
+
+    def answer(self, parameters: Parameters, series: Series) -> FailsafeAction:
+        """What follows, before it is asked in which stage; parameters by their older names."""
+        if not self.looks(parameters):
+            return replace(GOES_ON, words=f"not looked for: {' or '.join(self.needs)} would have to be above 0")
+        value = self.value(parameters)
+        if not self.parameter or not math.isfinite(value):
+            return NO_NUMBER if self.parameter else self.other
+        found = self.answers.get(int(value), self.other)
+        return found if found.since <= series else self.other
+
+
+@dataclass(frozen=True)
+class Failsafe:
+    """What follows a cause on the `route` by the parameters of a vehicle, and at other stages what differs."""
+
+    cause: str
+    parameter: str
+    value: float
+    route: FailsafeAction
+    differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)
+
+    def at(self, stage: FlightStage) -> FailsafeAction:
+        """What follows in this stage of a mission."""
+        return self.differs.get(stage, self.route)
+
+
+def ordered(*endings: Ending) -> tuple[FailsafeRule, ...]:
+    """A rule of each that can be ordered by hand."""
+    return tuple(FailsafeRule(BY_HAND, "", math.nan, {}, FailsafeAction(ending)) for ending in endings)

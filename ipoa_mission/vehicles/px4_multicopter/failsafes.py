@@ -1,0 +1,115 @@
+"""What PX4 does when something fails.
+
+Read in 1.17.0 (d6f12ad1) and main of 2026-08-13 (bb59c637, to be 1.18): src/modules/commander/failsafe, its parameters,
+navigator. Several at once: the worst counts. Where an ending is not to be had the next one of hold, RTL, land, descent
+without a position, stopped motors follows. Not here: VTOL, offboard, what happens in the first seconds after arming.
+"""
+
+import math
+from dataclasses import replace
+
+from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.failsafe import BY_HAND, GOES_ON, Failsafe, FailsafeAction, FailsafeRule, Series, ordered
+from ipoa_mission.vehicles.parameters import Parameters
+
+SINCE = (1, 18)
+FALLS = FailsafeAction(Ending.TERMINATE)
+LANDS = FailsafeAction(Ending.LAND, (Ending.TERMINATE,))
+RETURNS = FailsafeAction(Ending.RTL, (Ending.LAND, Ending.TERMINATE))
+HOLDS = FailsafeAction(Ending.HOLD, (Ending.RTL, Ending.LAND, Ending.TERMINATE))
+FALLS_WITHOUT = replace(FALLS, words="lands while it still has a local position")
+DRIFTS = replace(LANDS, words="descends, and drifts where it has no position")
+
+
+def new(answer: FailsafeAction) -> FailsafeAction:
+    """The same, at a value that 1.18 has added."""
+    return replace(answer, since=SINCE)
+
+
+LINK = {0: GOES_ON, 1: HOLDS, 2: RETURNS, 3: LANDS, 5: FALLS, 6: FALLS}
+RADIO = {**LINK, 7: new(replace(GOES_ON, words="holds only where a pilot flew it by hand"))}
+GRADES = {0: GOES_ON, 1: GOES_ON, 2: HOLDS, 3: RETURNS, 4: FALLS, 5: LANDS}
+HEALTH = {0: GOES_ON, 1: GOES_ON, 2: GOES_ON, 3: RETURNS, 4: LANDS}
+CRITICAL = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: RETURNS, 4: new(RETURNS)}
+EMERGENCY = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: LANDS, 4: new(FALLS)}
+MOTOR = {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: FALLS}
+SATELLITES = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: FALLS}
+AT_RETURN_HEIGHT = replace(RETURNS, words="comes down to its return height where it is higher")
+TRAFFIC = {0: GOES_ON, 1: GOES_ON, 2: AT_RETURN_HEIGHT, 3: LANDS, 4: HOLDS, 5: new(FALLS)}
+TUMBLES, RADIO_SOURCE, NO_RADIO = "attitude or motor failure", "COM_RC_IN_MODE", 4.0
+BALANCE = {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}
+ACCURACY = "position inaccurate"
+
+RULES = (
+    FailsafeRule("low battery", "", math.nan, {}, GOES_ON),
+    FailsafeRule("critical battery", "COM_LOW_BAT_ACT", 0.0, CRITICAL, GOES_ON),
+    FailsafeRule("emergency battery", "COM_LOW_BAT_ACT", 0.0, EMERGENCY, GOES_ON),
+    FailsafeRule("flight time left is short", "COM_FLTT_LOW_ACT", 0.0, {0: GOES_ON, 1: GOES_ON, 3: RETURNS}, GOES_ON),
+    FailsafeRule("radio control lost", "NAV_RCL_ACT", 2.0, RADIO, GOES_ON),
+    FailsafeRule("ground station lost", "NAV_DLL_ACT", 0.0, LINK, GOES_ON),
+    FailsafeRule("fence breached", "GF_ACTION", 2.0, GRADES, GOES_ON),
+    FailsafeRule("position lost (EKF)", "", math.nan, {}, DRIFTS, until=SINCE),
+    FailsafeRule("position lost (EKF)", "COM_POS_FS_ACT", 0.0, {0: DRIFTS, 1: FALLS_WITHOUT}, DRIFTS, since=SINCE),
+    FailsafeRule(ACCURACY, "COM_POS_LOW_ACT", 3.0, GRADES, GOES_ON, {"COM_POS_LOW_EPH": -1.0}),
+    FailsafeRule(
+        "satellite receiver lost", "COM_GNSSLOSS_ACT", 0.0, SATELLITES, GOES_ON, {"SYS_HAS_NUM_GNSS": 0.0}, SINCE
+    ),
+    FailsafeRule("wind too strong", "COM_WIND_MAX_ACT", 0.0, GRADES, GOES_ON, {"COM_WIND_MAX": -1.0}),
+    FailsafeRule("flown for too long", "", math.nan, {}, RETURNS, {"COM_FLT_TIME_MAX": -1.0}),
+    FailsafeRule("mission cannot be flown on", "", math.nan, {}, RETURNS),
+    FailsafeRule("motor failed", "COM_ACT_FAIL_ACT", 0.0, MOTOR, GOES_ON),
+    FailsafeRule("propeller out of balance", "COM_IMB_PROP_ACT", 0.0, BALANCE, GOES_ON, until=SINCE),
+    FailsafeRule(TUMBLES, "CBRK_FLIGHTTERM", 121212.0, {121212: GOES_ON}, FALLS),
+    FailsafeRule("parachute missing", "COM_PARACHUTE", 0.0, HEALTH, GOES_ON, since=SINCE),
+    FailsafeRule("Remote ID lost", "COM_ARM_ODID", 0.0, {**HEALTH, 5: FALLS}, GOES_ON, since=SINCE),
+    FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", 0.0, HEALTH, GOES_ON, since=SINCE),
+    FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, TRAFFIC, GOES_ON),
+    *ordered(Ending.RTL, Ending.LAND, Ending.HOLD, Ending.TERMINATE),
+)  # fmt: skip
+
+#: The parameter whose bits say in which modes a lost link counts for nothing: 1 in a mission, 2 (1.18) in a return.
+EXCEPT = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL_EXCEPT"}
+IN_MISSION, IN_AUTO = 1, 2
+DELAY, LEAST_DELAY = "COM_FAIL_ACT_T", 0.1  # [s]; below it there is none
+#: What an order of the navigator, the watch over positions, or a pilot causes begins at once.
+AT_ONCE = frozenset({ACCURACY, "position lost (EKF)", "traffic near", BY_HAND})
+
+DECIDED_BY = tuple(
+    dict.fromkeys(
+        (
+            *(name for rule in RULES for name in (rule.parameter, *rule.needs) if name),
+            *(*EXCEPT.values(), DELAY, RADIO_SOURCE),
+        )
+    )
+)
+
+
+def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
+    """What follows each cause that this series knows."""
+    return tuple(_failsafe(rule, parameters, series) for rule in RULES if rule.since <= series < rule.until)
+
+
+def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
+    answer = _later(rule, rule.answer(parameters, series), parameters)
+    if rule.parameter == "NAV_RCL_ACT" and parameters.get(RADIO_SOURCE) == NO_RADIO:
+        answer = replace(GOES_ON, words=f"not looked for: {RADIO_SOURCE} is 4")
+    returning = answer
+    if rule.parameter in EXCEPT and answer.ending is not Ending.CONTINUE:
+        excepted, words = int(parameters.get(EXCEPT[rule.parameter], 0.0)), f"by {EXCEPT[rule.parameter]}"
+        if excepted & IN_MISSION:
+            answer = replace(GOES_ON, words=words)
+        if excepted & IN_AUTO and series >= SINCE:
+            returning = replace(GOES_ON, words=words)
+    if rule.cause == ACCURACY:
+        returning = replace(GOES_ON, words="counts only in a mission or a hold")
+    if returning.ending is Ending.RTL and rule.cause != BY_HAND:
+        returning = replace(GOES_ON, words="it is returning already")
+    differs = {} if returning == answer else {FlightStage.RETURN: returning}
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
+
+
+def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
+    """It first holds for the user to see what is coming."""
+    delay = parameters.get(DELAY, 5.0)
+    waits = answer.ending in {Ending.RTL, Ending.LAND} and rule.cause not in AT_ONCE
+    return replace(answer, after_s=delay) if waits and delay > LEAST_DELAY else answer

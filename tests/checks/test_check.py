@@ -1,0 +1,258 @@
+"""Each rule of `check` by its code, and silence about missions that real autopilots have flown."""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import (
+    FenceCircle,
+    FencePolygon,
+    Item,
+    Mission,
+    change_speed,
+    land,
+    return_to_launch,
+    spline_waypoint,
+    takeoff,
+    waypoint,
+)
+from ipoa_mission.scenario import read_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.world.frame import Geodetic
+from tests.found import found
+from tests.mission_strategies import missions
+
+FILES = Path(__file__).parents[1] / "mission" / "files"
+WORDS = Path(__file__).parent / "worded.txt"
+SHIPPED = Path(__file__).parents[2] / "missions"
+PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
+HOME = Geodetic(39.101, 121.82, 20.0)
+NORTH = Geodetic(39.102, 121.82)
+EAST = Geodetic(39.101, 121.822)
+UP = takeoff(HOME, 20.0)
+DOWN = return_to_launch()
+AWAY = waypoint(NORTH, 20.0)
+AREA = FencePolygon(((39.100, 121.819), (39.100, 121.823), (39.103, 121.823), (39.103, 121.819)))
+
+
+def flight(*items: Item, autopilot: Autopilot = PX4, home: Geodetic = HOME) -> Mission:
+    return Mission(home, items, autopilot)
+
+
+#: A mission, and all that is found in it.
+FOUND: dict[str, tuple[Mission, list[str]]] = {
+    "nothing is wrong": (flight(UP, change_speed(5.0), AWAY, DOWN), []),
+    "nothing to do": (flight(), ["error empty"]),
+    "spline on px4": (flight(UP, spline_waypoint(NORTH, 20.0), DOWN), ["error command-not-taken 2"]),
+    "unknown command": (flight(UP, Item(31999, 2), DOWN, autopilot=ARDUPILOT), ["error command-not-taken 2"]),
+    "fence item in the mission": (flight(UP, Item(5001, 0), DOWN), ["error command-not-taken 2"]),
+    "terrain on px4": (flight(UP, replace(AWAY, frame=10), DOWN), ["error frame-not-taken 2"]),
+    "local frame": (flight(UP, replace(AWAY, frame=1), DOWN, autopilot=ARDUPILOT), ["error frame-not-taken 2"]),
+    "waypoint without a frame on px4": (flight(UP, replace(AWAY, frame=2), DOWN), ["error frame-without-place 2"]),
+    "waypoint without a frame on ardupilot": (
+        flight(UP, replace(AWAY, frame=2), DOWN, autopilot=ARDUPILOT),
+        ["warning frame-without-place 2"],
+    ),
+    "fractional hold on ardupilot": (
+        flight(UP, waypoint(NORTH, 20.0, hold_s=2.5), DOWN, autopilot=ARDUPILOT),
+        ["warning hold-rounded 2"],
+    ),
+    "fractional hold on px4": (flight(UP, waypoint(NORTH, 20.0, hold_s=2.5), DOWN), []),
+    "hold beyond sixteen bits": (
+        flight(UP, waypoint(NORTH, 20.0, hold_s=70000.0), DOWN, autopilot=ARDUPILOT),
+        ["error hold 2"],
+    ),
+    "hold in the past": (flight(UP, waypoint(NORTH, 20.0, hold_s=-1.0), DOWN), ["error hold 2"]),
+    "hold that is no number": (flight(UP, waypoint(NORTH, 20.0, hold_s=math.nan), DOWN), ["error hold 2"]),
+    "infinite param": (flight(UP, replace(AWAY, params=(0.0, math.inf, 0.0, 0.0)), DOWN), ["error param-too-large 2"]),
+    "no speed": (flight(UP, change_speed(0.0), AWAY, DOWN), ["error speed 2"]),
+    "jump beyond the end": (flight(UP, AWAY, Item(177, 2, (9.0, 1.0, 0.0, 0.0)), DOWN), ["error jump-target 3"]),
+    "jump to itself": (flight(UP, AWAY, Item(177, 2, (3.0, 1.0, 0.0, 0.0)), DOWN), ["error jump-target 3"]),
+    "jump for ever": (
+        flight(UP, AWAY, Item(177, 2, (2.0, -1.0, 0.0, 0.0)), DOWN, autopilot=ARDUPILOT),
+        ["warning jump-without-end 3"],
+    ),
+    "no take-off on ardupilot": (flight(AWAY, DOWN, autopilot=ARDUPILOT), ["error takeoff-not-first 1"]),
+    "no take-off on px4": (flight(AWAY, DOWN), ["warning takeoff-missing 1"]),
+    "late take-off": (flight(AWAY, UP, DOWN), ["error takeoff-not-first 1"]),
+    "speed and delay before the take-off": (flight(change_speed(5.0), Item(93, 2, (3.0, 0.0, 0.0, 0.0)), UP, DOWN), []),
+    "low take-off on px4": (flight(takeoff(HOME, 1.5), AWAY, DOWN), ["error takeoff-low 1"]),
+    "take-off to nowhere": (flight(takeoff(HOME, 0.0), AWAY, DOWN, autopilot=ARDUPILOT), ["warning takeoff-low 1"]),
+    "ends in the air": (flight(UP, AWAY), ["warning ends-in-the-air 2"]),
+    "latitude": (flight(UP, replace(AWAY, latitude_deg=95.0), DOWN), ["error position-out-of-range 2"]),
+    "longitude": (flight(UP, replace(AWAY, longitude_deg=200.0), DOWN), ["error position-out-of-range 2"]),
+    "position that is no number": (
+        flight(UP, replace(AWAY, latitude_deg=math.nan), DOWN),
+        ["error position-out-of-range 2"],
+    ),
+    "null island": (flight(UP, replace(AWAY, latitude_deg=0.0, longitude_deg=0.0), DOWN), ["error position-missing 2"]),
+    "land here on px4": (flight(UP, AWAY, Item(21, 3)), ["error position-missing 3"]),
+    "land here on ardupilot": (flight(UP, AWAY, Item(21, 3), autopilot=ARDUPILOT), []),
+    "another continent": (flight(UP, replace(AWAY, longitude_deg=-121.82), DOWN), ["error too-far 2"]),
+    "a home on another continent": (
+        flight(UP, *(replace(there, longitude_deg=-121.82) for there in (AWAY, DOWN)), autopilot=ARDUPILOT),
+        ["warning home-elsewhere 0"],
+    ),
+    "another town": (flight(UP, replace(AWAY, latitude_deg=39.301), DOWN), ["warning far 2"]),
+    "altitude that is no number": (flight(UP, replace(AWAY, altitude=math.nan), DOWN), ["error altitude-missing 2"]),
+    "into space": (flight(UP, replace(AWAY, altitude=12000.0), DOWN), ["error height-absurd 2"]),
+    "below home": (flight(UP, replace(AWAY, altitude=-3.0), DOWN), ["warning below-home 2"]),
+    "no altitude given": (flight(UP, replace(AWAY, altitude=0.0), DOWN), ["warning below-home 2"]),
+    "height taken for AMSL": (
+        flight(UP, replace(AWAY, frame=0, altitude=30.0), DOWN, home=replace(HOME, altitude=584.0)),
+        ["error height-absurd 2"],
+    ),
+    "into the terrain": (
+        flight(UP, replace(AWAY, frame=10, altitude=-5.0), DOWN, autopilot=ARDUPILOT),
+        ["error height-over-terrain 2", "warning terrain-data 2"],
+    ),
+    "above any terrain": (
+        flight(UP, replace(AWAY, frame=10, altitude=1e308), DOWN, autopilot=ARDUPILOT),
+        ["error height-over-terrain 2", "warning terrain-data 2"],
+    ),
+    "home on null island": (
+        Mission(Geodetic(0.0, 0.0, 20.0), (replace(UP, latitude_deg=0.01, longitude_deg=0.0),)),
+        ["error home-unknown 0", "warning ends-in-the-air 1"],
+    ),
+    "home in the sky": (flight(UP, AWAY, DOWN, home=replace(HOME, altitude=20000.0)), ["error home-altitude 0"]),
+    "rally point off the map": (replace(flight(UP, DOWN), rally=(Geodetic(39.1, 221.8, 30.0),)), ["error rally-place"]),
+    "rally point underground": (
+        replace(flight(UP, DOWN), rally=(replace(NORTH, altitude=-30.0),)),
+        ["error rally-height"],
+    ),
+    "fence around everything": (replace(flight(UP, AWAY, DOWN), fence=(AREA,)), []),
+    "fence without home": (
+        replace(flight(UP, AWAY, DOWN), fence=(FenceCircle((39.102, 121.82), 50.0),)),
+        ["error outside-fence 0", "error outside-fence 1", "error outside-fence 3"],
+    ),
+    "item outside": (
+        replace(flight(UP, waypoint(Geodetic(39.104, 121.82), 20.0), DOWN), fence=(AREA,)),
+        ["error outside-fence 2"],
+    ),
+    "item in a hole": (
+        replace(flight(UP, AWAY, DOWN), fence=(AREA, FenceCircle((39.102, 121.82), 30.0, inclusion=False))),
+        ["error outside-fence 2"],
+    ),
+    "leg through a hole": (
+        replace(flight(UP, AWAY, DOWN), fence=(AREA, FenceCircle((39.1015, 121.82), 10.0, inclusion=False))),
+        ["error outside-fence 2", "error outside-fence 3"],
+    ),
+    "crossed polygon": (
+        replace(flight(UP, DOWN), fence=(replace(AREA, vertices=tuple(AREA.vertices[n] for n in (0, 2, 1, 3))),)),
+        ["error fence-shape"],
+    ),
+    "two vertices": (
+        replace(flight(UP, DOWN), fence=(replace(AREA, vertices=AREA.vertices[:2]),)),
+        ["error fence-shape"],
+    ),
+    "circle without a radius": (
+        replace(flight(UP, DOWN), fence=(FenceCircle((39.1, 121.8), 0.0),)),
+        ["error fence-place"],
+    ),
+    "fence in another country": (
+        replace(flight(UP, DOWN), fence=(FenceCircle((47.4, 8.5), 500.0),)),
+        ["error fence-place"],
+    ),
+    "rally point outside": (
+        replace(flight(UP, AWAY, DOWN), fence=(AREA,), rally=(Geodetic(39.12, 121.82, 30.0),)),
+        ["error outside-fence", "error outside-fence 3"],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", FOUND)
+def test_what_is_wrong_is_found_at_its_item(case: str) -> None:
+    mission, findings = FOUND[case]
+    assert found(check_mission(mission)) == findings
+
+
+def test_findings_are_worded_as_in_the_file_that_has_their_words(tmp_path: Path) -> None:
+    lines = (f"{case} | {finding}\n" for case, (mission, _) in FOUND.items() for finding in check_mission(mission))
+    (tmp_path / WORDS.name).write_text("".join(lines), encoding="utf-8")
+    assert WORDS.read_text(encoding="utf-8") == (tmp_path / WORDS.name).read_text(encoding="utf-8"), tmp_path
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "inside_one_is_enough"), [(PX4, True), (ARDUPILOT, False)], ids=["union", "intersection"]
+)
+def test_two_areas_to_stay_in_mean_what_the_firmware_means(autopilot: Autopilot, inside_one_is_enough: bool) -> None:
+    areas = (FenceCircle((39.101, 121.82), 80.0), FenceCircle((39.102, 121.82), 80.0))
+    mission = replace(flight(UP, AWAY, DOWN, autopilot=autopilot), fence=areas)
+    assert (not check_mission(mission)) == inside_one_is_enough
+
+
+LIMITS = [
+    (ARDUPILOT, lambda m, n: replace(m, items=(UP, *[AWAY] * (n - 3), DOWN)), 650, "mission items"),
+    (PX4, lambda m, n: replace(m, items=(UP, *[AWAY] * (n - 2), DOWN)), 10_000, "mission items"),
+    (ARDUPILOT, lambda m, n: replace(m, fence=(FenceCircle((39.101, 121.82), 900.0),) * n), 70, "fence items"),
+    (PX4, lambda m, n: replace(m, fence=(FenceCircle((39.101, 121.82), 900.0),) * n), 64, "fence items"),
+    (ARDUPILOT, lambda m, n: replace(m, rally=(replace(NORTH, altitude=30.0),) * n), 46, "rally points"),
+    (PX4, lambda m, n: replace(m, rally=(replace(NORTH, altitude=30.0),) * n), 32, "rally points"),
+]
+
+
+@pytest.mark.parametrize(("autopilot", "fill", "most", "what"), LIMITS)
+def test_what_is_over_the_limit_is_an_error_and_what_is_at_it_is_not(
+    autopilot: Autopilot, fill: Callable[[Mission, int], Mission], most: int, what: str
+) -> None:
+    empty = flight(UP, AWAY, DOWN, autopilot=autopilot)
+    assert check_mission(fill(empty, most)) == ()
+    (finding,) = check_mission(fill(empty, most + 1))
+    assert found([finding]) == ["error too-many"]
+    assert re.search(rf"at most {most} {what}.* not {most + 1}$", finding.message)
+
+
+def test_what_is_too_long_for_its_autopilot_is_refused_before_its_flight_is_predicted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Mission] = []
+    monkeypatch.setattr(Forecast, "promise_if_known", property(lambda forecast: asked.append(forecast.mission)))
+    scenario = read_scenario(SHIPPED / "campus.toml")
+    for items, predicted in ((647, 1), (648, 0)):
+        mission = flight(UP, *[AWAY] * items, DOWN, autopilot=ARDUPILOT)
+        refused = "error too-many" in found(check_mission(mission, scenario))
+        assert (len(asked), refused) == (predicted, not predicted)
+        asked.clear()
+
+
+@pytest.mark.parametrize(("name", "autopilot"), [("corners-ardupilot", ARDUPILOT), ("hold-px4", PX4)])
+def test_a_mission_that_was_flown_is_found_without_fault(name: str, autopilot: Autopilot) -> None:
+    assert check_mission(read_mission(FILES / f"{name}.waypoints", autopilot)) == ()
+
+
+FLIGHTS = Path(__file__).parents[1] / "flights"
+
+
+def test_every_recorded_mission_is_found_without_fault() -> None:
+    found = {
+        path.parent.name: check_mission(read_mission(path, autopilot_named(path.parent.name.rsplit("-", 1)[1])))
+        for path in FLIGHTS.glob("*/mission.waypoints")
+    }
+    assert len(found) > 40
+    assert not {name: findings for name, findings in found.items() if findings}
+
+
+@given(mission=missions())
+def test_whatever_a_file_can_hold_is_checked_without_falling_over(mission: Mission) -> None:
+    findings = check_mission(mission)
+    order = [finding.severity is Severity.WARNING for finding in findings]
+    assert order == sorted(order), "errors come first"
+    assert all(finding.seq is None or 0 <= finding.seq <= len(mission.items) for finding in findings)
+
+
+def test_both_autopilots_take_the_missions_that_the_package_makes() -> None:
+    for autopilot in registered():
+        for ending in (return_to_launch(), land(NORTH)):
+            assert (
+                check_mission(flight(UP, change_speed(8.0), AWAY, waypoint(EAST, 30.0), ending, autopilot=autopilot))
+                == ()
+            )
+    assert check_mission(flight(UP, spline_waypoint(NORTH, 20.0), DOWN, autopilot=ARDUPILOT)) == ()

@@ -1,0 +1,137 @@
+"""RTL from the middle of a mission: how far the real ones flew on, and what stands in the way home."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.checks.failsafe_return import RETURNS, broken_returns, check_failsafe_return
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.stops import Stops, stops_of
+from ipoa_mission.planning.proof import prove
+from ipoa_mission.routing.build import build_mission
+from ipoa_mission.routing.route import Route
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
+
+FLOWN = list(csv.DictReader(Path("docs/returns.csv").read_text().splitlines()))
+ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])
+BESIDE = {"ardupilot": 0.3, "px4": 3.2}  # [m]
+
+
+@pytest.mark.parametrize("row", FLOWN, ids=lambda row: f"{row['autopilot']}-{row['scenario']}-{row['speed']}")
+def test_real_vehicles_fly_on_no_farther_than_is_counted(row: dict[str, str]) -> None:
+    autopilot, speed = autopilot_named(row["autopilot"]), float(row["speed"])
+    gains, waits = max(float(row["gaining"]), 0.0), autopilot.guidance.brakes_after
+    then = np.array([speed + gains * waits])
+    counted = waits * (speed + gains * waits / 2) + autopilot.braking_distance({}, then, np.array([gains]))[0]
+    assert -1.1 <= counted - float(row["flown_on"]) <= 4.1
+    assert float(row["beside"]) <= BESIDE[row["autopilot"]]
+
+
+def scene(autopilot: Autopilot, *obstacles: str) -> Scenario:
+    text = f"""
+    safety_distance = 2.0
+    home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
+    start = {{ east = 0.0, north = 0.0, up = 20.0 }}
+    goal = {{ east = 100.0, north = 0.0, up = 20.0 }}
+    bounds = {{ east = [-50.0, 150.0], north = [-80.0, 50.0], up = [-5.0, 60.0] }}
+    vehicle = {{ radius = 0.5, autopilot = "{autopilot}" }}
+    {"".join(f"[[obstacles]]{chr(10)}{body}{chr(10)}" for body in obstacles)}
+    """
+    return parse_scenario(text, Path("scene.toml"))
+
+
+HALL = 'kind = "box"\nname = "hall"\neast = 50.0\nnorth = 0.0\nwidth = 20.0\ndepth = 20.0\nheight = 45.0'
+LOW_HALL = HALL.replace("45.0", "12.0")
+BALL = 'kind = "sphere"\nname = "balloon"\neast = 50.0\nnorth = 0.0\nup = 25.0\nradius = 10.0'
+WALL = 'kind = "box"\nname = "wall"\neast = 0.0\nnorth = -43.8\nwidth = 30.0\ndepth = 2.0\nheight = 45.0'
+
+
+def flight_in(scenario: Scenario) -> Forecast:
+    return Forecast(build_mission(Route(ROUND_THE_HALL), scenario), scenario)
+
+
+@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize(("body", "clears"), [(HALL, 50.0), (BALL, 40.0)], ids=["hall", "balloon"])
+def test_what_stands_in_the_way_home_is_named_with_a_height_that_clears_it(
+    autopilot: Autopilot, body: str, clears: float
+) -> None:
+    scenario = scene(autopilot, body)
+    forecast = flight_in(scenario)
+    (finding,) = check_failsafe_return(forecast)
+    by = autopilot.book.return_height
+    name, unit = by.name, by.unit
+    assert finding.code == "return-too-near"
+    assert finding.hint is not None
+    words = finding.hint.split()
+    assert words[:2] == [name, "="]
+    assert float(words[2]) * unit == clears
+    assert not list(
+        check_failsafe_return(Forecast(forecast.mission.with_parameters({name: float(words[2])}), scenario))
+    )
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_clear_way_home_is_nothing_to_speak_of(autopilot: Autopilot) -> None:
+    assert not list(check_failsafe_return(flight_in(scene(autopilot, LOW_HALL))))
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_no_height_helps_where_it_brakes_into_a_wall(autopilot: Autopilot) -> None:
+    (braking,) = check_failsafe_return(flight_in(scene(autopilot, WALL)))
+    assert braking.code == "return-too-near"
+    assert "from wall" in braking.message
+    assert braking.hint is None
+
+
+@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("height", [22.0, 33.0, 41.0])
+def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_not(
+    autopilot: Autopilot, height: float
+) -> None:
+    scenario = scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0"))
+    forecast = flight_in(scenario)
+    stops = stops_of(forecast)
+    sources = stops.stands if autopilot is Autopilot.ARDUPILOT else np.concatenate([stops.places, stops.stands])
+    seqs = np.resize(stops.seqs, len(sources))
+    (ways,) = forecast.returns_from(sources)
+    single = {
+        int(seq)
+        for seq, way in zip(seqs, ways, strict=True)
+        if any(c.slack < -0.02 for c in prove(way[1:], scenario).checks if c.limit == "obstacles")
+    }
+    assert {one.seq for one in broken_returns(forecast, stops) if one.part == RETURNS} == single
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
+    text = (Path("missions/mountains.toml").read_text()).replace('"px4"', f'"{autopilot}"')
+    scenario = parse_scenario(text, Path("missions/mountains.toml"))
+    start, goal = scenario.places[0], scenario.places[-1]
+    high = np.array([start, [start[0], start[1], 95.0], [goal[0], goal[1], 95.0], goal])
+    mission = build_mission(Route(high), scenario)
+    (finding,) = check_failsafe_return(Forecast(mission, scenario))
+    assert finding.code == "return-too-near"
+    assert finding.hint is not None
+    name, _, value, *_ = finding.hint.split()
+    assert not list(check_failsafe_return(Forecast(mission.with_parameters({name: float(value)}), scenario)))
+
+
+def test_a_place_that_is_not_left_is_no_way() -> None:
+    scenario = scene(Autopilot.PX4, HALL)
+    forecast = flight_in(scenario)
+    at = np.array([[100.0, 0.0, 20.0]] * 2)
+    (broken,) = broken_returns(forecast, Stops(np.arange(2.0), at, at, np.array([4, 4])))
+    assert (broken.seq, broken.part, broken.check.nearest.what) == (4, RETURNS, "hall")
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_ordered(autopilot: Autopilot) -> None:
+    """The hall is beside the way home from where the vehicle stands, and in that from halfway back."""
+    scenario = scene(autopilot, HALL)
+    forecast = flight_in(scenario)
+    places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
+    broken = list(broken_returns(forecast, Stops(np.arange(2.0), places, stands, np.array([4, 4]))))
+    assert [one.part for one in broken] == ([RETURNS] if autopilot is Autopilot.PX4 else [])

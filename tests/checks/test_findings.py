@@ -1,0 +1,90 @@
+"""The codes of findings: each is of a rule, the page has them all, and none of a crash can be ignored."""
+
+import ast
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import ipoa_mission
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.sarif import sarif
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Mission, takeoff, waypoint
+from ipoa_mission.rules import RULES
+from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.vehicles.version import Version
+from ipoa_mission.world.frame import Geodetic
+from tools import REPOSITORY
+from tools.generate import findings
+
+PACKAGE = Path(ipoa_mission.__file__).parent
+HOME = Geodetic(47.397742, 8.545594, 488.0)
+OPEN_END = Mission(HOME, (takeoff(HOME, 20.0), waypoint(Geodetic(47.6, 8.545594), 20.0)))
+MAKERS = {"Finding", "error", "warning", "says"}
+
+
+def codes_given() -> set[str]:
+    """The first argument of every finding that the package makes."""
+    found = set()
+    for path in [*PACKAGE.glob("checks/*.py"), *PACKAGE.glob("mission/*.py")]:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MAKERS:
+                first = node.args[0]
+                if not (path.name == "finding.py" and isinstance(first, ast.Name)):
+                    assert isinstance(first, ast.Constant), f"{path}:{node.lineno}: expected a code"
+                    found.add(str(first.value))
+    return found
+
+
+def test_every_finding_is_of_a_rule_and_every_rule_is_used() -> None:
+    assert codes_given() == set(RULES)
+
+
+def test_the_page_has_them_all() -> None:
+    assert findings.PAGE.read_text(encoding="utf-8") == findings.page(), "run python -m tools.generate.findings"
+
+
+def test_what_may_be_ignored_is_left_out_and_what_may_crash_is_not() -> None:
+    told = {finding.code for finding in check_mission(OPEN_END)}
+    assert told == {"far", "ends-in-the-air"}
+    assert {finding.code for finding in check_mission(OPEN_END, ignore=["far"])} == {"ends-in-the-air"}
+    with pytest.raises(BadInput, match="a crash may follow"):
+        check_mission(OPEN_END, ignore=["ends-in-the-air"])
+    with pytest.raises(BadInput, match="expected the code of a finding"):
+        check_mission(OPEN_END, ignore=["fax"])
+
+
+@pytest.mark.parametrize("code", RULES)
+def test_a_scenario_ignores_what_may_be_ignored(code: str) -> None:
+    scenario = {
+        "safety": {"ignore": [code]},
+        "home": {"latitude_deg": 47.4, "longitude_deg": 8.5, "altitude_amsl": 488.0},
+        "start": {"east": 0.0, "north": 0.0, "up": 10.0},
+        "goal": {"east": 50.0, "north": 0.0, "up": 10.0},
+        "bounds": {"east": [-20.0, 80.0], "north": [-20.0, 20.0], "up": [0.0, 40.0]},
+    }
+    if RULES[code].crash:
+        with pytest.raises(BadInput, match="a crash may follow"):
+            Scenario.from_dict(scenario)
+    else:
+        assert Scenario.from_dict(scenario).safety.ignored == {code}
+
+
+def test_sarif_has_each_finding_with_its_rule() -> None:
+    found = check_mission(OPEN_END)
+    (run,) = json.loads(sarif(Path("open.plan"), found))["runs"]
+    rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
+    assert [(one["ruleId"], one["level"]) for one in run["results"]] == [(f.code, str(f.severity)) for f in found]
+    assert all(rules[one["ruleIndex"]] == one["ruleId"] for one in run["results"])
+
+
+@pytest.mark.parametrize(("version", "is_told"), [(None, False), (Version(1, 16), False), (Version(1, 18), True)])
+def test_a_version_newer_than_the_measured_one_is_warned_of(version: Version | None, is_told: bool) -> None:
+    scenario = read_scenario(REPOSITORY / "missions" / "sitl.toml")
+    mission = replace(read_mission(REPOSITORY / "missions" / "sitl.plan"), firmware_version=version)
+    found = [finding for finding in check_mission(mission, scenario) if finding.code == "version-not-measured"]
+    assert len(found) == is_told
+    assert all("on 1.18.0 it is not shown to hold" in finding.message for finding in found)

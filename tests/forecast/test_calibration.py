@@ -1,0 +1,119 @@
+"""What flights keep, held against the traces of recorded flights: as many fall short as are said to.
+
+Every trace is flown along a wall on one side of it: the truth is how far it got to that side. `judged` are flights
+that came after the law was made.
+"""
+
+import csv
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest
+
+from ipoa_mission.forecast.tube.approach import Approaches
+from ipoa_mission.forecast.tube.measured import law_of
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+
+LONG = 120.0  # a flight that is longer is a long one [s]
+SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))
+
+
+@cache
+def traces(autopilot: Autopilot) -> list[tuple[bool, np.ndarray]]:
+    """Of each flight whether it is judged, and second, bend, east, north, up (n, 5)."""
+    found: dict[str, tuple[bool, list[list[float]]]] = {}
+    for row in csv.DictReader((Path(__file__).parent / "traces.csv").read_text().splitlines()):
+        if row["autopilot"] == autopilot.name:
+            numbers = [float(row[name]) for name in ("second", "across", "east", "north", "up")]
+            found.setdefault(row["flight"], (row["judged"] == "1", []))[1].append(numbers)
+    return [(judged, np.array(rows)) for judged, rows in found.values()]
+
+
+def beside_a_wall(autopilot: Autopilot, seconds: np.ndarray, across: np.ndarray) -> Approaches:
+    """A wall on one side, 10 m off, as long as the flight."""
+    law, count = law_of(autopilot), len(seconds)
+    number, far = np.zeros(count, dtype=np.intp), np.full(count, 10.0)
+    low, over = np.full(count, -20.0), np.zeros(count, dtype=bool)
+    return Approaches(law, np.arange(count), number, seconds, far, low, over, law.stretch(across), np.ones(count))
+
+
+def chances(autopilot: Autopilot, judged: tuple[bool, ...], longest: float, shortest: float = 0.0) -> np.ndarray:
+    """The chance that was given to a flight's being as near as it was, of each flight and side."""
+    found = []
+    for is_judged, rows in traces(autopilot):
+        seconds, across, level = rows[:, 0], rows[:, 1], rows[:, 2:4]
+        if is_judged in judged and shortest <= seconds[-1] < longest:
+            wall = beside_a_wall(autopilot, seconds, across)
+            found += [wall.chance(10.0 - float((level @ side).max())) for side in SIDES]
+    return np.array(found)
+
+
+def shares(found: np.ndarray) -> list[float]:
+    """Shares that fell short of what 50, 90 and 99 % keep."""
+    return [float((found <= chance).mean()) for chance in (0.5, 0.1, 0.01)]
+
+
+def test_of_short_px4_flights_as_many_fall_short_as_are_said_to() -> None:
+    found = chances(Autopilot.PX4, (False,), LONG)
+    half, ninety, most = shares(found)
+    assert len(found) >= 100
+    assert 0.35 <= half <= 0.65
+    assert 0.04 <= ninety <= 0.15
+    assert most <= 0.02
+
+
+@pytest.mark.parametrize("autopilot", list(registered()))
+@pytest.mark.parametrize("judged", [False, True])
+@pytest.mark.parametrize(("shortest", "longest"), [(0.0, LONG), (LONG, np.inf)])
+def test_of_no_group_more_fall_short_than_are_said_to(
+    autopilot: Autopilot, judged: bool, shortest: float, longest: float
+) -> None:
+    """Four sides a flight; the fewer there are the more of them chance may bring."""
+    found = chances(autopilot, (judged,), longest, shortest)
+    assert len(found) >= 12
+    for share, chance in zip(shares(found), (0.5, 0.1, 0.01), strict=True):
+        assert binomtest(round(share * len(found)), len(found), chance, "greater").pvalue > 0.05
+
+
+@pytest.mark.parametrize("autopilot", list(registered()))
+def test_a_surer_promise_and_a_longer_flight_keep_no_more(autopilot: Autopilot) -> None:
+    rng = np.random.default_rng(11)
+    for _ in range(5):
+        near = _some_pairs(autopilot, rng)
+        kept = [near.kept(chance) for chance in (0.5, 0.2, 0.1, 0.01, 0.001)]
+        assert np.all(np.diff(kept) <= 0.002)
+        assert kept[0] <= near.distance.min()
+        part = near.of(near.seconds <= 60.0)
+        assert all(part.kept(chance) >= least - 0.002 for chance, least in ((0.5, kept[0]), (0.01, kept[3])))
+        least = np.array([near.chance(float(far)) for far in np.linspace(-2.0, 6.0, 50)])
+        assert np.all(np.diff(least) >= -1e-12)
+
+
+@pytest.mark.parametrize("autopilot", list(registered()))
+def test_the_chance_of_a_flight_is_no_more_than_the_sum_of_its_moments(autopilot: Autopilot) -> None:
+    rng = np.random.default_rng(12)
+    for _ in range(5):
+        near = _some_pairs(autopilot, rng)
+        for kept in (0.5, 1.5, 2.5):
+            each = [near.of(np.arange(len(near.piece)) == n).chance(kept) for n in range(len(near.piece))]
+            assert max(each) <= near.chance(kept) + 1e-12 <= sum(each) + 2e-12
+
+
+def test_twice_as_long_a_survey_keeps_centimetres_less() -> None:
+    """Beside a wall for 800 and 1600 s, as beside the trees of 100 and 200 legs."""
+    flights = [beside_a_wall(Autopilot.PX4, np.arange(0.0, length), np.zeros(int(length))) for length in (800, 1600)]
+    short, long = (10.0 - flight.kept(0.01) for flight in flights)
+    assert short < long < short + 0.2
+    assert long < 2.6
+
+
+def _some_pairs(autopilot: Autopilot, rng: np.random.Generator) -> Approaches:
+    """Forty moments in two minutes at one of five obstacles, from beside, over or under them."""
+    law, count = law_of(autopilot), 40
+    numbers, seconds = rng.integers(0, 5, count), rng.uniform(0.0, 120.0, count)
+    aside, above = rng.uniform(-1.0, 6.0, count), rng.uniform(-1.0, 6.0, count)
+    away = np.where((aside < 0) & (above < 0), 3.0, aside)
+    over, stretch = rng.random(count) < 0.5, law.stretch(rng.uniform(0.0, 3.0, count))
+    return Approaches(law, np.arange(count), numbers, seconds, away, above, over, stretch, np.ones(count))

@@ -1,0 +1,129 @@
+"""How a flight can end: every second of it, and what each way to end it keeps."""
+
+import json
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
+from ipoa_mission.checks.unsafe import Unsafe
+from ipoa_mission.cli.app import app
+from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.ending import Ending
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+LOOKED_AT = (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD)
+
+
+def forecast_of(name: str, **parameters: float) -> Forecast:
+    mission = read_mission(MISSIONS / f"{name}.plan").with_parameters(parameters)
+    return Forecast(mission, read_scenario(MISSIONS / f"{name}.toml"))
+
+
+@pytest.fixture(scope="module")
+def campus() -> Endings:
+    return Endings(forecast_of("campus"))
+
+
+@pytest.fixture(scope="module")
+def sitl() -> Endings:
+    return Endings(forecast_of("sitl"))
+
+
+@pytest.mark.parametrize("ending", LOOKED_AT)
+def test_every_second_in_the_air_is_in_some_row(campus: Endings, ending: Ending) -> None:
+    rows = campus.rows(ending, timed=False)
+    assert all(one.to_s == other.from_s for one, other in pairwise(rows))
+    assert rows[0].from_s < 6.0
+    assert campus.forecast.estimate.total_s - rows[-1].to_s < 6.0
+
+
+def test_the_first_example_comes_home_clear_from_every_second(campus: Endings) -> None:
+    (row,) = campus.rows(Ending.RTL)
+    assert row.clear
+    assert row.goal == "home"
+    assert row.duration_s is not None
+    assert 0.0 < row.duration_s[0] < row.duration_s[1]
+
+
+def test_land_where_it_is_may_be_on_a_roof(campus: Endings) -> None:
+    (over,) = (row for row in campus.rows(Ending.LAND, timed=False) if not row.clear)
+    assert over.to == "auditorium"
+    assert over.least_m < 0.0
+
+
+def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Endings) -> None:
+    row = next(row for row in sitl.rows(Ending.RTL, timed=False) if not row.clear)
+    assert (row.to, row.goal) == ("mast", "home")
+    high = Endings(forecast_of("sitl", RTL_RETURN_ALT=80.0))
+    unclear = [row for row in high.rows(Ending.RTL, timed=False) if not row.clear]
+    assert all(row.to_s - row.from_s < 3.0 for row in unclear)  # where it brakes at a corner no height helps
+
+
+@settings(max_examples=40)
+@given(share=st.floats(0.0, 1.0), ending=st.sampled_from([Ending.RTL, Ending.LAND, Ending.HOLD]))
+def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
+    campus: Endings, share: float, ending: Ending
+) -> None:
+    times = campus.stops.times
+    time = float(times[0] + share * (times[-1] - times[0]))
+    row = next(row for row in campus.rows(ending, timed=False) if row.from_s <= time <= row.to_s)
+    place, stand = campus.stops.at(time)
+    way = {Ending.HOLD: [place, stand], Ending.LAND: [place, stand, np.array([*stand[:2], 0.0])]}.get(
+        ending, [place, *campus.forecast.returns_from(stand[None])[0, 0]]
+    )
+    dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
+    distance = campus.forecast.world.airspace.obstacle_distance(dense).min()
+    assert not row.clear or distance >= row.required_m
+
+
+@pytest.mark.parametrize(("autopilot", "name"), [(Autopilot.PX4, "sitl")])
+def test_a_return_that_is_not_modeled_is_not_called_clear(autopilot: Autopilot, name: str) -> None:
+    (row,) = Endings(forecast_of(name, RTL_TYPE=2.0)).rows(Ending.RTL)
+    assert not row.clear
+    assert math.isnan(row.least_m)
+    assert row.goal == "unknown"
+
+
+def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path) -> None:
+    text = (MISSIONS / "sitl.toml").read_text(encoding="utf-8")
+    (tmp_path / "planned.toml").write_text(
+        text.replace("[vehicle]", '[vehicle]\nautopilot = "ardupilot"').replace('autopilot = "px4"\n', "")
+        + '\n[safety]\nreturns = "planned"\n',
+        encoding="utf-8",
+    )
+    flight = plan_flight(read_scenario(tmp_path / "planned.toml"), seed=0)
+    assert flight.mission.parameters["RTL_ALT"] > 3000.0
+    assert any("RTL is clear from every second" in remark for remark in flight.remarks)
+    assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
+
+
+def test_where_no_altitude_helps_the_refusal_has_the_stretch(tmp_path: Path) -> None:
+    text = (MISSIONS / "sitl.toml").read_text(encoding="utf-8")
+    (tmp_path / "refused.toml").write_text(text + '\n[safety]\nreturns = "planned"\n', encoding="utf-8")
+    with pytest.raises(Unsafe, match=r"RTL from \d+\.\d to \d+\.\d s after arming keeps .* required") as refused:
+        plan_flight(read_scenario(tmp_path / "refused.toml"), seed=0)
+    assert "vehicle.cruise_speed" in str(refused.value.hint)
+
+
+def test_check_tells_endings_and_what_leads_to_them() -> None:
+    words = ["check", str(MISSIONS / "sitl.plan"), "--scenario", str(MISSIONS / "sitl.toml"), "--endings"]
+    told = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
+    assert {row["ending"] for row in told["endings"]} == {str(ending) for ending in LOOKED_AT}
+    assert {"cause": "radio control lost", "parameter": "NAV_RCL_ACT", "value": 2.0} in [
+        {key: one[key] for key in ("cause", "parameter", "value")} for one in told["failsafes"]
+    ]
+    assert "stretches are not clear" in CliRunner().invoke(app, words).output
+
+
+def test_endings_depend_on_a_world() -> None:
+    ended = CliRunner().invoke(app, ["check", str(MISSIONS / "sitl.plan"), "--endings"])
+    assert isinstance(ended.exception, BadInput)

@@ -1,0 +1,131 @@
+"""The estimate as a whole: what it numbers, how it follows jumps, what it refuses."""
+
+import math
+import re
+from dataclasses import replace
+
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.forecast import estimate as predict
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.items import (
+    Item,
+    Mission,
+    change_speed,
+    land,
+    return_to_launch,
+    spline_waypoint,
+    takeoff,
+    waypoint,
+)
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(39.101, 121.82, 20.0)
+EAST = Geodetic(39.101, 121.821, 20.0)
+
+
+def estimate(mission: Mission, parameters: Parameters | None = None) -> Estimate:
+    return predict(mission, parameters or {}, fast=mission.autopilot is Autopilot.PX4)
+
+
+def out_and_back(autopilot: Autopilot, *between: Item) -> Mission:
+    items = (takeoff(HOME, 20.0), waypoint(HOME, 20.0), *between, waypoint(EAST, 20.0), return_to_launch())
+    return Mission(HOME, items, autopilot)
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_items_are_numbered_as_in_the_file_and_done_in_order(autopilot: Autopilot) -> None:
+    found = estimate(out_and_back(autopilot, change_speed(8.0)))
+    assert [item.seq for item in found.items] == [1, 2, 3, 4, 5]
+    times = [item.done_s for item in found.items]
+    assert times == sorted(times)
+    assert found.total_s == times[-1]
+    assert all(item.low_s <= item.done_s <= item.high_s for item in found.items)
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_jump_is_flown_as_often_as_it_asks(autopilot: Autopilot) -> None:
+    once = estimate(out_and_back(autopilot))
+    jump = Item(Command.DO_JUMP, Frame.MISSION, (2.0, 2.0, 0.0, 0.0))
+    mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), jump), autopilot)
+    found = estimate(mission)
+    assert [item.seq for item in found.items] == [1, 2, 3, 2, 3, 2, 3]
+    leg = once.items[2].duration_s
+    assert found.total_s == pytest.approx(once.items[1].done_s + 5 * leg, rel=0.15)
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_loop_without_end_has_no_time(autopilot: Autopilot) -> None:
+    jump = Item(Command.DO_JUMP, Frame.MISSION, (2.0, -1.0, 0.0, 0.0))
+    with pytest.raises(BadInput, match=r"items\[2\].param2: the jump never ends"):
+        estimate(out_and_back(autopilot, jump))
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_hold_lasts_at_least_as_long_as_it_says(autopilot: Autopilot) -> None:
+    plain = estimate(out_and_back(autopilot))
+    mission = out_and_back(autopilot)
+    held = replace(mission, items=(*mission.items[:1], waypoint(HOME, 20.0, hold_s=30.0), *mission.items[2:]))
+    assert estimate(held).items[1].duration_s - plain.items[1].duration_s == pytest.approx(30.0, abs=1.0)
+    assert estimate(held).total_s - plain.total_s == pytest.approx(30.0, abs=4.0)
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_parameters_count_by_the_autopilots_own_names_and_others_are_passed_over(autopilot: Autopilot) -> None:
+    mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), land(EAST)), autopilot)
+    slow = {Autopilot.ARDUPILOT: {"WPNAV_SPEED": 200.0}, Autopilot.PX4: {"MPC_XY_CRUISE": 2.0}}[autopilot]
+    other = {Autopilot.ARDUPILOT: "FRAME_CLASS", Autopilot.PX4: "SYS_AUTOSTART"}[autopilot]
+    assert estimate(mission, {**slow, other: 7.0}).total_s > estimate(mission).total_s + 10.0
+    with pytest.raises(BadInput, match="NONSENSE"):
+        estimate(mission, {**slow, "NONSENSE": 7.0})
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_the_route_is_held_against_the_least_time_on_its_path(autopilot: Autopilot) -> None:
+    """86.4 m at 5 m/s, from rest to rest: 17.3 s and one acceleration, and a little of its jerk."""
+    items = (takeoff(HOME, 20.0), change_speed(5.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), return_to_launch())
+    found = estimate(Mission(HOME, items, autopilot))
+    accel = {Autopilot.ARDUPILOT: 2.5, Autopilot.PX4: 3.0}[autopilot]
+    assert found.route.seconds == pytest.approx(found.items[3].done_s - found.items[0].done_s)
+    assert 86.4 / 5.0 + 5.0 / accel < found.route.least < 86.4 / 5.0 + 5.0 / accel + 4.0
+    assert found.route.ratio == found.route.seconds / found.route.least > 1.0
+    assert math.isnan(estimate(Mission(HOME, (takeoff(HOME, 20.0),), autopilot)).route.seconds)
+
+
+def test_no_route_takes_less_than_the_least() -> None:
+    """ArduCopter follows splines over a crest faster down than it may: what it takes is then the least."""
+    heights = {243: 55.0, 271: 44.0, 294: 22.0, 318: 10.0}
+    places = [(Geodetic(39.101, 121.82 + east * 1e-5, 20.0), up) for east, up in heights.items()]
+    items = (
+        takeoff(HOME, 55.0),
+        change_speed(9.0),
+        *(spline_waypoint(*place) for place in places),
+        land(places[-1][0]),
+    )
+    route = estimate(Mission(HOME, items, Autopilot.ARDUPILOT)).route
+    assert route.least == route.seconds
+    assert route.ratio == 1.0
+
+
+def test_a_result_is_one_line_to_look_at() -> None:
+    assert re.fullmatch(
+        r"<Estimate: [\d.]+ s, between \d+ and \d+; 4 items>", repr(estimate(out_and_back(Autopilot.PX4)))
+    )
+
+
+def test_quite_another_number_is_quoted_for_qgroundcontrol() -> None:
+    mission = replace(out_and_back(Autopilot.PX4), cruise_speed=10.0)
+    distance = 86.4  # 0.001 degrees of longitude at 39.1 north, on a sphere of 6371 km
+    expected = 20.0 / 3.0 + distance / 10.0 + distance / 10.0 + 20.0 / 1.0
+    assert estimate(mission).qgroundcontrol_s == pytest.approx(expected, abs=0.2)
+
+
+def test_a_structure_scans_height_counts_as_way_with_qgroundcontrol() -> None:
+    mission = replace(out_and_back(Autopilot.PX4), cruise_speed=10.0)
+    scan = replace(mission, scanned=((1, 28.0),))
+    assert qgroundcontrol_time(scan) - qgroundcontrol_time(mission) == pytest.approx(28.0 / 10.0)

@@ -1,0 +1,226 @@
+"""The tube: held against recorded passes of real autopilots, and its chances against what can be written down."""
+
+import csv
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.forecast.tube.approach import approaches
+from ipoa_mission.forecast.tube.limits import NO_TUBE, limits_kept, rim_of
+from ipoa_mission.forecast.tube.measured import law_of, not_measured
+from ipoa_mission.forecast.tube.pieces import Pieces
+from ipoa_mission.forecast.tube.room import with_room
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import NoPath
+from ipoa_mission.progress import silent
+from ipoa_mission.routing.seek import plan_with_room
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.px4_multicopter.tube import LAW as PX4
+from ipoa_mission.wind import Wind
+from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
+from ipoa_mission.world.terrain import Flat
+from tests.quick_search import search_quickly
+
+PASSES = list(csv.DictReader((Path(__file__).parent / "passes.csv").read_text().splitlines()))
+SIDES = ("east", "north", "west", "south")
+AIR = Bounds((-500.0, -500.0, -10.0), (500.0, 500.0, 200.0))
+
+
+def beside(autopilot: Autopilot, later: str) -> np.ndarray:
+    """How far each recorded pass on the way led to each side, as if it had been straight [m]."""
+    rows = [r for r in PASSES if r["autopilot"] == autopilot.name and r["on_the_way"] == "1" and r["later"] in later]
+    across = np.array([float(row["across"]) for row in rows])
+    sides = np.array([[float(row[side]) for side in SIDES] for row in rows])
+    return np.asarray((sides / law_of(autopilot).stretch(across)[:, None]).ravel())
+
+
+def straight(*obstacles: Obstacle, seconds: float = 3.9, height: float = 20.0) -> tuple[Pieces, Airspace]:
+    """A course east at 5 m/s, a piece every half a metre."""
+    times = np.arange(0.0, seconds, 0.1)
+    points = np.column_stack([5 * times, np.zeros(len(times)), np.full(len(times), height)])
+    return Pieces(times, points, np.zeros(len(times)), np.zeros(len(times) - 1)), Airspace(AIR, Flat(), obstacles)
+
+
+def wall(distance: float, length: float = 100.0) -> Obstacle:
+    return box("wall", (-length, distance, 0.0), (length, distance + 5.0, 60.0))
+
+
+@pytest.mark.parametrize("autopilot", list(registered()))
+@pytest.mark.parametrize("chance", [0.1, 0.05, 0.01, 0.002])
+def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot: Autopilot, chance: float) -> None:
+    """In the four seconds of a pass there are a moment's chance and one more for each memory."""
+    found, law = beside(autopilot, "01"), law_of(autopilot)
+    assert len(found) >= 600
+    assert (found > law.level.distance(chance)).mean() <= (1 + 4.0 / law.memory) * chance
+
+
+@pytest.mark.parametrize("side", ["down", "up"])
+def test_heights_of_whole_flights_keep_to_their_quantiles(side: str) -> None:
+    most: dict[str, float] = {}
+    for row in PASSES:
+        if row["autopilot"] == "px4" and row["on_the_way"] == "1":
+            most[row["flight"]] = max(most.get(row["flight"], 0.0), float(row[side]))
+    spread = PX4.lowest if side == "down" else PX4.highest
+    for chance in (0.1, 0.05, 0.01):
+        assert np.mean(np.array(list(most.values())) > spread.distance(chance)) <= chance
+
+
+def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
+    course, world = straight(wall(5.0))
+    near = approaches(course, world, PX4, 4.0)
+    for kept in (3.5, 4.0, 4.5):
+        assert near.chance(kept) == pytest.approx(float(PX4.level.chance(np.array([5.0 - kept]))[0]), rel=1e-6)
+    assert near.kept(0.01) == pytest.approx(5.0 - PX4.level.distance(0.01), abs=0.002)
+
+
+def test_two_walls_add_up_and_two_passes_are_two_draws() -> None:
+    one, world = straight(wall(5.0))
+    once = approaches(one, world, PX4, 4.0).chance(3.5)
+    both = straight(wall(5.0), wall(-10.0))[1]
+    assert approaches(one, both, PX4, 4.0).chance(3.5) == pytest.approx(2 * once, rel=1e-6)
+    longer = straight(seconds=7.9)[0]
+    assert approaches(longer, world, PX4, 4.0).chance(3.5) == pytest.approx(1 - (1 - once) ** 2, rel=1e-6)
+
+
+def test_over_a_roof_the_height_counts_and_it_stays_wrong_for_a_whole_flight() -> None:
+    roof = box("hall", (-100.0, -50.0, 0.0), (5000.0, 50.0, 15.0))
+    course, world = straight(roof)
+    moment, flight = (5.0 - spread.distance(0.01) for spread in (PX4.down, PX4.lowest))
+    assert approaches(course, world, PX4, 3.0).kept(0.01) == pytest.approx(moment, abs=0.002)
+    for seconds in (399.9, 799.9):
+        course = straight(seconds=seconds)[0]
+        assert approaches(course, world, PX4, 3.0).kept(0.01) == pytest.approx(flight, abs=0.002)
+
+
+def test_a_bend_widens_the_tube() -> None:
+    course, world = straight(wall(5.0))
+    bent = replace(course, across=np.full(len(course.across), PX4.turn))
+    assert approaches(bent, world, PX4, 4.0).kept(0.01) == pytest.approx(5.0 - 2 * PX4.level.distance(0.01), abs=0.002)
+
+
+@pytest.mark.parametrize("obstacle", [wall(4.0), Sphere("balloon", (8.0, 9.0, 26.0), 5.0)])
+def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle) -> None:
+    """Drawn flights are moved to one side as a whole: of those, no more than the chance come nearer than is kept."""
+    course, world = straight(obstacle)
+    rng = np.random.default_rng(7)
+    size = np.array([PX4.level.distance(chance) for chance in rng.uniform(1e-6, 1.0, 400)])
+    ends = course.points[[0, -1]]  # of a straight course
+    flown = [world.obstacle_clearance(ends + np.array([0.0, moved, 0.0])).distance for moved in size]
+    for chance in (0.05, 0.2):
+        kept = approaches(course, world, PX4, 3.0).kept(chance)
+        assert np.mean(np.array(flown) < kept) <= chance + 2 * np.sqrt(chance / 400)
+
+
+def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
+    scenario = scenario_of()
+    path = np.array([[0.0, 0.0, 20.0], [100.0, 0.0, 20.0]])
+    rim = rim_of(PX4, 0.01)
+    nominal = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, NO_TUBE)}
+    kept = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, rim)}
+    assert kept["ground"] == pytest.approx(nominal["ground"] - rim.down)
+    assert kept["ceiling"] == pytest.approx(nominal["ceiling"] + rim.up)
+
+
+def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Callable[[], Scenario]) -> None:
+    scenario = scenario_of()
+    roomy = with_room(scenario, 1.0)
+    by = PX4.level.distance(0.01)
+    far, near = roomy.airspace.obstacles
+    assert isinstance(far, Cylinder)
+    assert isinstance(near, Cylinder)
+    assert far.radius == pytest.approx(5.0 + by)
+    assert near.radius < 5.0 + 1.0
+    safety = scenario.safety.model_copy(update={"confidence": "nominal"})
+    nominal = scenario.model_copy(update={"safety": safety})
+    assert with_room(nominal, 1.0) is nominal
+
+
+def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_places_are() -> None:
+    slope = {"kind": "grid", "east": -50.0, "north": -50.0, "spacing": 200.0, "heights": [[0.0, 800.0], [0.0, 800.0]]}
+    table = {
+        "home": {"latitude_deg": 47.0, "longitude_deg": 8.0},
+        "start": {"east": 0.0, "north": 0.0, "height_above_ground": 12.0},
+        "goal": {"east": 100.0, "north": 0.0, "height_above_ground": 20.0},
+        "vehicle": {"autopilot": "px4", "radius": 0.5},
+        "terrain": slope,
+    }
+    scenario = Scenario.model_validate(table)
+    least, rim = scenario.limits.height_above_ground, rim_of(PX4, 0.01)
+    wanted = least + rim.down + 4.0 * rim.level
+    assert with_room(scenario, 1.0).limits.height_above_ground == pytest.approx(wanted)
+    assert with_room(scenario, 1.0, share=0.5).limits.height_above_ground == pytest.approx((least + 12.0) / 2)
+    assert with_room(scenario, 1.0, share=0.1).limits.height_above_ground == pytest.approx(least + rim.down)
+
+
+def test_where_there_is_no_path_none_with_more_room_is_sought(
+    scenario_of: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """These two poles leave no gap that could be kept open: what is left is the path without room, to tell why."""
+    sought = []
+
+    def nowhere(task: Scenario, **_: object) -> Plan:
+        sought.append(task)
+        raise NoPath("closed")
+
+    monkeypatch.setattr("ipoa_mission.routing.seek.plan_path", nowhere)
+    with pytest.raises(NoPath, match="closed"):
+        plan_with_room(scenario := scenario_of(), 0, silent)
+    assert len(sought) == 2
+    assert sought[-1] is scenario
+
+
+@pytest.fixture
+def scenario_of() -> Callable[[], Scenario]:
+    def make() -> Scenario:
+        pole = {"kind": "cylinder", "name": "pole", "radius": 5.0, "height": 60.0}
+        return Scenario.model_validate(
+            {
+                "home": {"latitude_deg": 47.0, "longitude_deg": 8.0},
+                "start": {"east": 0.0, "north": 0.0, "up": 20.0},
+                "goal": {"east": 100.0, "north": 0.0, "up": 20.0},
+                "planning": {"max_height_above_ground": 60.0},
+                "vehicle": {"autopilot": "px4", "radius": 0.5},
+                "obstacles": [pole | {"east": 50.0, "north": 30.0}, pole | {"east": 100.0, "north": 7.0}],
+            }
+        )
+
+    return make
+
+
+def test_a_spread_is_turned_round() -> None:
+    for distance in (0.1, 0.7, 1.9, 4.0):
+        assert PX4.level.distance(float(PX4.level.chance(np.array([distance]))[0])) == pytest.approx(distance)
+
+
+def test_wind_widens_the_tube_and_chooses_the_route(
+    scenario_of: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search_quickly(monkeypatch.setattr)
+    calm, windy = law_of(Autopilot.ARDUPILOT), law_of(Autopilot.ARDUPILOT, 8.0)
+    assert windy.level.distance(0.01) == pytest.approx(calm.level.distance(0.01) + 0.48)
+    assert (windy.down.distance(0.01), windy.up.distance(0.01)) > (calm.down.distance(0.01), calm.up.distance(0.01))
+    scenario = scenario_of().model_copy(update={"obstacles": ()})
+    flights = [plan_flight(scenario, wind=wind) for wind in (None, Wind(5.0, 270.0), Wind(5.0, 90.0))]
+    times = [flight.estimate.route.seconds for flight in flights]
+    assert times[1] < times[0] < times[2]  # eastwards with a west wind, and against one
+    for autopilot, strongest in ((Autopilot.ARDUPILOT, 8), (Autopilot.PX4, 6)):
+        assert not_measured(autopilot, strongest) is None
+        words = f"up to {strongest} m/s: what its flights keep in 9 m/s is extrapolated"
+        assert words in str(not_measured(autopilot, 9.0))
+    assert plan_flight(scenario.in_wind(Wind(5.0, 270.0))).estimate.total_s == flights[1].estimate.total_s
+
+
+def test_waypoints_that_an_autopilot_does_not_fly_are_refused_before_the_tube_is_looked_at(
+    scenario_of: Callable[[], Scenario],
+) -> None:
+    scenario = scenario_of()
+    route = scenario.route.model_copy(update={"mode": "spline"})
+    with pytest.raises(BadInput, match=r"route\.mode: .*only ArduPilot flies spline waypoints"):
+        plan_flight(scenario.model_copy(update={"route": route}))

@@ -1,0 +1,106 @@
+"""Both autopilots in wind: flights in their simulators, of which nothing was fitted; and winds too strong for them."""
+
+import numpy as np
+import pytest
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
+from ipoa_mission.simulator.conditions import Conditions
+from ipoa_mission.simulator.flight import SimulatedFlight
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.frame import Geodetic
+from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
+
+FLOWN = read_flights(Autopilot.ARDUPILOT, IN_WIND)
+PX4_FLOWN = read_flights(Autopilot.PX4, IN_WIND)
+CALM_FLIGHT = read_flight(FLIGHTS / "straight-ardupilot")
+
+
+def estimated(flight: Recorded, wind: Wind) -> Estimate:
+    return estimate(flight.mission, flight.parameters, wind, fast=True)
+
+
+def error(flight: Recorded, wind: Wind) -> float:
+    """Of the time from the first item done to the last waypoint, as a share of what was flown."""
+    done = {item.seq: item.done_s for item in estimated(flight, wind).items}
+    return (done[flight.last] - done[flight.first]) / float(flight.spans.mean()) - 1
+
+
+@pytest.mark.parametrize("flight", FLOWN, ids=lambda f: f.name)
+def test_a_flight_in_wind_takes_as_long_as_estimated_within_two_per_cent(flight: Recorded) -> None:
+    assert abs(error(flight, flight.wind)) < 0.02
+
+
+def test_half_of_the_flights_in_wind_are_right_within_one_per_cent_and_not_without_it() -> None:
+    assert np.median([abs(error(flight, flight.wind)) for flight in FLOWN]) < 0.01
+    assert np.median([abs(error(flight, CALM)) for flight in FLOWN]) > 0.05
+
+
+def test_px4_in_a_steady_wind_takes_as_long_as_estimated() -> None:
+    """Up to 6 m/s; in 8 m/s its simulated vehicle, whose drag allows 9.8 m/s, hardly gets on against the wind."""
+    steady = [flight for flight in PX4_FLOWN if flight.wind.speed <= 6 and not flight.turbulence]
+    assert len(steady) >= 10
+    assert max(abs(error(flight, flight.wind)) for flight in steady) < 0.035
+    assert np.median([abs(error(flight, flight.wind)) for flight in steady]) < 0.02
+    assert np.median([abs(error(flight, CALM)) for flight in steady]) > 0.03
+
+
+@pytest.mark.parametrize("flight", FLOWN, ids=lambda f: f.name)
+def test_take_off_and_landing_in_wind_within_three_per_cent_and_five_in_gusts(flight: Recorded) -> None:
+    done = {item.seq: item.done_s for item in estimated(flight, flight.wind).items}
+    run, last = flight.runs[0], len(flight.mission.items)
+    assert done[flight.first] == pytest.approx(run[flight.first], rel=0.02)
+    flown = flight.end_s - run[flight.last]
+    assert done[last] - done[flight.last] == pytest.approx(flown, rel=0.055 if flight.turbulence else 0.035)
+
+
+@pytest.mark.parametrize(
+    ("wind", "says"),
+    [
+        (Wind(9.9, 0.0), "does not get on to 0, 60, 30 m"),
+        (Wind(13.0, 90.0), "blows the copter off its path to 0, 60, 30 m"),
+        (Wind(25.0, 270.0), "items[0]: the wind of 25 m/s from 270 deg blows the copter off"),
+    ],
+)
+def test_a_wind_in_which_the_copter_does_not_hold_its_path_is_refused(wind: Wind, says: str) -> None:
+    with pytest.raises(MissionError) as refused:
+        estimated(CALM_FLIGHT, wind)
+    assert says in str(refused.value)
+    assert str(refused.value).startswith("items[")
+
+
+def test_a_wind_near_the_ground_alone_costs_nothing_on_the_way() -> None:
+    """Of a mission at 30 m: a wind that reaches its speed at 2 km is a light one there."""
+    light = Wind(8.0, 0.0, exponent=1.0, gradient_height=2000.0)
+    assert light.at(30.0) == pytest.approx(0.12)
+    calm, windy = error(CALM_FLIGHT, CALM), error(CALM_FLIGHT, light)
+    assert windy == pytest.approx(calm, abs=0.002)
+    assert error(CALM_FLIGHT, Wind(8.0, 0.0)) > 0.5
+
+
+def test_the_built_in_autopilot_flies_in_the_same_wind() -> None:
+    flight = read_flight(IN_WIND / "straight_w8d0t0-ardupilot")
+    flown = SimulatedFlight(Autopilot.ARDUPILOT, flight.mission.home, flight.parameters, Conditions(flight.wind))
+    flown.load(flight.mission.items)
+    flown.arm()
+    flown.start()
+    while flown.armed and flown.time_s < 600.0:
+        flown.advance(flown.time_s + 1.0)
+    done = {reached.index + 1: reached.time_s for reached in flown.reached}
+    assert done[flight.last] - done[flight.first] == pytest.approx(float(flight.spans.mean()), rel=0.02)
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> None:
+    """At 10 m, a sixteenth of the gradient height, an exponent of a half leaves a quarter of the speed."""
+    home, there = Geodetic(47.4, 8.5, 400.0), Geodetic(47.403, 8.5, 400.0)
+    mission = Mission(home, (takeoff(home, 10.0), change_speed(8.0), waypoint(there, 10.0), land(there)), autopilot)
+    weak, grown, strong = (
+        estimate(mission, wind=wind, fast=True).route.seconds
+        for wind in (Wind(1.5, 0.0), Wind(6.0, 0.0, 0.5, 160.0), Wind(6.0, 0.0))
+    )
+    assert grown == pytest.approx(weak, rel=0.01)
+    assert strong > 1.05 * grown

@@ -1,0 +1,146 @@
+"""A vehicle that leaves its mission in the air is told of at once, and so is its going on."""
+
+import logging
+
+import pytest
+
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.connect import meet
+from ipoa_mission.link.leaving import SETTLED_S, Leaving
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, Text
+from ipoa_mission.link.state import ON_GROUND, VehicleState
+from ipoa_mission.link.telemetry import ExtendedState, Position
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.commands import Order
+from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.world.frame import Geodetic
+from tests.link.suited import suited
+from tests.link_pair import far_end, line_of
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+THERE = Geodetic(47.4010, 8.5, 400.0)
+MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(THERE, 20.0), land(THERE)))
+PILOT = Target(254, 190)
+IN_AIR = 2
+
+
+def flying(family: Autopilot) -> Vehicle:
+    vehicle = meet(Line(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
+    vehicle.upload(suited(vehicle, MISSION))
+    vehicle.prepare()
+    vehicle.start()
+    return vehicle
+
+
+def ordered_into(vehicle: Vehicle, mode: int) -> None:
+    """Another station changes the mode."""
+    main, sub, *_ = (*vehicle.autopilot.modes.numbers(mode), 0.0)
+    order = CommandLong(Order.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
+    far_end(line_of(vehicle)).autopilot.receive(order, PILOT, vehicle.line.now())
+
+
+@pytest.mark.parametrize("family", registered())
+def test_a_vehicle_that_is_held_in_the_air_is_told_of_within_seconds_and_so_is_its_going_on(
+    family: Autopilot, caplog: pytest.LogCaptureFixture
+) -> None:
+    vehicle = flying(family)
+    held_s: list[float] = []
+    told_s: list[float] = []
+
+    def overhear(message: Message) -> None:
+        now = vehicle.line.now()
+        if isinstance(message, Position) and message.height > 15.0 and not held_s:
+            held_s.append(now)
+            ordered_into(vehicle, family.modes.hold)
+        if vehicle.interrupted and not told_s:
+            told_s.append(now)
+            assert f"in {family.modes.name(family.modes.hold)}" in vehicle.interrupted
+            assert "it stays in this mode" in vehicle.interrupted
+            assert "`resume` or `rtl` orders it on" in vehicle.interrupted
+            ordered_into(vehicle, family.modes.mission)
+
+    vehicle.overhearing = overhear
+    record = vehicle.watch()
+    assert record.completed
+    assert told_s[0] - held_s[0] < SETTLED_S + 1.5
+    assert vehicle.interrupted == ""
+    told = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+    assert [words.split(":")[0] for words in told] == [
+        "the vehicle has left its mission",
+        "the vehicle goes on with its mission",
+    ]
+
+
+@pytest.mark.parametrize("family", registered())
+def test_one_that_is_sent_home_ends_its_flight_with_the_mode_that_it_left_for(family: Autopilot) -> None:
+    vehicle = flying(family)
+    told: list[str] = []
+
+    def overhear(message: Message) -> None:
+        if isinstance(message, Position) and message.height > 15.0 and not told:
+            told.append("")
+            ordered_into(vehicle, family.modes.returning)
+        if vehicle.interrupted and len(told) == 1:
+            told.append(vehicle.interrupted)
+
+    vehicle.overhearing = overhear
+    record = vehicle.watch()
+    assert "it returns home and lands" in told[1]
+    assert "`resume`" not in told[1]
+    assert not record.completed
+    assert f"in {family.modes.name(family.modes.returning)}" in record.why_not
+
+
+def leaving(family: Autopilot, landed: int = IN_AIR) -> tuple[VehicleState, Leaving]:
+    state = VehicleState(family)
+    state.note(ExtendedState(landed))
+    return state, Leaving(state)
+
+
+def heard(state: VehicleState, leaving: Leaving, *messages: tuple[float, Message]) -> str:
+    with leaving.watched(frozenset({state.autopilot.modes.mission})):
+        for now, message in messages:
+            state.note(message)
+            leaving.note(message, now)
+        return leaving.words
+
+
+def beat(family: Autopilot, mode: int, armed: bool = True) -> Heartbeat:
+    return Heartbeat(QUADROTOR, family.mav_autopilot, 128 * armed, mode)
+
+
+@pytest.mark.parametrize("family", registered())
+def test_it_is_told_with_what_the_vehicle_says_of_it_and_not_with_what_it_said_before(family: Autopilot) -> None:
+    hold = beat(family, family.modes.hold)
+    old, why, chat = Text(2, "Old trouble"), Text(4, "Fence breached\t"), Text(6, "Reached command #2")
+    words = heard(*leaving(family), (1.0, old), (9.0, chat), (9.5, why), (10.0, hold), (11.1, hold))
+    assert "; it says: Fence breached (" in words
+    assert "and does not say why" in heard(*leaving(family), (10.0, hold), (11.1, hold))
+
+
+@pytest.mark.parametrize("family", registered())
+def test_each_mode_that_it_leaves_for_is_told_with_its_own_reason(family: Autopilot) -> None:
+    hold, home = beat(family, family.modes.hold), beat(family, family.modes.returning)
+    why = Text(4, "Fence breached")
+    words = heard(*leaving(family), (9.5, why), (10.0, hold), (11.1, hold), (20.0, home), (21.1, home))
+    assert f"in {family.modes.name(family.modes.returning)}: it returns home and lands, and does not say why" in words
+
+
+@pytest.mark.parametrize("family", registered())
+def test_nothing_is_told_of_a_moment_in_another_mode_on_the_ground_or_while_nobody_watches(family: Autopilot) -> None:
+    hold, mission = beat(family, family.modes.hold), beat(family, family.modes.mission)
+    assert heard(*leaving(family), (10.0, hold), (10.5, mission), (12.0, mission)) == ""
+    assert heard(*leaving(family), (10.0, hold), (10.5, mission), (11.2, hold)) == ""
+    assert heard(*leaving(family, ON_GROUND), (10.0, hold), (12.0, hold)) == ""
+    assert heard(*leaving(family), (10.0, beat(family, family.modes.hold, armed=False)), (12.0, mission)) == ""
+    state, unwatched = leaving(family)
+    state.note(hold)
+    unwatched.note(hold, 10.0)
+    unwatched.note(hold, 12.0)
+    assert unwatched.words == ""

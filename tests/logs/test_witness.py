@@ -1,0 +1,140 @@
+"""What real logs measured besides times: power in hover, energy, and the drag by the lean.
+
+`other_vehicle-*` are cut from flights of the vehicles of `test_learning`, by `tools.fly.trim_log`: ArduCopter's
+missions 0 and 4 (its simulated battery gives 22 A at 12.09 V in hover, 266 W; 0 also as the ground station logged it,
+and in a wind of 5 m/s), and PX4's mission 0, whose simulated battery measures no current.
+"""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from ipoa_mission.cli.app import app
+from ipoa_mission.errors import MissionError
+from ipoa_mission.logs.learn.evidence import Evidence, flights_in
+from ipoa_mission.logs.learn.fit import fit
+from ipoa_mission.logs.learn.judge import energy_error, left_out, median_errors, timed
+from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.logs.learn.witness import Witness, hover_power
+from ipoa_mission.mission.files import write_mission
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
+from tests.logs.test_learning import ARDUPILOT, PX4, recorded
+
+HERE = Path(__file__).parent
+LOGS = [HERE.parents[1] / "missions" / "logs" / f"copter-{speed}.bin" for speed in (6, 8)]  # [m/s]
+
+
+def one(path: Path) -> Evidence:
+    flights, _, _, _ = flights_in(path)
+    assert len(flights) == 1
+    return flights[0]
+
+
+def drag(path: Path, autopilot: Autopilot = ARDUPILOT) -> float:
+    mission = recorded(autopilot)[0].mission
+    flights, _, _, _ = flights_in(path, lambda _: mission)
+    assert flights[0].witness.leaned is not None
+    return math.exp(flights[0].witness.leaned[0])
+
+
+def test_slow_flights_tell_by_their_lean_how_long_fast_ones_take() -> None:
+    slow, fast = [one(path) for path in LOGS], [recorded(ARDUPILOT)[n] for n in (2, 3, 5, 6)]  # at 12 and 14 m/s
+    before, after = median_errors(timed(fast, fit(slow)))
+    assert before > 0.09
+    assert after < 0.005
+    times_only = [replace(flight, witness=Witness()) for flight in slow]
+    assert median_errors(timed(fast, fit(times_only)))[1] > 3 * after
+
+
+def test_the_lean_tells_the_drag_in_wind_and_of_px4() -> None:
+    calm = [drag(path) for path in LOGS]
+    assert calm == pytest.approx([1.48, 1.53], abs=0.01)
+    assert drag(HERE / "other_vehicle_in_wind-0.bin") == pytest.approx(np.mean(calm), rel=0.03)
+    assert drag(HERE / "other_vehicle-0.ulg", PX4) == pytest.approx(1.6, rel=0.03)  # SIH_KDV
+
+
+def test_hovering_takes_what_the_battery_measured() -> None:
+    flights = [one(path) for path in LOGS]
+    vehicle = fit(flights)
+    assert vehicle.hover_power is not None
+    assert vehicle.hover_power.low < 22 * 12.09 < vehicle.hover_power.high
+    assert vehicle.hover_power.value == pytest.approx(22 * 12.09, rel=0.01)
+    for flight in flights:
+        measured, told = flight.witness.energy_wh, flight.energy(vehicle)
+        assert measured is not None
+        assert told == pytest.approx(measured, rel=0.05)
+    station, _, _, _ = flights_in(HERE / "other_vehicle-0.tlog", lambda _: recorded(ARDUPILOT)[0].mission)
+    assert station[0].witness.hover_w == pytest.approx(flights[0].witness.hover_w, rel=0.02)
+    assert station[0].witness.energy_wh == pytest.approx(flights[0].witness.energy_wh, rel=0.01)
+
+
+def test_the_energy_of_a_flight_is_judged_by_the_others() -> None:
+    flights = [one(path) for path in (*LOGS, LOGS[0])]
+    error = energy_error(left_out(flights))
+    assert error is not None
+    assert error < 0.05
+    without = [replace(flight, witness=replace(flight.witness, hover_w=None)) for flight in flights]
+    assert energy_error(left_out(without)) is None
+
+
+def test_powers_that_differ_too_much_or_are_one_tell_no_hover_power() -> None:
+    assert hover_power([Witness(hover_w=200.0)]) is None
+    assert hover_power([Witness(hover_w=200.0), Witness(hover_w=260.0)]) is None
+    assert hover_power([Witness(hover_w=200.0), Witness(hover_w=202.0), Witness()]) is not None
+
+
+def test_what_a_log_does_not_tell_is_named() -> None:
+    mission = recorded(PX4)[0].mission
+    flights, _, _, _ = flights_in(HERE / "other_vehicle-0.ulg", lambda _: mission)
+    assert "no current sensor" in flights[0].witness.reasons["hover_power"]
+    old, _, _, _ = flights_in(HERE.parent / "logs" / "twice-ardupilot.bin")
+    assert old[0].witness.reasons == {
+        "drag": "it has no attitudes",
+        "hover_power": "it has no battery's voltage and current",
+    }
+
+
+def test_a_log_of_a_firmware_before_the_model_says_so(tmp_path: Path) -> None:
+    data = (HERE.parent / "logs" / "sitl-ardupilot.bin").read_bytes()
+    (tmp_path / "old.bin").write_bytes(data.replace(b"ArduCopter V4.7.0", b"ArduCopter V3.7.0"))
+    (tmp_path / "new.bin").write_bytes(data)
+    words = "flown by ArduCopter 3.7.0-dev; the model is of 4.0 and later, and its times may be off"
+    assert [words in flights_in(tmp_path / name)[1] for name in ("old.bin", "new.bin")] == [True, False]
+
+
+def test_flights_without_a_time_tell_their_power_and_nothing_tells_nothing() -> None:
+    flights = [replace(one(path), visits=(), seconds=np.empty(0), scatter=np.empty(0)) for path in LOGS]
+    vehicle = fit(flights)
+    assert vehicle.drag is not None
+    assert vehicle.drag.low < 1.5 < vehicle.drag.high
+    assert vehicle.hover_power is not None
+    assert median_errors(left_out(flights)) == (0.0, 0.0)
+    with pytest.raises(MissionError, match="do not tell"):
+        fit([replace(flight, witness=Witness()) for flight in flights])
+
+
+def test_learn_writes_the_power_and_estimate_reckons_with_it(tmp_path: Path) -> None:
+    vehicle, plan = tmp_path / "vehicle.toml", tmp_path / "mission.plan"
+    write_mission(recorded(ARDUPILOT)[0].mission, plan)
+    done = CliRunner().invoke(app, ["learn", *map(str, LOGS), "--out", str(vehicle)])
+    assert done.exit_code == 0, done.output
+    assert "hover_power: 26" in done.output
+    assert read_vehicle(vehicle, ARDUPILOT).hover_power is not None
+    told = CliRunner().invoke(app, ["estimate", str(plan), "--vehicle", str(vehicle)])
+    assert "energy 7.8 Wh" in told.output  # 7.76 Wh were measured
+    assert "energy" not in CliRunner().invoke(app, ["estimate", str(plan)]).output
+
+
+def test_where_times_get_no_better_only_the_power_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    vehicle = LearnedVehicle(ARDUPILOT, drag=Learned(0.5, 0.4, 0.6), hover_power=Learned(266.0, 260.0, 272.0))
+    monkeypatch.setattr("ipoa_mission.logs.learn.fit.fit", lambda *_: vehicle)
+    monkeypatch.setattr("ipoa_mission.logs.learn.judge.fit", lambda *_: vehicle)
+    out = tmp_path / "vehicle.toml"
+    done = CliRunner().invoke(app, ["learn", *map(str, LOGS), "--out", str(out)])
+    assert "timed no better" in done.output
+    assert (read_vehicle(out).drag, read_vehicle(out).hover_power) == (None, vehicle.hover_power)

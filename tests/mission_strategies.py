@@ -1,0 +1,70 @@
+"""Missions for hypothesis: anything that a file or a vehicle could hold, as the package itself keeps it."""
+
+import math
+
+from hypothesis import strategies as st
+
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.waypoints_file import OTHER_LISTS
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.world.frame import Geodetic
+
+LATITUDE = st.floats(-90, 90)
+LONGITUDE = st.floats(-180, 180)
+METRES = st.floats(-500, 9000)
+PARAM = st.floats(-1e6, 1e6) | st.integers(-360, 360).map(float)
+PARAM_OR_NAN = PARAM | st.just(math.nan)
+VERTEX = st.tuples(LATITUDE, LONGITUDE)
+POLYGONS = st.builds(FencePolygon, st.lists(VERTEX, min_size=3, max_size=5).map(tuple), st.booleans())
+CIRCLES = st.builds(FenceCircle, VERTEX, st.floats(0.1, 1e5), st.booleans())
+PLACES = st.builds(Geodetic, LATITUDE, LONGITUDE, METRES)
+
+
+def items(autopilot: Autopilot, frames: tuple[int, ...], nan: bool) -> st.SearchStrategy[Item]:
+    """Items that the firmware knows, with a position in one of `frames` or without one; `nan` in params or none."""
+    firmware = autopilot.firmware()
+    param = PARAM_OR_NAN if nan else PARAM
+    params = st.tuples(param, param, param, param)
+    placed = st.sampled_from(sorted(set(firmware.placed) - set(firmware.plain) - OTHER_LISTS))
+    plain = st.sampled_from(sorted(set(firmware.plain) - set(firmware.placed) - {Command.DO_JUMP}))
+    return st.builds(
+        Item, placed, st.sampled_from(frames), params, LATITUDE, LONGITUDE, METRES, st.booleans()
+    ) | st.builds(Item, plain, st.just(2), params, autocontinue=st.booleans())
+
+
+@st.composite
+def missions(draw: st.DrawFn, frames: tuple[int, ...] = (0, 3, 10), nan: bool = True, fences: bool = True) -> Mission:
+    """Missions with jumps that lead somewhere; the polygons of a fence stand before its circles, as in files."""
+    autopilot = draw(st.sampled_from(list(registered())))
+    flown = draw(st.lists(items(autopilot, frames, nan), max_size=6))
+    jumps = draw(st.lists(st.integers(1, len(flown)), max_size=2)) if flown else []
+    return Mission(
+        draw(PLACES),
+        (*flown, *(Item(Command.DO_JUMP, 2, (float(target), 2.0, 0.0, 0.0)) for target in jumps)),
+        autopilot,
+        draw(st.none() | st.floats(0.1, 50)),
+        tuple(draw(st.lists(POLYGONS, max_size=2)) + draw(st.lists(CIRCLES, max_size=2))) if fences else (),
+        tuple(draw(st.lists(PLACES, max_size=2))) if fences else (),
+    )
+
+
+def same(one: Mission, other: Mission) -> bool:
+    """Equality that takes NaN for NaN, -0 for 0, and a command for its number."""
+    return _bare(one) == _bare(other)
+
+
+def _bare(mission: Mission) -> tuple[object, ...]:
+    items = [
+        (
+            int(i.command),
+            int(i.frame),
+            [str(float(p) + 0.0) for p in i.params],
+            i.latitude_deg,
+            i.longitude_deg,
+            i.altitude,
+        )
+        for i in mission.items
+    ]
+    on = [i.autocontinue for i in mission.items]
+    return mission.home, items, on, mission.autopilot, mission.cruise_speed, mission.fence, mission.rally

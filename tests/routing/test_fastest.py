@@ -1,0 +1,174 @@
+"""The quickest waypoints on a curve that real autopilots flew, cut in ten ways (tests/flights/ways_*)."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from ipoa_mission.forecast.timing.track import thinned
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.planning.cost import curve_cost
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.proof import prove, prove_curve
+from ipoa_mission.planning.spline import Spline, basis
+from ipoa_mission.routing.assemble import choose_route, weigh_routes
+from ipoa_mission.routing.build import build_mission
+from ipoa_mission.routing.trial import fly
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.simulator.fly import fly as fly_here
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.world.frame import LocalFrame
+from tests.quick_search import QUICK
+
+FLIGHTS = Path(__file__).parent.parent / "flights"
+#: The best that was flown on this curve, from take-off done to the last waypoint [s], and how far from it [m].
+BEST_FLOWN = {Autopilot.ARDUPILOT: 46.8, Autopilot.PX4: 55.7}
+WITHIN = 4.0
+#: What the route chosen may take of the least time on the curve.
+RATIO = {Autopilot.ARDUPILOT: 1.25, Autopilot.PX4: 1.35}
+
+
+@cache
+def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
+    """The curve behind the waypoints that stand every five metres on it, and a scenario with nothing in the way."""
+    mission = read_mission(FLIGHTS / f"ways_even5-{autopilot}" / "mission.waypoints", autopilot)
+    flown = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
+    latitude, longitude, height = (
+        np.array([getattr(item, name) for item in flown]) for name in ("latitude_deg", "longitude_deg", "altitude")
+    )
+    points = LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + height)
+    traveled = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    control = np.linalg.lstsq(basis(36, traveled / traveled[-1]), points, rcond=None)[0]
+    control[[0, -1]] = points[[0, -1]]
+    speed = next(item.params[1] for item in mission.items if item.command == Command.DO_CHANGE_SPEED)
+    start, goal = (f"{{ east = {p[0]}, north = {p[1]}, up = {p[2]} }}" for p in points[[0, -1]])
+    at = mission.home
+    text = f"""
+    home = {{ latitude_deg = {at.latitude_deg}, longitude_deg = {at.longitude_deg}, altitude_amsl = {at.altitude} }}
+    start = {start}
+    goal = {goal}
+    bounds = {{ margin = 300 }}
+    vehicle = {{ autopilot = "{autopilot}", cruise_speed = {speed} }}
+    route = {{ tolerance = {WITHIN} }}
+    """
+    curve = Spline(np.asarray(control, float))
+    assert np.abs(curve.points(traveled / traveled[-1]) - points).max() < 0.02
+    return curve, parse_scenario(text, Path("ways.toml"))
+
+
+def as_plan(curve: Spline, scenario: Scenario) -> Plan:
+    nothing = np.zeros(1)
+    return Plan(
+        curve, curve_cost(curve, scenario), prove_curve(curve, scenario), "none", 0, nothing.astype(int), nothing
+    )
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_modes_are_told_quickest_first_and_that_is_at_or_under_the_best_that_was_flown(autopilot: Autopilot) -> None:
+    curve, scenario = curve_of_the_ways(autopilot)
+    options = weigh_routes(as_plan(curve, scenario), scenario)
+    assert [option.seconds for option in options] == sorted(option.seconds for option in options)
+    assert options[0].mode == "fastest"
+    assert 1.0 <= options[0].ratio <= RATIO[autopilot]
+    modes = {option.mode for option in options}
+    assert modes == {"even", "corridor", "fastest"} | ({"spline"} if autopilot is Autopilot.ARDUPILOT else set())
+    even = next(option for option in options if option.mode == "even")
+    assert even.seconds > 1.5 * options[0].seconds  # dense straight waypoints make the vehicle crawl
+    flown = fly(options[0].route, curve, scenario)
+    assert flown.seconds <= BEST_FLOWN[autopilot]
+    assert flown.deviation <= WITHIN
+    assert flown.keeps_limits(scenario)
+    assert prove(options[0].route.points, scenario).holds
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "seed"), [(Autopilot.ARDUPILOT, 1), (Autopilot.ARDUPILOT, 2), (Autopilot.PX4, 3)]
+)
+def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Autopilot, seed: int) -> None:
+    """Corners cut and overshot: the distance is measured here, from every place of the predicted path."""
+    rng = np.random.default_rng(seed)
+    curve, free = curve_of_the_ways(autopilot)
+    at = np.sort(rng.uniform(0.1, 0.9, 5))
+    along = curve.points(at, order=1)[:, :2]
+    aside = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+    centers = curve.points(at)[:, :2] + aside * rng.choice([-1, 1], 5)[:, None] * rng.uniform(6.5, 9.0, 5)[:, None]
+    away = np.linalg.norm(centers[:, None] - curve.sample(500)[None, :, :2], axis=2).min(axis=1)
+    centers = centers[away > 6.0]  # the curve itself must be clear
+    towers = tuple(
+        {"kind": "cylinder", "name": f"tower {n}", "east": e, "north": north, "radius": 2.0, "height": 90.0}
+        for n, (e, north) in enumerate(centers)
+    )
+    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
+    flown = fly(choose_route(as_plan(curve, scenario), scenario, "fastest"), curve, scenario)
+    required = scenario.vehicle.radius + scenario.safety_distance
+    legs = np.linspace(flown.path[:-1], flown.path[1:], 8).reshape(-1, 3)[:, None, :2]
+    assert np.linalg.norm(legs - centers[None], axis=2).min() - 2.0 > required - 0.05
+    assert flown.deviation <= WITHIN
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_the_built_in_autopilot_flies_the_quickest_route_beside_the_curve_clear_and_to_its_goal(
+    autopilot: Autopilot,
+) -> None:
+    """It has another model of the vehicle than the one by which the route was chosen."""
+    curve, free = curve_of_the_ways(autopilot)
+    inside = curve.points(np.array([0.5, 0.75]), order=2)[:, :2]
+    at = curve.points(np.array([0.5, 0.75]))[:, :2] + 6.0 * inside / np.linalg.norm(inside, axis=1)[:, None]
+    towers = tuple(
+        {"kind": "cylinder", "name": f"tower {n}", "east": e, "north": north, "radius": 2.0, "height": 90.0}
+        for n, (e, north) in enumerate(at)
+    )
+    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
+    route = choose_route(as_plan(curve, scenario), scenario, "fastest")
+    assert prove(route.points, scenario).holds
+    assert prove(route.points, scenario).clearance.what in {"tower 0", "tower 1"}
+    predicted = fly(route, curve, scenario)
+    assert predicted.keeps_limits(scenario)
+    flight = fly_here(build_mission(route, scenario))
+    names = ("latitude_deg", "longitude_deg", "altitude")
+    path = scenario.frame.to_local(*(np.array([getattr(sample, name) for sample in flight.path]) for name in names))
+    times = np.array([sample.time_s for sample in flight.path])
+    begun, ended = flight.item_reached_s[0], flight.item_reached_s[len(route.points)]
+    assert ended - begun == pytest.approx(predicted.seconds, rel=0.03)
+    between, after = path[(times >= begun) & (times <= ended)], path[(times > ended - 5) & (times < ended + 5)]
+    assert cKDTree(curve.sample(2000)).query(between)[0].max() <= WITHIN
+    assert scenario.airspace.obstacle_distance(path[times < ended + 5]).min() >= (
+        scenario.vehicle.radius + scenario.safety_distance
+    )
+    arriving = curve.points(np.array([1.0]), order=1)[0, :2]
+    assert ((after - route.points[-1])[:, :2] @ arriving).max() / np.linalg.norm(arriving) < 1.0
+
+
+def test_a_thinned_path_keeps_its_bends_from_above_and_from_the_side() -> None:
+    along = np.linspace(0.0, 200.0, 900)
+    path = np.column_stack([along, 6.0 * np.sin(along / 20) * (along > 100), 30.0 + 8.0 * np.sin(along / 9)])
+    few = thinned(path, 0.05)
+    assert len(few) < 200
+    ends, ways = few[:-1, None], np.diff(few, axis=0)[:, None]
+    share = np.clip(((path - ends) * ways).sum(axis=2) / (ways**2).sum(axis=2), 0, 1)[..., None]
+    assert np.linalg.norm(ends + share * ways - path, axis=2).min(axis=0).max() < 0.08
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
+    """Out 60 m and back to 3 m beside the start: all of the short cut lies within the tolerance of the curve."""
+    text = f"""
+    home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
+    start = {{ east = 0.0, north = 0.0, up = 20.0 }}
+    via = [{{ east = 60.0, north = 0.0, up = 20.0 }}]
+    goal = {{ east = 0.0, north = 3.0, up = 20.0 }}
+    vehicle = {{ autopilot = "{autopilot}" }}
+    """
+    scenario = parse_scenario(text, Path("spur.toml"))
+    plan = plan_path(scenario, strategy=QUICK)
+    options = weigh_routes(plan, scenario)
+    for option in options:
+        assert np.linalg.norm(option.route.points - (60.0, 0.0, 20.0), axis=1).min() < 0.1
+        path = fly(option.route, plan.curve, scenario).path
+        assert np.linalg.norm(path - (60.0, 0.0, 20.0), axis=1).min() < 3.0
+    (fastest,) = (option for option in options if option.mode == "fastest")
+    assert fastest.seconds == options[0].seconds

@@ -1,0 +1,126 @@
+"""The energy of whole flights, by sums done by hand, and the battery that must hold them."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.vehicles.energy.flight import (
+    Battery,
+    Consumption,
+    NotEnoughBattery,
+    consumption,
+    expect_reserve,
+    hovering,
+)
+from ipoa_mission.vehicles.energy.power import PowerModel, power
+
+QUAD = PowerModel(mass_kg=2.4, disc_area=0.342, drag_area=0.09)
+
+
+def drawn(speed: float, climb: float = 0.0) -> float:
+    return float(power(QUAD, np.array([speed]), np.array([climb]), np.array([1.225]))[0])
+
+
+def cruise(speed: float, seconds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times, points and speeds of a level flight to the east."""
+    times = np.arange(0.0, seconds + 1)
+    return times, np.column_stack([speed * times, 0 * times, 0 * times]), np.full(len(times), speed)
+
+
+def test_hovering_for_an_hour_takes_the_power_in_watt_hours() -> None:
+    used = consumption(QUAD, *cruise(0.0, 3600))
+    assert used.energy_wh == pytest.approx(drawn(0.0), rel=1e-6)
+    assert (used.mean_w, used.peak_w) == pytest.approx((used.energy_wh, used.energy_wh))
+
+
+def test_what_stands_before_it_lifts_off_takes_nothing() -> None:
+    times, points, speeds = cruise(5.0, 120)
+    points[:60] = points[60]
+    used = hovering(180.0, times, points, speeds)
+    assert used.energy_wh == pytest.approx(180.0 * 60 / 3600)
+    assert (used.spans_w[:60] == 0).all()
+    still = hovering(180.0, *cruise(0.0, 120))
+    assert still.energy_wh == pytest.approx(6.0)
+
+
+def test_a_cruise_takes_its_power() -> None:
+    assert consumption(QUAD, *cruise(10.0, 100)).energy_wh * 3600 == pytest.approx(drawn(10.0) * 100, rel=1e-9)
+
+
+def test_speeding_up_takes_the_kinetic_energy_and_slowing_down_gives_none_back() -> None:
+    times, points, speeds = cruise(10.0, 100)
+    stops = speeds.copy()
+    stops[[0, 50, 100]] = 0.0
+    # Four spans have a mean speed of 5 m/s; 10 m/s is reached twice.
+    joules = drawn(10.0) * 96 + drawn(5.0) * 4 + 2 * 0.5 * 2.4 * 10**2 / 0.8
+    used = consumption(QUAD, times, points, stops)
+    assert used.energy_wh * 3600 == pytest.approx(joules, rel=1e-9)
+    assert used.spans_w[[0, 50]] == pytest.approx([used.peak_w, used.peak_w])
+
+
+def test_a_climb_is_flown_in_thinner_and_thinner_air() -> None:
+    times, points, speeds = np.array([0.0, 60.0]), np.array([[0, 0, 0], [0, 0, 180.0]]), np.array([3.0, 3.0])
+    low = consumption(QUAD, times, points, speeds)
+    assert low.mean_w == pytest.approx(drawn(0.0, 3.0), rel=0.01)
+    assert consumption(QUAD, times, points, speeds, altitude_amsl=2500.0).energy_wh > 1.05 * low.energy_wh
+
+
+def test_wind_is_reckoned_as_airspeed() -> None:
+    assert consumption(QUAD, *cruise(5.0, 100), head_wind=6.0).mean_w == pytest.approx(drawn(11.0))
+
+
+def test_a_jump_in_position_costs_nothing() -> None:
+    times, points, speeds = cruise(10.0, 100)
+    jumpy = points.copy()
+    jumpy[50:, 0] -= 0.7
+    assert consumption(QUAD, times, jumpy, speeds).energy_wh == consumption(QUAD, times, points, speeds).energy_wh
+
+
+def test_a_moment_that_is_told_twice_counts_once() -> None:
+    times = np.array([0.0, 0.0, 10.0, 10.0, 20.0])
+    assert consumption(QUAD, times, np.zeros((5, 3)), np.zeros(5)).energy_wh * 3600 == pytest.approx(20 * drawn(0.0))
+
+
+@given(st.lists(st.integers(1, 99), min_size=1, max_size=6, unique=True))
+def test_cutting_a_straight_flight_into_spans_changes_nothing(cuts: list[int]) -> None:
+    ends = np.array([[0.0, 0, 0], [300.0, 200.0, 0.0]])
+    fractions = np.array([0, *sorted(cuts), 100]) / 100
+    whole = consumption(QUAD, np.array([0.0, 50.0]), ends, np.full(2, 7.2))
+    points = ends[0] + fractions[:, None] * (ends[1] - ends[0])
+    pieces = consumption(QUAD, 50 * fractions, points, np.full(len(points), 7.2))
+    assert pieces.energy_wh == pytest.approx(whole.energy_wh, rel=1e-9)
+
+
+@pytest.mark.parametrize("times", [[0.0, 2.0, 1.0], [0.0, 0.0, 0.0], [0.0, 1.0]])
+def test_a_track_that_does_not_go_on_is_refused(times: list[float]) -> None:
+    with pytest.raises(BadInput, match="track: expected as many times and speeds as points, and times that grow"):
+        consumption(QUAD, np.array(times), np.zeros((3, 3)), np.zeros(3))
+
+
+def used(energy_wh: float) -> Consumption:
+    return Consumption(energy_wh, 200.0, 300.0, np.array([200.0]))
+
+
+def test_a_flight_that_keeps_the_reserve_passes() -> None:
+    expect_reserve(used(80.0), Battery(100.0, 0.2))
+    assert used(70.0).left(Battery(100.0)) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(
+    ("energy_wh", "words"),
+    [(84.2, "the flight takes 84.2 Wh, leaves 15.8% of 100 Wh"), (130.0, "the flight takes 130.0 Wh, not 100 Wh")],
+)
+def test_a_flight_that_eats_the_reserve_is_refused(energy_wh: float, words: str) -> None:
+    with pytest.raises(NotEnoughBattery) as told:
+        expect_reserve(used(energy_wh), Battery(100.0, 0.2))
+    assert str(told.value) == f"battery: expected a reserve of 20% after landing, but {words}"
+    assert f"a battery of {energy_wh / 0.8:.1f} Wh would do" in str(told.value.hint)
+    assert told.value.exit_code == 1
+
+
+@pytest.mark.parametrize(("capacity", "reserve"), [(0.0, 0.2), (100.0, 1.0), (100.0, -0.1)])
+def test_an_impossible_battery_is_refused(capacity: float, reserve: float) -> None:
+    with pytest.raises(BadInput, match="battery: expected a capacity"):
+        Battery(capacity, reserve)

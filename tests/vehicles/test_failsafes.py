@@ -1,0 +1,229 @@
+"""What follows a failure: held against what the firmwares' own parameter documentation says of every value.
+
+The values and their words are those of ArduCopter 4.7.0-dev (2598e9d4: @Values of ArduCopter/Parameters.cpp,
+AP_BattMonitor_Params.cpp and AC_Fence.cpp), PX4 1.17.0 (d6f12ad1) and main of 2026-08-13 (bb59c637): @value of
+commander_params, geofence_params and navigator_params.
+"""
+
+import math
+import re
+
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.failsafe import Failsafe
+from ipoa_mission.vehicles.known_parameters import expect_known
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.version import Version
+from tools.generate import failsafes as page
+
+AP, PX4, NEW = Autopilot.ARDUPILOT, Autopilot.PX4, Version(1, 18)
+ACTIONS = (
+    "0:None,1:Land,2:RTL,3:SmartRTL or RTL,4:SmartRTL or Land,5:Terminate,"
+    "6:Auto DO_LAND_START/DO_RETURN_PATH_START or RTL,7:Brake or Land"
+)
+DOCUMENTED = {
+    "BATT_FS_LOW_ACT": ACTIONS,
+    "BATT_FS_CRT_ACT": ACTIONS,
+    "FS_THR_ENABLE": "0:Disabled,1:Enabled always RTL,2:Enabled RTL,3:Enabled always Land,"
+    "4:Enabled always SmartRTL or RTL,5:Enabled always SmartRTL or Land,"
+    "6:Enabled Auto DO_LAND_START/DO_RETURN_PATH_START or RTL,7:Enabled always Brake or Land",
+    "FS_GCS_ENABLE": "0:Disabled/NoAction,1:RTL,2:RTL,3:SmartRTL or RTL,4:SmartRTL or Land,5:Land,"
+    "6:Auto DO_LAND_START/DO_RETURN_PATH_START or RTL,7:Brake or Land",
+    "FENCE_ACTION": "0:Report Only,1:RTL or Land,2:Always Land,3:SmartRTL or RTL or Land,4:Brake or Land,"
+    "5:SmartRTL or Land",
+    "FS_EKF_ACTION": "0:Report only,1:Switch to Land mode,2:AltHold,3:Switch to Land mode",
+    "FS_DR_ENABLE": "0:Disabled/NoAction,1:Land,2:RTL,3:SmartRTL or RTL,4:SmartRTL or Land,"
+    "6:Auto DO_LAND_START/DO_RETURN_PATH_START or RTL",
+}
+GRADES = "0:None,1:Warning,2:Hold mode,3:Return mode,4:Terminate,5:Land mode"
+LINK = "1:Hold mode,2:Return mode,3:Land mode,5:Terminate,6:Disarm"
+OF_PX4 = {
+    "NAV_DLL_ACT": "0:Disabled," + LINK,
+    "NAV_RCL_ACT": LINK,
+    "GF_ACTION": GRADES,
+    "COM_WIND_MAX_ACT": GRADES,
+    "COM_POS_LOW_ACT": GRADES,
+    "COM_FLTT_LOW_ACT": "0:None,1:Warning,3:Return",
+    "COM_ACT_FAIL_ACT": "0:Warning only,1:Hold mode,2:Land mode,3:Return mode,4:Terminate",
+    "NAV_TRAFF_AVOID": "0:Disabled,1:Warn only,2:Return mode,3:Land mode,4:Position Hold mode",
+}
+OF_117 = OF_PX4 | {"COM_IMB_PROP_ACT": "-1:Disabled,0:Warning,1:Return,2:Land"}
+OF_118 = OF_PX4 | {
+    "NAV_RCL_ACT": LINK + ",7:Disabled",  # "Hold mode (no failsafe)": only where it is flown by hand
+    "NAV_TRAFF_AVOID": OF_PX4["NAV_TRAFF_AVOID"] + ",5:Terminate",
+    "COM_GNSSLOSS_ACT": "0:Warning,1:Return,2:Land,3:Terminate",
+    "COM_PARACHUTE": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
+    "COM_TRAFF_AVOID": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
+    "COM_ARM_ODID": "0:Disabled,1:Warning only,2:Error only,3:Return,4:Land,5:Terminate",
+    "COM_POS_FS_ACT": "0:Land mode,1:Terminate",  # "Descend mode"
+}
+WORDS = {
+    r"None|Disabled|Warn|Error|Report": Ending.CONTINUE,
+    r"SmartRTL": Ending.SMART_RTL,
+    r"DO_LAND_START": Ending.LAND_START,
+    r"\bRTL|Return": Ending.RTL,
+    r"Land": Ending.LAND,
+    r"Terminate|Disarm": Ending.TERMINATE,
+    r"Brake|Hold mode": Ending.HOLD,
+    r"AltHold": Ending.UNKNOWN,
+}
+LOOKED_FOR = {
+    **{"BATT_CRT_VOLT": 10.0, "BATT_LOW_VOLT": 10.5, "FENCE_ENABLE": 1.0, "BATT_FS_LOW_ACT": 0.0},
+    **{"COM_WIND_MAX": 12.0, "COM_POS_LOW_EPH": 5.0, "SYS_HAS_NUM_GNSS": 1.0},
+}
+
+
+def documented(values: str) -> list[tuple[float, tuple[Ending, ...]]]:
+    """Each value, and the endings that its words name in order."""
+    pairs = (one.split(":", 1) for one in values.split(","))
+    return [
+        (
+            float(value),
+            tuple(next(e for word, e in WORDS.items() if re.search(word, part)) for part in text.split(" or ")),
+        )
+        for value, text in pairs
+    ]
+
+
+def by(name: str, parameters: Parameters, autopilot: Autopilot = AP, version: Version | None = None) -> Failsafe:
+    """What follows by this parameter."""
+    return next(one for one in autopilot.failsafes(parameters, version) if one.parameter == name)
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "version", "table"), [(AP, None, DOCUMENTED), (PX4, None, OF_117), (PX4, NEW, OF_118)]
+)
+def test_every_documented_value_is_followed_by_what_its_words_say(
+    autopilot: Autopilot, version: Version | None, table: dict[str, str]
+) -> None:
+    wrong = {}
+    for name, values in table.items():
+        for value, (first, *others) in documented(values):
+            given = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
+            found = by(name, given | {name: value}, autopilot, version).route
+            if (found.ending, *found.otherwise[: len(others)]) != (first, *others):
+                wrong[name, value] = str(found)
+    assert not wrong
+
+
+@pytest.mark.parametrize(("autopilot", "table"), [(AP, DOCUMENTED), (PX4, OF_118)])
+def test_every_parameter_that_decides_is_held_against_its_documentation(
+    autopilot: Autopilot, table: dict[str, str]
+) -> None:
+    deciding = {rule.parameter for rule in autopilot.failsafe_rules if rule.parameter}
+    assert deciding - set(table) - {"COM_LOW_BAT_ACT", "CBRK_FLIGHTTERM"} == deciding & {"COM_IMB_PROP_ACT"}
+
+
+@pytest.mark.parametrize(
+    ("value", "critical", "emergency"),
+    [(0.0, "continue", "continue"), (2.0, "land", "land"), (3.0, "rtl", "land"), (4.0, "rtl", "terminate")],
+)
+def test_px4_takes_a_battery_by_its_stage(value: float, critical: str, emergency: str) -> None:
+    """COM_LOW_BAT_ACT: warning; land mode; return at critical, land at emergency level; or terminate there (1.18)."""
+    found = {one.cause: one.route.ending for one in PX4.failsafes({"COM_LOW_BAT_ACT": value}, NEW)}
+    assert (found["low battery"], found["critical battery"]) == ("continue", critical)
+    assert found["emergency battery"] == emergency
+
+
+def test_a_value_of_a_later_version_is_no_value_of_an_earlier_one() -> None:
+    assert by("COM_LOW_BAT_ACT", {"COM_LOW_BAT_ACT": 4.0}, PX4).route.ending is Ending.CONTINUE
+    assert all(one.parameter != "COM_PARACHUTE" for one in PX4.failsafes({}))
+    assert all(one.parameter != "COM_IMB_PROP_ACT" for one in PX4.failsafes({}, NEW))
+
+
+@pytest.mark.parametrize("autopilot", [AP, PX4])
+@pytest.mark.parametrize("value", [*(float(n) for n in range(-3, 20)), 2.5, 1e6, math.nan, math.inf])
+def test_any_value_of_any_parameter_has_an_answer_at_every_stage(autopilot: Autopilot, value: float) -> None:
+    given = LOOKED_FOR | {rule.parameter: value for rule in autopilot.failsafe_rules if rule.parameter}
+    for one in autopilot.failsafes(given):
+        for stage in FlightStage:
+            assert one.at(stage).ending in Ending
+            assert (one.at(stage).ending is Ending.UNKNOWN) <= bool(one.at(stage).words)
+        if one.parameter and not math.isfinite(value):
+            assert one.route.ending is Ending.UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("options", "route", "landing"),
+    [(0.0, "rtl", "rtl"), (1.0, "continue", "continue"), (8.0, "rtl", "land"), (9.0, "continue", "land")],
+)
+def test_fs_options_decide_by_stage(options: float, route: str, landing: str) -> None:
+    """Bit 0: "Continue if in Auto on RC failsafe", bit 3: "Continue if landing on any failsafe"."""
+    lost = by("FS_THR_ENABLE", {"FS_OPTIONS": options})
+    assert (lost.at(FlightStage.ROUTE).ending, lost.at(FlightStage.LANDING).ending) == (route, landing)
+    station = by("FS_GCS_ENABLE", {"FS_OPTIONS": 2.0 * (options % 8.0) + (options - options % 8.0), "FS_GCS_ENABLE": 1})
+    assert (station.at(FlightStage.ROUTE).ending, station.at(FlightStage.LANDING).ending) == (route, landing)
+
+
+def test_a_critical_battery_that_is_less_urgent_than_a_low_one_changes_nothing() -> None:
+    """AP_BattMonitor::check_failsafes: terminate, land, RTL, SmartRTL or land, SmartRTL, none, then the others."""
+    base = {"BATT_LOW_VOLT": 10.5, "BATT_CRT_VOLT": 10.0}
+    for low, critical, then in (
+        (2, 1, "land"),
+        (1, 2, "land"),
+        (0, 7, "continue"),
+        (3, 4, "smart_rtl"),
+        (4, 3, "smart_rtl"),
+    ):
+        found = by("BATT_FS_CRT_ACT", base | {"BATT_FS_LOW_ACT": low, "BATT_FS_CRT_ACT": critical}).route
+        assert found.ending == then
+        assert ("left out" in found.words) == ((low, critical) in {(1, 2), (0, 7), (4, 3)})
+    unwatched = base | {"BATT_LOW_VOLT": 0.0, "BATT_FS_CRT_ACT": 7}
+    assert by("BATT_FS_CRT_ACT", unwatched).route.ending is Ending.HOLD
+
+
+def test_what_is_not_looked_for_is_said_so() -> None:
+    assert "FENCE_ENABLE" in by("FENCE_ACTION", {}).route.words
+    assert by("FENCE_ACTION", {"FENCE_AUTOENABLE": 3.0}).route.ending is Ending.RTL
+    assert "BATT_CRT_VOLT" in by("BATT_FS_CRT_ACT", {"BATT_FS_CRT_ACT": 1.0}).route.words
+    assert by("NAV_RCL_ACT", {"COM_RC_IN_MODE": 4.0}, PX4).route.ending is Ending.CONTINUE
+
+
+def test_a_second_battery_has_failsafes_of_its_own() -> None:
+    names = [one.parameter for one in AP.failsafes({"BATT2_MONITOR": 4.0, "BATT2_FS_LOW_ACT": 1.0})]
+    assert {"BATT2_FS_LOW_ACT", "BATT2_FS_CRT_ACT"} <= set(names)
+    second = {
+        "BATT2_MONITOR": 4.0,
+        "BATT2_FS_LOW_ACT": 1.0,
+        "BATT2_LOW_VOLT": 0.0,
+        "BATT2_LOW_MAH": 500.0,
+        "FS_OPTIONS": 8.0,
+    }
+    assert by("BATT2_FS_LOW_ACT", second).at(FlightStage.LANDING).words == "by FS_OPTIONS"
+
+
+def test_smart_rtl_without_points_is_what_stands_behind_it() -> None:
+    none = {"SRTL_POINTS": 0.0, "FS_THR_ENABLE": 4.0, "FS_GCS_ENABLE": 4.0}
+    assert by("FS_THR_ENABLE", none).route.ending is Ending.RTL
+    assert (by("FS_GCS_ENABLE", none).route.ending, by("FS_GCS_ENABLE", none).route.after_s) == (Ending.LAND, 4.0)
+    assert Ending.SMART_RTL not in {one.route.ending for one in AP.failsafes(none)}
+
+
+def test_px4_excepts_modes_of_a_lost_link() -> None:
+    both = {"COM_RCL_EXCEPT": 3.0, "COM_DLL_EXCEPT": 1.0, "NAV_RCL_ACT": 3.0, "NAV_DLL_ACT": 1.0}
+    old, new = (by("NAV_RCL_ACT", both, PX4, version) for version in (None, NEW))
+    assert (old.at(FlightStage.ROUTE).ending, old.at(FlightStage.RETURN).ending) == (Ending.CONTINUE, Ending.LAND)
+    assert (new.at(FlightStage.ROUTE).ending, new.at(FlightStage.RETURN).ending) == (Ending.CONTINUE, Ending.CONTINUE)
+    assert by("NAV_DLL_ACT", both, PX4).at(FlightStage.RETURN).ending is Ending.HOLD
+
+
+def test_how_long_it_holds_first() -> None:
+    """COM_FAIL_ACT_T before what a user may take over; LAND_WITH_DELAY_MS where ArduCopter lands by a failsafe."""
+    assert by("NAV_RCL_ACT", {}, PX4).route.after_s == 5.0
+    assert by("NAV_RCL_ACT", {"COM_FAIL_ACT_T": 0.0}, PX4).route.after_s == 0.0
+    assert by("GF_ACTION", {"GF_ACTION": 4.0}, PX4).route.after_s == 0.0
+    assert by("FS_THR_ENABLE", {"FS_THR_ENABLE": 3.0}).route.after_s == 4.0
+    assert by("FENCE_ACTION", {"FENCE_ACTION": 2.0, "FENCE_ENABLE": 1.0}).route.after_s == 0.0
+
+
+def test_what_decides_is_a_known_parameter() -> None:
+    expect_known(["FS_OPTIONS", "BATT_FS_CRT_ACT", "RTL_ALT_M"], AP)
+    with pytest.raises(BadInput, match="FS_OPTIONS: expected a parameter of px4, not of ardupilot"):
+        expect_known(["FS_OPTIONS"], PX4)
+
+
+def test_the_page_is_as_the_tables() -> None:
+    assert page.PAGE.read_text(encoding="utf-8") == page.page(), "run python -m tools.generate.failsafes"

@@ -1,0 +1,106 @@
+"""What changes from version to version, in the tables, in `check`, and in what is said of it."""
+
+import math
+
+import pytest
+
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.firmware import compare
+from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.version import Version
+from ipoa_mission.world.frame import Geodetic
+from tests.found import found
+
+PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
+HOME, THERE = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.3985, 8.5456)
+HELD = waypoint(THERE, 20.0)
+THIRD = Item(HELD.command, HELD.frame, (0.0, 0.0, 5.0, math.nan), HELD.latitude_deg, HELD.longitude_deg, 20.0)
+BACK = Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION, (1.0, 0.0, 0.0, 0.0))
+
+
+def mission(*items: Item, autopilot: Autopilot = PX4, version: str | None = None) -> Mission:
+    known = None if version is None else Version.parsed(version)
+    return Mission(HOME, (takeoff(HOME, 20.0), *items), autopilot, firmware_version=known)
+
+
+def test_tables_reach_from_the_oldest_to_the_newest() -> None:
+    assert PX4.tables.series == ((1, 15), (1, 16), (1, 17), (1, 18))
+    assert ARDUPILOT.tables.series == ((4, 5), (4, 6), (4, 7))
+    assert all(len(a.firmware(Version(*s)).commit) == 40 for a in registered() for s in a.tables.series)
+    assert all(a.measured.series in a.tables.series for a in registered())
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "version", "table"),
+    [
+        (PX4, "1.16.2", (1, 16)),
+        (PX4, "1.14.0", (1, 15)),
+        (PX4, "1.19.0-alpha1", (1, 18)),
+        (ARDUPILOT, "4.8.0-dev", (4, 7)),
+        (ARDUPILOT, "4.0", (4, 5)),
+    ],
+)
+def test_a_version_has_the_table_of_its_series_or_the_nearest(
+    autopilot: Autopilot, version: str, table: tuple[int, int]
+) -> None:
+    assert autopilot.firmware(Version.parsed(version)).version.series == table
+
+
+def test_1_18_refuses_params_that_it_does_not_use() -> None:
+    findings = check_mission(mission(THIRD, BACK))
+    assert found(findings) == ["error param-refused 2", "error param-refused 3"]
+    assert ["param3" in one.message and "not 5" in one.message for one in findings] == [True, False]
+    assert check_mission(mission(THIRD, BACK, version="1.17")) == ()
+
+
+def test_1_18_takes_a_gate_no_more() -> None:
+    gate = Item(Command.CONDITION_GATE, 3, (0.0,) * 4, THERE.latitude_deg, THERE.longitude_deg, 20.0)
+    assert [f.seq for f in check_mission(mission(gate, HELD, return_to_launch()))] == [2]
+    assert check_mission(mission(gate, HELD, return_to_launch(), version="1.17")) == ()
+
+
+def test_what_is_kept_and_never_flown_is_an_error() -> None:
+    wait = Item(Command.CONDITION_DELAY, Frame.MISSION, (3.0, 0.0, 0.0, 0.0))
+    kept = check_mission(mission(wait, HELD, return_to_launch(), version="1.16"))
+    assert [finding.code for finding in kept] == ["command-never-flown"]
+    assert check_mission(mission(wait, HELD, return_to_launch(), version="1.18")) == ()
+
+
+def test_a_development_version_may_not_take_yet_what_its_series_does() -> None:
+    arc = Item(Command.NAV_ARC_WAYPOINT, 3, (90.0, 0.0, 0.0, 0.0), THERE.latitude_deg, THERE.longitude_deg, 20.0)
+    items = (HELD, arc, return_to_launch())
+    assert check_mission(mission(*items, autopilot=ARDUPILOT, version="4.7.1")) == ()
+    findings = check_mission(mission(*items, autopilot=ARDUPILOT, version="4.7.0-dev"))
+    assert found(findings) == ["warning command-of-development 3"]
+
+
+def test_a_read_back_agrees_that_one_of_the_versions_gives() -> None:
+    sent = Item(Command.NAV_LAND, 3, (5.0, 0.0, 0.0, 0.0), THERE.latitude_deg, THERE.longitude_deg)
+    zeroed = Item(Command.NAV_LAND, 3, (0.0, 0.0, 0.0, 0.0), THERE.latitude_deg, THERE.longitude_deg)
+    assert compare([sent], [zeroed], PX4) is None
+    assert compare([sent], [zeroed], PX4, Version(1, 17)) is None
+    assert str(compare([sent], [zeroed], PX4, Version(1, 18))) == "item 0: param1: sent 5, the vehicle holds 0"
+
+
+def test_versions_are_read_as_they_are_written_and_as_vehicles_say_them() -> None:
+    assert Version.parsed(" v1.18.0-beta1 ") == Version(1, 18, 0, "beta")
+    assert Version.said(0x04060200) == Version(4, 6, 2, "dev")
+    assert Version.said(0) is None
+    assert all(Version.said(one.number) == one for one in (Version(4, 6, 2), Version(1, 18, 0, "rc")))
+    for words in ("", "1", "latest", "1.2.3.4", "1.18-gold", "1.9999"):
+        with pytest.raises(BadInput, match=r"expected one like 4\.6 or 1\.18\.0-beta1"):
+            Version.parsed(words)
+    with pytest.raises(BadInput, match=r"expected one of px4's 1.15, 1.16, 1.17, 1.18, not 4.6.0"):
+        PX4.tables.expect(Version(4, 6))
+
+
+def test_it_is_said_what_was_measured_and_what_the_vehicle_is() -> None:
+    assert ARDUPILOT.vehicle_says(Version(4, 6, 2)) == "measured on 4.7.0-dev; the vehicle says 4.6.2"
+    assert PX4.vehicle_says(Version(1, 17)) is None
+    assert str(PX4.vehicle_says(Version(1, 19))).endswith("judged as PX4 1.18 does")
+    assert "does not say its version: it is taken for ArduPilot 4.7" in str(ARDUPILOT.vehicle_says(None))
+    assert PX4.checked_for(None) == f"px4 1.18 (measured on {PX4.measured})"
+    assert PX4.firmware() is PX4.firmware(Version(1, 18))
