@@ -15,7 +15,8 @@ def send(link: mavutil.mavfile, loader: mavwp.MissionItemProtocol) -> int:
             type=["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"], blocking=True, timeout=5
         )
         assert asked is not None, "the upload stalls"
-        assert asked.mission_type == kind
+        if asked.mission_type != kind:
+            continue  # asked twice for the last item of the list before
         if asked.get_type() == "MISSION_ACK":
             return int(asked.type)
         link.mav.send(loader.wp(asked.seq))
