@@ -15,7 +15,7 @@ from ipoa_mission.link.messages import CommandLong, CommandResult, Current
 from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
 from ipoa_mission.link.state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
-from ipoa_mission.mission.commands import Command, Order
+from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 
@@ -134,7 +134,7 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
             if state.custom_mode == mode:
                 if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.look_s)):
                     return
-                yield from command(Order.RUN_PREARM_CHECKS)
+                yield from command(VehicleCommand.RUN_PREARM_CHECKS)
                 yield from until(lambda: bool(state.warnings), 0.5)
                 hinders = _hindrance(state)
             waited_s += LIMITS.look_s
@@ -196,7 +196,7 @@ def _begin(departure: Departure) -> Dialogue[None]:
         state.current = None  # what it says of its mission now that it is armed counts
         yield from until(lambda: state.current is not None, LIMITS.again_s)
         expect_unchanged(departure.holdings)
-        yield from _order("start the mission", Order.MISSION_START)
+        yield from _order("start the mission", VehicleCommand.MISSION_START)
     mode = departure.autopilot.modes.mission
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
         raise NotReady(f"the vehicle did not begin its mission: {state}")

@@ -5,7 +5,7 @@ from ipoa_mission.link.dialogue import Dialogue, Pause, until
 from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandAck, CommandResult, Message
 from ipoa_mission.link.orders import CommandRefused, command
 from ipoa_mission.link.state import NotReady, VehicleState
-from ipoa_mission.mission.commands import Command, Order
+from ipoa_mission.mission.commands import Command, VehicleCommand
 
 #: How long a vehicle may take to show its mode [s].
 SHOWN_S = 5.0
@@ -58,7 +58,9 @@ def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
     """Ask for a mode and see it in the heartbeat; what hinders, or nothing."""
     if state.custom_mode == mode:
         return ""
-    result, words = yield from command(Order.DO_SET_MODE, CUSTOM_MODE_FLAG, *state.autopilot.modes.numbers(mode))
+    result, words = yield from command(
+        VehicleCommand.DO_SET_MODE, CUSTOM_MODE_FLAG, *state.autopilot.modes.numbers(mode)
+    )
     texts = VehicleTexts(words=[words] if words else [])
     if result == CommandResult.ACCEPTED:
         result = yield from _taken_back(state, mode, texts)
@@ -76,7 +78,7 @@ def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue
     while heard is not None and state.custom_mode != mode:
         texts.note(heard)
         match heard:
-            case CommandAck(Order.DO_SET_MODE, result) if result not in HOPEFUL:
+            case CommandAck(VehicleCommand.DO_SET_MODE, result) if result not in HOPEFUL:
                 yield from listen_for_words(texts)
                 return result
         heard = yield None

@@ -21,7 +21,7 @@ from ipoa_mission.link.messages import (
     SetCurrent,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
-from ipoa_mission.mission.commands import Order
+from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -82,7 +82,7 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
         CommandRefused: there is no such item.
         NoAnswer: nothing shows that the vehicle took it.
     """
-    result, words = yield from command(Order.DO_SET_MISSION_CURRENT, float(seq), float(restart))
+    result, words = yield from command(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == CommandResult.ACCEPTED:
         return
     if result != CommandResult.UNSUPPORTED:
@@ -100,7 +100,7 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
 
 def stream(name: str, interval_s: float) -> Dialogue[bool]:
     """Ask for a message every so often; whether the vehicle will do so."""
-    result, _ = yield from command(Order.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
+    result, _ = yield from command(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
     return result == CommandResult.ACCEPTED
 
 
@@ -109,7 +109,7 @@ def _requested(name: str, kind: type[M], pause_s: float, askings: int = ASKINGS)
 
     It is asked so often before that is believed: what is heard may be the answer to an earlier request.
     """
-    request = CommandLong(Order.REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    request = CommandLong(VehicleCommand.REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     step: Step = Ask(request)
     has_answered = False
     while True:
@@ -121,7 +121,7 @@ def _requested(name: str, kind: type[M], pause_s: float, askings: int = ASKINGS)
             raise
         step = None
         match heard:
-            case CommandAck(Order.REQUEST_MESSAGE, result):
+            case CommandAck(VehicleCommand.REQUEST_MESSAGE, result):
                 has_answered = True
                 step = Pause(pause_s if result == CommandResult.ACCEPTED else REFUSED_S)
             case None:

@@ -11,7 +11,7 @@ from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Heartbeat, MavAutopilot, Ping
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
-from ipoa_mission.mission.commands import Order
+from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.version import Version
 
@@ -19,8 +19,10 @@ from ipoa_mission.vehicles.version import Version
 VERSIONS_S, VERSION_ROUND_S = 3.0, 0.7
 #: The two orders to tell AUTOPILOT_VERSION: today's, and that from before it.
 ABOUT = (
-    CommandLong(Order.REQUEST_MESSAGE, (float(message_number("AUTOPILOT_VERSION")), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
-    CommandLong(Order.REQUEST_AUTOPILOT_CAPABILITIES, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+    CommandLong(
+        VehicleCommand.REQUEST_MESSAGE, (float(message_number("AUTOPILOT_VERSION")), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    ),
+    CommandLong(VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
 )
 
 

@@ -92,7 +92,7 @@ class Command(IntEnum):
     NAV_ATTITUDE_TIME = 42703
 
 
-class Order(IntEnum):
+class VehicleCommand(IntEnum):
     """MAV_CMD numbers that a vehicle is sent to be done now, and that no mission holds."""
 
     DO_SET_MODE = 176

@@ -10,7 +10,7 @@ from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
 from ipoa_mission.link.wire import degrees
-from ipoa_mission.mission.commands import Command, Frame, Order
+from ipoa_mission.mission.commands import Command, Frame, VehicleCommand
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
 from ipoa_mission.simulator.conditions import USUAL, Conditions
@@ -30,9 +30,9 @@ FLYING_STEP_S = 0.02
 AUTOPILOT_VERSION, HOME_POSITION, PROTOCOL_VERSION = 148, 242, 300
 #: Commands from before REQUEST_MESSAGE, and which message each asks for.
 OLD_REQUESTS: Mapping[int, int] = {
-    Order.GET_HOME_POSITION: HOME_POSITION,
-    Order.REQUEST_PROTOCOL_VERSION: PROTOCOL_VERSION,
-    Order.REQUEST_AUTOPILOT_CAPABILITIES: AUTOPILOT_VERSION,
+    VehicleCommand.GET_HOME_POSITION: HOME_POSITION,
+    VehicleCommand.REQUEST_PROTOCOL_VERSION: PROTOCOL_VERSION,
+    VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES: AUTOPILOT_VERSION,
 }
 
 
@@ -153,20 +153,20 @@ class BuiltInAutopilot(Commander):
         act = self._commands.get(number)
         result = act(params) if act else UNSUPPORTED
         words, self._outbox = self._outbox, held
-        number_asked = whole(params[0]) if number == Order.REQUEST_MESSAGE else OLD_REQUESTS.get(number)
+        number_asked = whole(params[0]) if number == VehicleCommand.REQUEST_MESSAGE else OLD_REQUESTS.get(number)
         answers: list[Message] = []
         if result == ACCEPTED and number_asked is not None and (answer := self._asked_for(number_asked)) is not None:
             answers = [answer]
         acks: list[Message] = [m.CommandAck(number, result)]
-        if number == Order.SET_MESSAGE_INTERVAL:
+        if number == VehicleCommand.SET_MESSAGE_INTERVAL:
             accepted = self._schedule.set_interval(whole(params[0]), params[1], self._now, source)
             acks = [m.CommandAck(number, ACCEPTED if accepted else self.habits.no_such_stream)]
-        elif number == Order.GET_MESSAGE_INTERVAL:
+        elif number == VehicleCommand.GET_MESSAGE_INTERVAL:
             interval = self._schedule.interval_us(whole(params[0]), source)
             told_us, heard = self.habits.no_such_interval if interval is None else (interval, int(ACCEPTED))
             self._say(m.MessageInterval(whole(params[0]) & 0xFFFF, told_us), source)
             acks = [m.CommandAck(number, heard)]
-        elif number == Order.DO_SET_MODE and self.habits.mode_acks > 1:
+        elif number == VehicleCommand.DO_SET_MODE and self.habits.mode_acks > 1:
             acks = [m.CommandAck(number, ACCEPTED), *acks]
         for message in (*acks, *answers) if self.habits.acks_first else (*answers, *acks):
             self._say(message, source)
@@ -198,19 +198,21 @@ def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[fl
         Command.NAV_RETURN_TO_LAUNCH: lambda p: autopilot.obey(FlightMode.RETURN),
         Command.NAV_LAND: lambda p: autopilot.obey(FlightMode.LAND),
         Command.NAV_TAKEOFF: lambda p: autopilot.climb(p[6]),
-        Order.DO_SET_MODE: autopilot.set_mode,
+        VehicleCommand.DO_SET_MODE: autopilot.set_mode,
         Command.DO_PAUSE_CONTINUE: lambda p: autopilot.pause(p[0]),
-        Order.DO_REPOSITION: autopilot.reposition,
+        VehicleCommand.DO_REPOSITION: autopilot.reposition,
         Command.DO_FENCE_ENABLE: lambda p: ACCEPTED if autopilot.habits.switches_fence else UNSUPPORTED,
-        Order.DO_SET_MISSION_CURRENT: autopilot.jump_to,
-        Order.PREFLIGHT_REBOOT_SHUTDOWN: lambda p: autopilot.reboot(p[0]),
-        Order.MISSION_START: autopilot.start_mission,
+        VehicleCommand.DO_SET_MISSION_CURRENT: autopilot.jump_to,
+        VehicleCommand.PREFLIGHT_REBOOT_SHUTDOWN: lambda p: autopilot.reboot(p[0]),
+        VehicleCommand.MISSION_START: autopilot.start_mission,
         Command.COMPONENT_ARM_DISARM: lambda p: autopilot.arm(p[0]),
-        Order.RUN_PREARM_CHECKS: lambda p: autopilot.check(),
-        Order.GET_HOME_POSITION: lambda p: ACCEPTED,
-        Order.GET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
-        Order.SET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
-        Order.REQUEST_MESSAGE: lambda p: autopilot.can_tell(p[0]),
-        Order.REQUEST_PROTOCOL_VERSION: lambda p: UNSUPPORTED if autopilot.habits.protocol is None else ACCEPTED,
-        Order.REQUEST_AUTOPILOT_CAPABILITIES: lambda p: ACCEPTED,
+        VehicleCommand.RUN_PREARM_CHECKS: lambda p: autopilot.check(),
+        VehicleCommand.GET_HOME_POSITION: lambda p: ACCEPTED,
+        VehicleCommand.GET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
+        VehicleCommand.SET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
+        VehicleCommand.REQUEST_MESSAGE: lambda p: autopilot.can_tell(p[0]),
+        VehicleCommand.REQUEST_PROTOCOL_VERSION: lambda p: (
+            UNSUPPORTED if autopilot.habits.protocol is None else ACCEPTED
+        ),
+        VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES: lambda p: ACCEPTED,
     }

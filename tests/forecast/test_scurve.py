@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along, straight_leg
-from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, Bounds
-from ipoa_mission.vehicles.arducopter.dynamics.scurve import Limits, Profile, change, profile, ramp_for
+from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, MotionLimits
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import Profile, SCurveLimits, change, profile, ramp_for
 from ipoa_mission.vehicles.arducopter.dynamics.ways import along
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 
 lengths = st.floats(0.01, 500.0)
-limits = st.builds(Limits, st.floats(0.5, 20.0), st.floats(0.5, 6.0), st.floats(0.5, 10.0), st.floats(2.0, 60.0))
+limits = st.builds(SCurveLimits, st.floats(0.5, 20.0), st.floats(0.5, 6.0), st.floats(0.5, 10.0), st.floats(2.0, 60.0))
 
 
 def sampled(shape: Profile, length: float, count: int = 400) -> np.ndarray:
@@ -25,7 +25,7 @@ def sampled(shape: Profile, length: float, count: int = 400) -> np.ndarray:
 
 @settings(max_examples=50)
 @given(lengths, limits)
-def test_a_leg_ends_at_rest_where_it_should_within_its_limits(length: float, limit: Limits) -> None:
+def test_a_leg_ends_at_rest_where_it_should_within_its_limits(length: float, limit: SCurveLimits) -> None:
     shape = profile(length, limit)
     accel, speed, way = sampled(shape, length).T
     assert way[-1] == pytest.approx(length, rel=1e-5, abs=1e-6)
@@ -38,7 +38,7 @@ def test_a_leg_ends_at_rest_where_it_should_within_its_limits(length: float, lim
 
 @settings(max_examples=15, deadline=None)
 @given(st.floats(0.5, 40.0), limits)
-def test_way_speed_and_acceleration_are_derivatives_of_each_other(length: float, limit: Limits) -> None:
+def test_way_speed_and_acceleration_are_derivatives_of_each_other(length: float, limit: SCurveLimits) -> None:
     shape = profile(length, limit)
     accel, speed, way = sampled(shape, length, 1500).T
     dt = shape.lasts * (1 - 2e-9) / 1499
@@ -56,18 +56,20 @@ def test_way_speed_and_acceleration_are_derivatives_of_each_other(length: float,
 )
 def test_the_time_to_a_speed_is_the_published_one(gain: float, expected: float) -> None:
     """Acceleration 2.5, jerk 1, ramps of 0.3 s (snap pi J / 2 t_j), as by ArduCopter's default parameters."""
-    assert ramp_for(gain, Limits(12.0, 2.5, 1.0, math.pi / 0.6)).lasts == pytest.approx(expected)
+    assert ramp_for(gain, SCurveLimits(12.0, 2.5, 1.0, math.pi / 0.6)).lasts == pytest.approx(expected)
 
 
 def test_a_twelve_meter_leg_crawls_whatever_speed_is_asked_for() -> None:
-    limit = Limits(12.0, 2.5, 1.0, math.pi / 0.6)
+    limit = SCurveLimits(12.0, 2.5, 1.0, math.pi / 0.6)
     assert profile(12.0, limit).peak == pytest.approx(3.1, abs=0.1)
-    assert profile(12.0, Limits(20.0, 2.5, 1.0, math.pi / 0.6)).lasts == profile(12.0, limit).lasts
+    assert profile(12.0, SCurveLimits(20.0, 2.5, 1.0, math.pi / 0.6)).lasts == profile(12.0, limit).lasts
 
 
 @settings(max_examples=50)
 @given(lengths, limits)
-def test_a_leg_entered_at_a_speed_is_as_long_and_quicker_where_there_is_room(length: float, limit: Limits) -> None:
+def test_a_leg_entered_at_a_speed_is_as_long_and_quicker_where_there_is_room(
+    length: float, limit: SCurveLimits
+) -> None:
     rest = profile(length, limit)
     moving = profile(length, limit, enter=rest.peak / 2)
     assert sampled(moving, length)[-1, 2] == pytest.approx(length, rel=1e-4, abs=1e-5)
@@ -80,9 +82,9 @@ def test_a_leg_entered_at_a_speed_is_as_long_and_quicker_where_there_is_room(len
 @pytest.mark.parametrize("speed", [3.0, 6.0, 9.0, 12.0])
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.3, 0.6])
 def test_a_speed_changed_on_the_way_still_ends_where_it_should(speed: float, share: float) -> None:
-    limit = Limits(8.0, 2.5, 1.0, math.pi / 0.6)
+    limit = SCurveLimits(8.0, 2.5, 1.0, math.pi / 0.6)
     shape = profile(120.0, limit)
-    changed = change(shape, share * shape.lasts, 120.0, Limits(speed, 2.5, 1.0, math.pi / 0.6))
+    changed = change(shape, share * shape.lasts, 120.0, SCurveLimits(speed, 2.5, 1.0, math.pi / 0.6))
     accel, flown, way = sampled(changed, 120.0).T
     assert way[-1] == pytest.approx(120.0, rel=1e-5)
     assert np.abs(accel).max() < 2.5 * (1 + 1e-6)
@@ -94,6 +96,6 @@ def test_a_speed_changed_on_the_way_still_ends_where_it_should(speed: float, sha
 
 def test_a_climbing_leg_keeps_the_climb_rate() -> None:
     copter = copter_limits({})
-    ends, speeds = ((0.0, 0.0, 10.0), (30.0, 40.0, 60.0)), Bounds(10.0, 2.5, 1.5)
+    ends, speeds = ((0.0, 0.0, 10.0), (30.0, 40.0, 60.0)), MotionLimits(10.0, 2.5, 1.5)
     assert limits_along(*ends, speeds, copter).speed == pytest.approx(2.5 * math.sqrt(2))
     assert straight_leg(*ends, speeds, copter).length == pytest.approx(math.hypot(50.0, 50.0))

@@ -5,11 +5,11 @@ import math
 import pytest
 
 from ipoa_mission.vehicles.arducopter.dynamics.legs import joined, speed_left, spline_leg
-from ipoa_mission.vehicles.arducopter.dynamics.motion import Bounds
+from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 
 LIMITS = copter_limits({})
-SPEEDS = Bounds(10.0, 2.5, 1.5)
+SPEEDS = MotionLimits(10.0, 2.5, 1.5)
 
 
 def test_a_short_spline_after_a_long_first_one_is_entered_slowly() -> None:

@@ -13,7 +13,7 @@ from ipoa_mission.link.messages import CommandAck, CommandResult, Message
 from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.commands import Command, Order
+from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.simulator.fly import board
@@ -133,7 +133,7 @@ def answered(*answers: Message) -> Exchange[None]:
 
 
 def test_a_later_refusal_without_words_is_named_by_its_result() -> None:
-    yes, no = (CommandAck(Order.DO_SET_MODE, one) for one in (CommandResult.ACCEPTED, CommandResult.DENIED))
+    yes, no = (CommandAck(VehicleCommand.DO_SET_MODE, one) for one in (CommandResult.ACCEPTED, CommandResult.DENIED))
     other = CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.DENIED)
     exchange = answered(yes, other, no)
     with pytest.raises(NotReady, match=r"change to AUTO\.RTL: the vehicle answered DENIED"):
@@ -143,7 +143,7 @@ def test_a_later_refusal_without_words_is_named_by_its_result() -> None:
 def test_a_mode_that_is_accepted_and_not_shown_is_no_return() -> None:
     state = VehicleState(Autopilot.PX4, armed=True, custom_mode=Autopilot.PX4.modes.mission)
     exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
-    exchange.receive(CommandAck(Order.DO_SET_MODE, CommandResult.ACCEPTED), 0.1)
+    exchange.receive(CommandAck(VehicleCommand.DO_SET_MODE, CommandResult.ACCEPTED), 0.1)
     exchange.tick(SHOWN_S)
     with pytest.raises(NotReady, match=r"it accepted AUTO\.RTL but does not show it") as unseen:
         exchange.tick(0.1 + SHOWN_S)

@@ -13,7 +13,7 @@ from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, Text
 from ipoa_mission.link.state import ON_GROUND, VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.commands import Order
+from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
@@ -41,7 +41,7 @@ def flying(family: Autopilot) -> Vehicle:
 def ordered_into(vehicle: Vehicle, mode: int) -> None:
     """Another station changes the mode."""
     main, sub, *_ = (*vehicle.autopilot.modes.numbers(mode), 0.0)
-    order = CommandLong(Order.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
+    order = CommandLong(VehicleCommand.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
     far_end(line_of(vehicle)).autopilot.receive(order, PILOT, vehicle.line.now())
 
 

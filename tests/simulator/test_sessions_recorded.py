@@ -37,7 +37,7 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.mission.commands import Order
+from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.mission.plan_file import read_plan
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
@@ -97,7 +97,7 @@ class Playback:
                 acknowledged.clear()
             elif one.by_client or one.message in acknowledged:
                 continue  # a repeated question is not waited for; that for a stream was asked up to three times then
-            elif isinstance(one.message, CommandAck) and one.message.command == Order.SET_MESSAGE_INTERVAL:
+            elif isinstance(one.message, CommandAck) and one.message.command == VehicleCommand.SET_MESSAGE_INTERVAL:
                 acknowledged.add(one.message)
             self._ahead.append(one)
         self._codec = Codec(250, 1)

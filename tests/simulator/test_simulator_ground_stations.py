@@ -30,7 +30,7 @@ from ipoa_mission.link.telemetry import (
     SystemStatus,
 )
 from ipoa_mission.link.wire import INT32_MAX
-from ipoa_mission.mission.commands import Command, Order
+from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import waypoint
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.modes import mode_number
@@ -45,10 +45,10 @@ OK = CommandResult.ACCEPTED
 @pytest.mark.parametrize(
     ("autopilot", "number", "result"),
     [
-        (PX4, Order.REQUEST_MESSAGE, CommandResult.ACCEPTED),
-        (PX4, Order.REQUEST_PROTOCOL_VERSION, CommandResult.ACCEPTED),
-        (ARDUPILOT, Order.REQUEST_MESSAGE, CommandResult.FAILED),
-        (ARDUPILOT, Order.REQUEST_PROTOCOL_VERSION, CommandResult.UNSUPPORTED),
+        (PX4, VehicleCommand.REQUEST_MESSAGE, CommandResult.ACCEPTED),
+        (PX4, VehicleCommand.REQUEST_PROTOCOL_VERSION, CommandResult.ACCEPTED),
+        (ARDUPILOT, VehicleCommand.REQUEST_MESSAGE, CommandResult.FAILED),
+        (ARDUPILOT, VehicleCommand.REQUEST_PROTOCOL_VERSION, CommandResult.UNSUPPORTED),
     ],
 )
 def test_px4_tells_its_version_of_mavlink_when_asked(autopilot: Autopilot, number: int, result: int) -> None:
@@ -153,7 +153,7 @@ def test_px4_takes_off_by_command_and_holds_up_there() -> None:
 
 def test_px4_takes_off_to_its_parameters_height_where_none_is_given() -> None:
     flown = Flown(PX4, [])
-    assert flown.command(Order.DO_SET_MODE, 1.0, 4.0, 2.0) == OK
+    assert flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 2.0) == OK
     said = flown.hear(CommandLong(Command.COMPONENT_ARM_DISARM, (1.0, *(0.0,) * 6)))
     assert any(isinstance(one, Text) and one.text == "Using default takeoff altitude: 2.5 m\t" for one in said)
     flown.fly(10.0)
@@ -163,20 +163,20 @@ def test_px4_takes_off_to_its_parameters_height_where_none_is_given() -> None:
 def test_px4_goes_where_it_is_sent_and_stops_on_the_way() -> None:
     flown = climbed()
     go = (-1.0, 1.0, 0.0, NAN)
-    assert flown.command(Order.DO_REPOSITION, *go, NAN, NAN, HOME.altitude + 25.0) == OK
+    assert flown.command(VehicleCommand.DO_REPOSITION, *go, NAN, NAN, HOME.altitude + 25.0) == OK
     flown.fly(12.0)
     assert flown.mock.flight.local == pytest.approx([0.0, 0.0, 25.0], abs=1.5)
     north = round((HOME.latitude_deg + 0.0005) * 1e7)  # 55.6 m
-    place = CommandInt(Order.DO_REPOSITION, 0, go, north, round(HOME.longitude_deg * 1e7), NAN)
-    assert CommandAck(Order.DO_REPOSITION, OK) in flown.hear(place)
+    place = CommandInt(VehicleCommand.DO_REPOSITION, 0, go, north, round(HOME.longitude_deg * 1e7), NAN)
+    assert CommandAck(VehicleCommand.DO_REPOSITION, OK) in flown.hear(place)
     flown.fly(30.0)
     assert flown.mock.flight.local == pytest.approx([0.0, 55.6, 25.0], abs=1.5)
-    away = CommandInt(Order.DO_REPOSITION, 0, go, north + 20_000, round(HOME.longitude_deg * 1e7), NAN)
+    away = CommandInt(VehicleCommand.DO_REPOSITION, 0, go, north + 20_000, round(HOME.longitude_deg * 1e7), NAN)
     flown.hear(away)
     flown.fly(15.0)
     assert flown.mock.flight.velocity[1] > 3.0
-    nowhere = CommandInt(Order.DO_REPOSITION, 0, go, INT32_MAX, INT32_MAX, NAN)
-    assert CommandAck(Order.DO_REPOSITION, OK) in flown.hear(nowhere)
+    nowhere = CommandInt(VehicleCommand.DO_REPOSITION, 0, go, INT32_MAX, INT32_MAX, NAN)
+    assert CommandAck(VehicleCommand.DO_REPOSITION, OK) in flown.hear(nowhere)
     flown.fly(6.0)
     assert flown.mock.flight.velocity[:2] == pytest.approx([0.0, 0.0], abs=0.7)
     assert 80.0 < flown.mock.flight.local[1] < 200.0
@@ -194,8 +194,8 @@ def test_px4_goes_where_it_is_sent_and_stops_on_the_way() -> None:
 )
 def test_on_the_ground_nobody_goes_anywhere(autopilot: Autopilot, flags: float, result: int) -> None:
     flown = Flown(autopilot, [])
-    flown.command(Order.DO_SET_MODE, 1.0, 4.0, 2.0)
-    assert flown.command(Order.DO_REPOSITION, -1.0, flags, 0.0, NAN, 47.41, 8.51, 450.0) == result
+    flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 2.0)
+    assert flown.command(VehicleCommand.DO_REPOSITION, -1.0, flags, 0.0, NAN, 47.41, 8.51, 450.0) == result
     flown.fly(3.0)
     assert flown.mock.flight.landed
     if autopilot is PX4:
@@ -206,11 +206,11 @@ def test_px4_without_a_mission_any_more_refuses_its_mode_after_it_has_said_yes()
     """Two answers to one order: the first is only that it was heard."""
     flown = climbed()
     flown.upload([waypoint(Geodetic(HOME.latitude_deg + 0.002, HOME.longitude_deg), 20.0)])
-    assert flown.command(Order.DO_SET_MODE, 1.0, 4.0, 4.0) == OK
+    assert flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 4.0) == OK
     assert flown.mock.mode == MISSION
-    flown.command(Order.DO_SET_MODE, 1.0, 4.0, 3.0)
+    flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 3.0)
     flown.hear(ClearAll())
-    said = flown.hear(CommandLong(Order.DO_SET_MODE, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0)))
+    said = flown.hear(CommandLong(VehicleCommand.DO_SET_MODE, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0)))
     results = [one.result for one in said if isinstance(one, CommandAck)]
     assert results == [OK, CommandResult.TEMPORARILY_REJECTED]
     assert any(isinstance(one, Text) and "Switching to Mission is currently not available" in one.text for one in said)

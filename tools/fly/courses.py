@@ -112,7 +112,7 @@ def free(rng: random.Random, kind: int) -> Course:
     return course
 
 
-SHORT = 20
+SHORT = 40
 
 
 def _mast(n: int, east: float, north: float, radius: float, height: float) -> Course:

@@ -10,7 +10,7 @@ from ipoa_mission.compiled import compiled
 from ipoa_mission.compiled.records import records
 from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
-from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, Leg, State, tuning
+from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
@@ -68,7 +68,7 @@ def kernels() -> Iterator[Kernel]:
     for name, arguments in examples.items():
         module = f"ipoa_mission.{MODULES[name]}"
         yield Kernel(f"{module}.{name}", getattr(importlib.import_module(module), name), arguments)
-    leg, still = records([NO_LEG], Leg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
+    leg, still = records([NO_LEG], CopterLeg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
     flown = {
         fly_leg: (records([State()], State), leg, leg, leg, still, _numbers(2)),
         fly: (records([], Order), records([], Law), 0.0, (1.0, 1.0), 0),

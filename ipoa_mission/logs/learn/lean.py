@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import GRAVITY, Points, Vector
-from ipoa_mission.logs.learn.track import CLEAR, Track
+from ipoa_mission.logs.learn.track import CLEAR, LoggedTrack
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 EVERY, SMOOTHED, ALONE = 0.2, 5, 10  # samples: their distance [s], how many are averaged, one in how many is its own
@@ -24,7 +24,7 @@ AS_A_MODEL = 0.05  # standard deviation of ln drag from flight to flight: it is 
 BELIEVED = np.array([0.7, 3.0, 3.0, 0.2, 0.2])
 
 
-def drag_by_lean(attitude: Points, track: Track, autopilot: Autopilot) -> tuple[float, float]:
+def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> tuple[float, float]:
     """The logarithm of the drag as a multiple of the simulated vehicle's, and its standard deviation.
 
     `attitude` (n, 4) is as in `Measured`.

@@ -14,7 +14,7 @@ LONGEST_S = 86_400.0  # of a flight
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class LoggedTrack:
     """Times (n,) [s], heights above home (n,) [m], velocity north, east, down (n, 3) [m/s]; home's altitude [m]."""
 
     times: Vector
@@ -28,8 +28,8 @@ class Track:
         return np.interp(times, self.times, self.heights), velocity
 
 
-def track_of(flight: LoggedFlight) -> Track:
-    """The track of a flight.
+def logged_track(flight: LoggedFlight) -> LoggedTrack:
+    """The track of a logged flight.
 
     Raises:
         MissionError: it has no positions, or its clock is wrong.
@@ -40,4 +40,4 @@ def track_of(flight: LoggedFlight) -> Track:
     if not len(rows) or np.ptp(rows[:, 0]) > LONGEST_S:
         raise MissionError("it has no positions" if not len(rows) else "its clock is wrong")
     rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
-    return Track(rows[:, 0], rows[:, 1], rows[:, 2:5], float(rows[0, 5]))
+    return LoggedTrack(rows[:, 0], rows[:, 1], rows[:, 2:5], float(rows[0, 5]))

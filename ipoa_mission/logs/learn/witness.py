@@ -9,7 +9,7 @@ from scipy.special import stdtrit
 from ipoa_mission.errors import MissionError
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.logs.learn.lean import drag_by_lean
-from ipoa_mission.logs.learn.track import CLEAR, Track, track_of
+from ipoa_mission.logs.learn.track import CLEAR, LoggedTrack, logged_track
 from ipoa_mission.vehicles.learned import Learned
 
 SLOW, LEVEL, LEAST_S = 2.0, 0.3, 3.0  # hovering: the most level and upright [m/s], and how long at least [s]
@@ -37,7 +37,7 @@ def witness_of(flight: LoggedFlight) -> Witness:
     leaned = hover_w = energy_wh = None
     reasons = {}
     try:
-        track = track_of(flight)
+        track = logged_track(flight)
     except MissionError as error:
         return Witness(reasons={"drag": str(error), "hover_power": str(error)})
     try:
@@ -54,7 +54,7 @@ def witness_of(flight: LoggedFlight) -> Witness:
     return Witness(leaned, hover_w, energy_wh, reasons)
 
 
-def _in_hover(times: np.ndarray, watts: np.ndarray, track: Track) -> float:
+def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float:
     heights, velocity = track.at(times)
     hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < SLOW) & (np.abs(velocity[:, 2]) < LEVEL)
     hovers &= heights > CLEAR

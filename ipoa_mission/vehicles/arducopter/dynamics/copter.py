@@ -36,8 +36,8 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     SPLINE,
     STEP,
     STRAIGHT,
-    Bounds,
-    Leg,
+    CopterLeg,
+    MotionLimits,
     State,
     tuning,
 )
@@ -101,10 +101,10 @@ class Copter:
         """`fast` is as in `estimate`; it comes down to the `ground`."""
         self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
-        self.speeds = Bounds(limits.speed, limits.climb, limits.descent)
+        self.speeds = MotionLimits(limits.speed, limits.climb, limits.descent)
         self._fly_leg = sooner(fly_leg, fast, 0.0)
         self.state = _at_rest(here, 0.0)
-        self._records: dict[int, tuple[Leg, Any]] = {}
+        self._records: dict[int, tuple[CopterLeg, Any]] = {}
         self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
         self.passed = True
         self._left = 0.0  # how fast the last spline that was planned ahead is left [m/s]
@@ -153,7 +153,7 @@ class Copter:
         before, this, following = [[leg] for leg in legs]
         states: Any = [self.state]
         if self._fly_leg is not fly_leg:
-            self._records = {id(leg): self._records.get(id(leg)) or (leg, records([leg], Leg)) for leg in legs}
+            self._records = {id(leg): self._records.get(id(leg)) or (leg, records([leg], CopterLeg)) for leg in legs}
             before, this, following = (self._records[id(leg)][1] for leg in legs)
             states = records(states, State)
         used = self._fly_leg(states, before, this, following, self._tuning, samples)
@@ -224,13 +224,13 @@ class Copter:
                 self._left = speed_left(onward)
         self._begin(this, onward)
 
-    def _leg(self, stop: Stop, origin: Place, previous: Leg) -> Leg:
+    def _leg(self, stop: Stop, origin: Place, previous: CopterLeg) -> CopterLeg:
         """The leg to `stop` from `origin`, flown into from `previous` unless that is nothing."""
         if not stop.spline or math.dist(origin, stop.place) < SAME_PLACE:
             return straight_leg(origin, stop.place, self.speeds, self.limits, turn=stop.turn)
         return spline_leg(origin, stop.place, previous, stop.after, self.speeds, self.limits)
 
-    def _as_begun(self, planned: Leg) -> Leg:
+    def _as_begun(self, planned: CopterLeg) -> CopterLeg:
         """A leg planned before, perhaps under way, perhaps at another speed since."""
         elapsed = self.state.clock
         enter = self.state.speed if self._before is NO_LEG else 0.0  # out of a spline a leg starts at its speed
@@ -239,7 +239,7 @@ class Copter:
         way, is_changed = (planned.origin, planned.target, self.speeds, self.limits), planned.speeds != self.speeds
         return straight_leg(*way, enter=enter, turn=planned.turn, is_changed=is_changed)
 
-    def _begin(self, this: Leg, following: Leg = NO_LEG) -> None:
+    def _begin(self, this: CopterLeg, following: CopterLeg = NO_LEG) -> None:
         self.this, self.following, self.passed = this, following, False
         self.state.clock_next = self.state.share = self.state.az = 0.0
 
@@ -295,7 +295,7 @@ class Copter:
         self._tuning = self._tuning._replace(land_low=low)
         self._begin_over(upright_leg(DESCENT, self.here, ground, self.speeds))
 
-    def _begin_over(self, leg: Leg) -> None:
+    def _begin_over(self, leg: CopterLeg) -> None:
         self._before, self.state.clock = NO_LEG, 0.0
         self._begin(leg)
 
@@ -328,7 +328,7 @@ class Copter:
         limits, (x, y, z), (east, north, _) = self.limits, self.brake(), goal
         far = math.hypot(x - east, y - north)
         height = limits.returning.height(z, far, goal[2])
-        self.speeds = Bounds(limits.rtl_speed, limits.climb, limits.descent)
+        self.speeds = MotionLimits(limits.rtl_speed, limits.climb, limits.descent)
         self._follow_with_nose(limits.rtl_turns)
         height = max(z + RETURN_ROUNDING, height)
         top, home = Stop((x, y, height)), Stop((east, north, height))

@@ -7,8 +7,16 @@ from functools import lru_cache
 from ipoa_mission.forecast.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
 from ipoa_mission.forecast.itinerary.copter_spline import cubic, minus, spline_tangents
 from ipoa_mission.forecast.itinerary.program import Place
-from ipoa_mission.vehicles.arducopter.dynamics.motion import HOLD, SPLINE, STRAIGHT, ZERO, Bounds, Leg, Vector
-from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Limits, change, profile
+from ipoa_mission.vehicles.arducopter.dynamics.motion import (
+    HOLD,
+    SPLINE,
+    STRAIGHT,
+    ZERO,
+    CopterLeg,
+    MotionLimits,
+    Vector,
+)
+from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, SCurveLimits, change, profile
 from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 
@@ -16,30 +24,30 @@ SPLINE_SHARE = 0.5  # of the acceleration limits that a spline leg uses, along t
 ZERO_LENGTH = 1e-6  # [m]
 
 
-def limits_along(origin: Place, target: Place, speeds: Bounds, copter: CopterLimits) -> Limits:
+def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: CopterLimits) -> SCurveLimits:
     """The largest speed and acceleration along the way whose level and vertical parts keep their limits."""
     length = math.dist(origin, target)
     if length < 1e-9:
-        return Limits(speeds.level, copter.accel, copter.jerk, copter.snap)
+        return SCurveLimits(speeds.level, copter.accel, copter.jerk, copter.snap)
     x, y, z = ((b - a) / length for a, b in zip(origin, target, strict=True))
     speed, accel = (
         along_limit(x, y, z, speeds),
-        along_limit(x, y, z, Bounds(copter.accel, copter.accel_z, copter.accel_z)),
+        along_limit(x, y, z, MotionLimits(copter.accel, copter.accel_z, copter.accel_z)),
     )
-    return Limits(speed, accel, copter.jerk, copter.snap)
+    return SCurveLimits(speed, accel, copter.jerk, copter.snap)
 
 
 @lru_cache(maxsize=256)  # a route that is tried differs from the last in one waypoint
 def straight_leg(
     origin: Place,
     target: Place,
-    speeds: Bounds,
+    speeds: MotionLimits,
     copter: CopterLimits,
     enter: float = 0.0,
     leave: float = 0.0,
     turn: float = 0.0,
     is_changed: bool = False,
-) -> Leg:
+) -> CopterLeg:
     """A straight leg, or with a `turn` [rad] an arc; it begins and ends at rest, or next to a spline at a speed.
 
     `is_changed`: its speed is another than when it was first planned.
@@ -54,7 +62,7 @@ def straight_leg(
     return leg._replace(profile=profile(leg.length, limits, enter, leave))
 
 
-def _limits_of(leg: Leg, copter: CopterLimits) -> Limits:
+def _limits_of(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
     """The limits along its chord; on an arc the corner acceleration bounds the level speed."""
     speeds = leg.speeds
     if leg.turn != 0.0:
@@ -63,7 +71,7 @@ def _limits_of(leg: Leg, copter: CopterLimits) -> Limits:
     return limits_along(leg.origin, leg.target, speeds, copter)
 
 
-def _changed_limits(leg: Leg, copter: CopterLimits) -> Limits:
+def _changed_limits(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
     """The limits after a change of speed: on an arc those along its way, with no bound on its corner acceleration."""
     limits = _limits_of(leg, copter)
     if leg.turn == 0.0:
@@ -75,11 +83,11 @@ def _changed_limits(leg: Leg, copter: CopterLimits) -> Limits:
 def spline_leg(
     origin: Place,
     target: Place,
-    previous: Leg | None,
+    previous: CopterLeg | None,
     after: tuple[Place, bool] | None,
-    speeds: Bounds,
+    speeds: MotionLimits,
     copter: CopterLimits,
-) -> Leg:
+) -> CopterLeg:
     """A curve that begins as the leg before ended and ends towards `after`, as `spline_tangents` has it."""
     flown_in = None
     if previous is not None:
@@ -89,21 +97,21 @@ def spline_leg(
     return _leg(SPLINE, origin, target, speeds)._replace(
         cubic=[Vector(*one) for one in cubic(origin, target, tangents)],
         end=Vector(*tangents[1]),
-        accel=Bounds(level, vertical, vertical),
+        accel=MotionLimits(level, vertical, vertical),
     )
 
 
-def upright_leg(kind: float, place: Place, height: float, speeds: Bounds, lasts: float = 0.0) -> Leg:
+def upright_leg(kind: float, place: Place, height: float, speeds: MotionLimits, lasts: float = 0.0) -> CopterLeg:
     """Over one place to a `height`: a CLIMB, a DESCENT, or a HOLD that `lasts` [s]."""
     return _leg(kind, place, (place[0], place[1], height), speeds)._replace(lasts=lasts)
 
 
-def hold_leg(place: Place, lasts: float) -> Leg:
+def hold_leg(place: Place, lasts: float) -> CopterLeg:
     """To stay at a place [s]."""
-    return upright_leg(HOLD, place, place[2], Bounds(0.0, 0.0, 0.0), lasts)
+    return upright_leg(HOLD, place, place[2], MotionLimits(0.0, 0.0, 0.0), lasts)
 
 
-def joined(this: Leg, following: Leg, copter: CopterLimits, left: float = math.inf) -> Leg:
+def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: float = math.inf) -> CopterLeg:
     """`this` with the speed at its end agreed with the next leg, where one of the two is a spline.
 
     A spline that follows is entered no faster than its chord leaves way to brake to `left`: the speed at which the
@@ -120,12 +128,12 @@ def joined(this: Leg, following: Leg, copter: CopterLimits, left: float = math.i
     return straight_leg(this.origin, this.target, this.speeds, copter, leave=speed, turn=this.turn)
 
 
-def speed_left(leg: Leg) -> float:
+def speed_left(leg: CopterLeg) -> float:
     """The speed at which a spline may be left, for all that comes after it; nothing where it ends at rest."""
     return _speed_at(leg, 1.0) if any(leg.end) else 0.0
 
 
-def at_speeds(leg: Leg, speeds: Bounds, elapsed: float, copter: CopterLimits) -> Leg:
+def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: CopterLimits) -> CopterLeg:
     """The leg with other speeds in force, `elapsed` s after its start."""
     if speeds == leg.speeds:
         return leg
@@ -135,12 +143,12 @@ def at_speeds(leg: Leg, speeds: Bounds, elapsed: float, copter: CopterLimits) ->
     return changed._replace(profile=change(leg.profile, elapsed, leg.length, _changed_limits(changed, copter)))
 
 
-def _leg(kind: float, origin: Place, target: Place, speeds: Bounds) -> Leg:
+def _leg(kind: float, origin: Place, target: Place, speeds: MotionLimits) -> CopterLeg:
     length = math.dist(origin, target)
     direction = Vector(*(x / length for x in minus(target, origin))) if length > 1e-9 else ZERO
-    return Leg(kind, Vector(*origin), Vector(*target), direction, length, speeds)
+    return CopterLeg(kind, Vector(*origin), Vector(*target), direction, length, speeds)
 
 
-def _speed_at(leg: Leg, end: float) -> float:
+def _speed_at(leg: CopterLeg, end: float) -> float:
     """The speed at which a leg can be entered (end 0) or left (end 1): the bend's, or a straight leg's peak."""
     return leg.profile.peak if leg.kind == STRAIGHT else float(bend(leg, end)[3])

@@ -33,7 +33,7 @@ class Vector(NamedTuple):
 ZERO = Vector(0.0, 0.0, 0.0)
 
 
-class Bounds(NamedTuple):
+class MotionLimits(NamedTuple):
     """The most level, upwards and downwards: of speed [m/s], or of acceleration [m/s^2]."""
 
     level: float
@@ -41,7 +41,7 @@ class Bounds(NamedTuple):
     down: float
 
 
-class Leg(NamedTuple):
+class CopterLeg(NamedTuple):
     """From `origin` to `target` at up to `speeds`: straight with a `profile`, along a `cubic`, or straight up or down.
 
     A spline keeps `accel` and leaves at up to `leave` [m/s]; its tangent there is `end`. A HOLD `lasts` [s].
@@ -53,18 +53,18 @@ class Leg(NamedTuple):
     target: Vector
     direction: Vector
     length: float
-    speeds: Bounds
+    speeds: MotionLimits
     profile: Profile = AT_REST
     cubic: Annotated[list[Vector], 4] = [ZERO] * 4
     end: Vector = ZERO
-    accel: Bounds = Bounds(0.0, 0.0, 0.0)
+    accel: MotionLimits = MotionLimits(0.0, 0.0, 0.0)
     leave: float = 0.0
     lasts: float = 0.0
     turn: float = 0.0
     center: Vector = ZERO
 
 
-NO_LEG = Leg(NOTHING, ZERO, ZERO, ZERO, 0.0, Bounds(0.0, 0.0, 0.0))
+NO_LEG = CopterLeg(NOTHING, ZERO, ZERO, ZERO, 0.0, MotionLimits(0.0, 0.0, 0.0))
 
 
 class Tuning(NamedTuple):

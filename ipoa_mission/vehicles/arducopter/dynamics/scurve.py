@@ -13,7 +13,7 @@ MOST_SEGMENTS = 24  # of a profile: three changes of speed, and what lies betwee
 
 
 @dataclass(frozen=True)
-class Limits:
+class SCurveLimits:
     """What a leg keeps along its direction: speed [m/s], acceleration [m/s^2], jerk [m/s^3], snap [m/s^4]."""
 
     speed: float
@@ -70,7 +70,7 @@ class Ramp:
         return 4 * self.ramp + 2 * self.hold + self.coast
 
 
-def ramp_for(gain: float, limits: Limits, from_rest: bool = True) -> Ramp:
+def ramp_for(gain: float, limits: SCurveLimits, from_rest: bool = True) -> Ramp:
     """The quickest change of speed by `gain`; a small one has shorter ramps from rest, softer ones in motion."""
     if gain <= 1e-9:
         return Ramp(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -88,7 +88,7 @@ def ramp_for(gain: float, limits: Limits, from_rest: bool = True) -> Ramp:
     return Ramp(gain, ramp, gain / (2 * ramp * ramp), 0.0, 0.0)
 
 
-def profile(length: float, limits: Limits, enter: float = 0.0, leave: float = 0.0) -> Profile:
+def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: float = 0.0) -> Profile:
     """The profile of a leg of `length` > 0 m; `enter` and `leave` are speeds, cut to the peak of the leg from rest.
 
     From rest to rest the peak V solves V T(V) = L where the limit cannot be reached, T(V) being the time to reach V
@@ -112,14 +112,14 @@ def profile(length: float, limits: Limits, enter: float = 0.0, leave: float = 0.
     return Profile(_filled(segments), state[0], risen, falls, peak)
 
 
-def _covers(peak: float, enter: float, leave: float, limits: Limits) -> float:
+def _covers(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:
     """The way that the two changes of speed take: each its mean speed times its time."""
     up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     return (peak + enter) / 2 * up.lasts + (peak + leave) / 2 * down.lasts
 
 
-def _fitting(peak: float, enter: float, leave: float, length: float, limits: Limits) -> float:
+def _fitting(peak: float, enter: float, leave: float, length: float, limits: SCurveLimits) -> float:
     """The highest speed up to `peak` whose two changes fit into the length."""
     low, high = max(enter, leave), peak
     if _covers(high, enter, leave, limits) <= length:
@@ -130,7 +130,7 @@ def _fitting(peak: float, enter: float, leave: float, length: float, limits: Lim
     return low
 
 
-def change(current: Profile, at: float, length: float, limits: Limits) -> Profile:
+def change(current: Profile, at: float, length: float, limits: SCurveLimits) -> Profile:
     """The rest of a leg whose speed limit changes `at` s into it: its acceleration is finished, then speed moves over.
 
     As in the autopilot a leg that brakes already is left alone; a higher speed is one that the way left has room for.
@@ -166,7 +166,7 @@ def change(current: Profile, at: float, length: float, limits: Limits) -> Profil
     return Profile(_filled(segments), state[0], current.risen, falls, max(peak, before))
 
 
-def _peak(length: float, limits: Limits) -> float:
+def _peak(length: float, limits: SCurveLimits) -> float:
     """The speed reached in the middle of a leg from rest to rest: the limit, or where V T(V) = L."""
     jerk, accel, snap = limits.jerk, limits.accel, limits.snap
     ramp = min(jerk * math.pi / (2 * snap), math.sqrt(accel * math.pi / (2 * snap)))

@@ -17,8 +17,8 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     SPLINE,
     STEP,
     STRAIGHT,
-    Bounds,
-    Leg,
+    CopterLeg,
+    MotionLimits,
     State,
     Tuning,
 )
@@ -33,7 +33,7 @@ SETTLED_S, STEADY = 30.0, 1e-6  # after so long, and with no more acceleration, 
 # --- legs -----------------------------------------------------------------------------------------------------------
 
 
-def along_limit(x: float, y: float, z: float, limits: Bounds) -> float:
+def along_limit(x: float, y: float, z: float, limits: MotionLimits) -> float:
     """The most that a vector along the unit direction (x, y, z) may have: `limits` are those level, up and down."""
     level, vertical = math.sqrt(x * x + y * y), limits.up if z > 0.0 else limits.down
     if level < 1e-9:
@@ -43,7 +43,7 @@ def along_limit(x: float, y: float, z: float, limits: Bounds) -> float:
     return min(limits.level / level, vertical / abs(z))
 
 
-def bend(leg: Leg, u: float) -> tuple[Triple, Triple, float, float]:
+def bend(leg: CopterLeg, u: float) -> tuple[Triple, Triple, float, float]:
     """A spline leg at parameter u: place, unit direction, length of its derivative, speed that the bend allows."""
     a, b, c, d = leg.cubic[0], leg.cubic[1], leg.cubic[2], leg.cubic[3]
     px, vx, ax = a.x + u * (b.x + u * (c.x + u * d.x)), b.x + u * (2 * c.x + 3 * u * d.x), 2 * c.x + 6 * u * d.x
@@ -82,7 +82,7 @@ def clock_step(state: State, tuning: Tuning) -> float:
     return state.rate * STEP
 
 
-def add_leg(state: State, leg: Leg, t: float, way_back: float) -> None:
+def add_leg(state: State, leg: CopterLeg, t: float, way_back: float) -> None:
     """Add the motion along a leg to the target's; `way_back` is where its way counts from [m]."""
     a, v, s = along(leg, t)
     (x, y, z), (vx, vy, vz), (ax, ay, _) = on_way(leg, a, v, s, way_back)
@@ -91,7 +91,7 @@ def add_leg(state: State, leg: Leg, t: float, way_back: float) -> None:
     state.target_z, state.aim_z = state.target_z + z, state.aim_z + vz
 
 
-def turn_is_gentle(this: Leg, following: Leg, elapsed: float, tuning: Tuning) -> bool:
+def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning: Tuning) -> bool:
     """Whether the next leg may begin now: the middle of the overlap lies within radius and corner acceleration."""
     half = (this.profile.lasts - elapsed) / 2
     a, v, s = along(this, elapsed + half)
@@ -105,7 +105,9 @@ def turn_is_gentle(this: Leg, following: Leg, elapsed: float, tuning: Tuning) ->
     return x * x + y * y < tuning.corner_accel**2 and abs(z) < tuning.accel_z
 
 
-def along_legs(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning, h: float) -> bool:
+def along_legs(
+    state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning, h: float
+) -> bool:
     """What is left of the leg before, this leg, and the next one where they overlap; whether this one is over."""
     state.clock += h
     state.target_x, state.target_y, state.target_z = this.origin.x, this.origin.y, this.origin.z
@@ -132,7 +134,7 @@ def along_legs(state: State, before: Leg, this: Leg, following: Leg, tuning: Tun
     return finished
 
 
-def along_spline(state: State, this: Leg, h: float) -> bool:
+def along_spline(state: State, this: CopterLeg, h: float) -> bool:
     """The target on a curve, as fast as its bends and its end allow; whether it is over."""
     state.clock += h
     (x, y, z), (dx, dy, dz), length, top = bend(this, min(state.share, 1.0))
@@ -163,7 +165,7 @@ def towards(error: float, accel: float, gain: float) -> float:
     return math.copysign(math.sqrt(2 * accel * (abs(error) - linear / 2)), error)
 
 
-def upright(state: State, this: Leg, tuning: Tuning) -> bool:
+def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Over one place: stay, or climb or come down by velocity shaping; whether that is over."""
     state.target_x, state.target_y, top = this.target.x, this.target.y, this.target.z
     state.aim_x = state.aim_y = state.push_x = state.push_y = 0.0
@@ -278,7 +280,7 @@ def drag(state: State, tuning: Tuning) -> Triple:
     )
 
 
-def step(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning) -> bool:
+def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
     """Let one step pass; whether the leg counts as passed."""
     if this.kind == STRAIGHT:
         finished = along_legs(state, before, this, following, tuning, clock_step(state, tuning))
@@ -294,7 +296,7 @@ def step(state: State, before: Leg, this: Leg, following: Leg, tuning: Tuning) -
     return finished and ex * ex + ey * ey <= tuning.radius**2
 
 
-def pass_over_cruise(state: State, this: Leg) -> None:
+def pass_over_cruise(state: State, this: CopterLeg) -> None:
     """Pass over the middle of a long level leg, where all has settled and nothing changes until it brakes."""
     left = this.profile.falls - state.clock - SETTLED_S
     if (
@@ -314,9 +316,9 @@ def pass_over_cruise(state: State, this: Leg) -> None:
 
 def fly_leg(
     states: Sequence[State],
-    before: Sequence[Leg],
-    this: Sequence[Leg],
-    following: Sequence[Leg],
+    before: Sequence[CopterLeg],
+    this: Sequence[CopterLeg],
+    following: Sequence[CopterLeg],
     tuning: Tuning,
     samples: Points,
 ) -> int:

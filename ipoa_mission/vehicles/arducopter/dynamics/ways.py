@@ -5,12 +5,12 @@ The same lines run as Python and compiled, by `steps`.
 
 import math
 
-from ipoa_mission.vehicles.arducopter.dynamics.motion import Leg
+from ipoa_mission.vehicles.arducopter.dynamics.motion import CopterLeg
 
 Triple = tuple[float, float, float]
 
 
-def along(leg: Leg, t: float) -> Triple:
+def along(leg: CopterLeg, t: float) -> Triple:
     """Acceleration, speed and way of a straight leg, t seconds after its start."""
     segments = leg.profile.segments
     at = len(segments) - 1
@@ -35,7 +35,7 @@ def along(leg: Leg, t: float) -> Triple:
     )
 
 
-def on_way(leg: Leg, a: float, v: float, s: float, way_back: float) -> tuple[Triple, Triple, Triple]:
+def on_way(leg: CopterLeg, a: float, v: float, s: float, way_back: float) -> tuple[Triple, Triple, Triple]:
     """Place, velocity and acceleration where a leg has these along its way [m, m/s, m/s^2].
 
     The place counts from its origin, or with its length as `way_back` from its target.
