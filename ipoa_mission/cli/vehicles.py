@@ -92,8 +92,8 @@ def stages_shown(stage: "Stage") -> "Iterator[Progress]":
         Stage.FLIGHT: "nobody watches, and the vehicle flies on",
     }
     if stage is Stage.START:
-        with left_behind("see the hint", hint="look at it"):
-            yield silent
+        with left_behind("see the hint", hint="look at it"), progress_bar("starting", is_waiting=True) as show:
+            yield show
         return
     waits = stage in (Stage.POSITION, Stage.READY)
     is_long = waits or stage in (Stage.UPLOAD, Stage.FLIGHT)

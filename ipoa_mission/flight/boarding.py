@@ -11,7 +11,6 @@ from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link.departure import LIMITS
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.set_up import own_values
 from ipoa_mission.link.state import NotReady
@@ -109,14 +108,14 @@ def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
     Raises:
         NotReady, TimeUp: it does not come to know it in time.
     """
-    state, until_s = vehicle.state, vehicle.line.now() + LIMITS.ready_s
+    state, until_s = vehicle.state, vehicle.line.now() + vehicle.ready_s
     hinders = ""
     try:
         while vehicle.home() is None:
             hinders = "; ".join(("the vehicle does not know yet where it is", *dict.fromkeys(state.warnings)))
             progress(0.0, hinders)
             if vehicle.line.now() > until_s:
-                raise NotReady(f"not ready after {LIMITS.ready_s:.0f} s: {hinders}", hint="has it GPS reception?")
+                raise NotReady(f"not ready after {vehicle.ready_s:.0f} s: {hinders}", hint="has it GPS reception?")
             state.warnings.clear()
     except TimeUp as late:
         raise TimeUp(f"{late}: {hinders}" if hinders else str(late), late.hint) from None

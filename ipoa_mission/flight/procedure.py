@@ -196,8 +196,8 @@ def begin_mission(
 
     with stages(Stage.READY) as show:
         vehicle.prepare(first, show, permit)
-    with stages(Stage.START):
-        vehicle.start()
+    with stages(Stage.START) as show:
+        vehicle.start(show)
     with stages(Stage.FLIGHT) as show:
         return vehicle.watch(show)
 

@@ -49,6 +49,14 @@ class DepartureLimits:
 LIMITS = DepartureLimits()
 
 
+class NotYet(CommandRefused):
+    """It is not armed, and by its own words time will mend that; `words` are these."""
+
+    def __init__(self, result: int, words: str) -> None:
+        super().__init__(ARMING, result, words)
+        self.words = words
+
+
 @dataclass(frozen=True)
 class Departure:
     """A flight about to begin at item `first` (as numbered on the wire); `progress` is told what is waited for.
@@ -109,7 +117,8 @@ def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[N
     position and says that it could be armed.
 
     Raises:
-        NotReady, TimeUp: armed already, or not ready in time; with the vehicle's own reasons.
+        NotReady, TimeUp: armed already, not ready in time, or hindered by what waiting does not mend; with the
+            vehicle's own reasons.
         NotFlown: it is no multicopter.
         NoAnswer, CommandRefused: it does not take the order for its current item.
     """
@@ -135,13 +144,16 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
                 if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.look_s)):
                     return
                 yield from command(VehicleCommand.RUN_PREARM_CHECKS)
-                yield from until(lambda: bool(state.warnings), 0.5)
+                yield from wait(LIMITS.again_s)
                 hinders = _hindrance(state)
-            waited_s += LIMITS.look_s
+                if lasting := departure.autopilot.manners.arming_words.lasting(hinders):
+                    raise NotReady(f"the vehicle cannot be armed: {'; '.join(lasting)}", hint=str(state))
+            else:
+                yield from wait(LIMITS.again_s)
+            waited_s += LIMITS.look_s + LIMITS.again_s
             departure.progress(0.0, hinders)
             if waited_s > ready_s:
                 raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
-            yield from wait(LIMITS.again_s)
     except TimeUp as late:
         why = hinders or _hindrance(state)
         raise TimeUp(f"{late}: the vehicle is not ready: {why}", hint=str(state)) from None
@@ -158,11 +170,12 @@ def depart(departure: Departure) -> Dialogue[None]:
     """Arm a prepared vehicle that is proved to hold our lists, and let it fly its mission.
 
     Raises:
+        NotYet: it was not armed, for reasons that pass with time; `prepare` and `depart` may be tried again.
         Replaced, NotReady: it holds something else, or does not tell; it was not armed, or not started.
         CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
             said that it was still on the ground.
     """
-    state = departure.state
+    state, reasons = departure.state, departure.autopilot.manners.arming_words
     may_be_armed, attempt = False, 0
     try:
         while True:
@@ -173,11 +186,14 @@ def depart(departure: Departure) -> Dialogue[None]:
             result, words = yield from command(Command.COMPONENT_ARM_DISARM, 1.0)
             if result == CommandResult.ACCEPTED:
                 break
-            is_last = attempt == LIMITS.arming_attempts
+            is_told = bool(reasons.reasons(words))
+            is_last = is_told or attempt == LIMITS.arming_attempts
             if (yield from until(lambda: state.armed is True, SHOWN_S if is_last else LIMITS.again_s)):
                 break  # what was refused was an order given before
             may_be_armed = False
             if is_last:
+                if is_told and not reasons.lasting(words):
+                    raise NotYet(result, words)
                 raise CommandRefused(ARMING, result, words)
         yield from _begin(departure)
     except MissionError as broken_off:

@@ -18,7 +18,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import conversations, orders, unbroken
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.departure import LIMITS, Departure, depart, expect_on_ground, prepare, unsubscribe
+from ipoa_mission.link.departure import LIMITS, Departure, NotYet, depart, expect_on_ground, prepare, unsubscribe
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
 from ipoa_mission.link.file_transfer import FileRefused
 from ipoa_mission.link.hold import SHOWN_S, pause, resume, return_to_launch
@@ -30,7 +30,7 @@ from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
 from ipoa_mission.link.mission_file import upload_by_file
 from ipoa_mission.link.presence import Found, await_booted
-from ipoa_mission.link.state import VehicleState
+from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.mission.commands import LAST_NAV
@@ -225,24 +225,33 @@ class Vehicle:
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
-            self._tell(prepare(self._departure, min(LIMITS.ready_s, self._patience.total_s)))
+            self._tell(prepare(self._departure, self.ready_s))
         permit = permit or (None if mission is None else partial(check_start, Forecast(mission), first))
         if permit is not None and (at := self.state.position) is not None:
             permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
 
-    def start(self) -> None:
+    def start(self, progress: Progress = silent) -> None:
         """Arm a prepared vehicle and let it fly its mission; time zero of the flight is the vehicle's arming.
 
         Directly before the arming the vehicle is proved to hold the lists that were uploaded to it, or downloaded.
+        One that is refused for a reason that passes with time is prepared again, proved and armed; for another at once
+        an error. `progress` is told what is waited for.
 
         Raises:
+            NotReady, TimeUp: it could not be armed for as long as it is waited for; with its own reasons.
             Replaced, ReplacedSince: it holds others.
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
                 disarmed again if it said that it was still on the ground.
         """
+        until_s = min(self._until, self.line.now() + self.ready_s)
         self._until = math.inf
         with self.state.told():
-            self._tell(depart(self._departure))
+            while True:
+                try:
+                    return self._tell(depart(self._departure))
+                except NotYet as refused:
+                    progress(0.0, f"not armed yet: {refused.words}")
+                    self._await_armable(until_s, refused.words, progress)
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over; `progress` is told of items done.
@@ -267,6 +276,12 @@ class Vehicle:
         record = self._logbook.record()
         changed = self.changed
         return replace(record, completed=False, why_not=changed) if changed else record
+
+    @property
+    def ready_s(self) -> float:
+        """How long it is waited for until it can be armed [s]: the user's limit for everything, if there is one."""
+        total_s = self._patience.total_s
+        return LIMITS.ready_s if total_s == SPECIFIED.total_s else total_s
 
     @property
     def changed(self) -> str:
@@ -340,6 +355,17 @@ class Vehicle:
     def _first(self) -> int:
         """The sequence number of the first thing done: ArduPilot counts its home."""
         return self.autopilot.counts_home
+
+    def _await_armable(self, until_s: float, hinders: str, progress: Progress) -> None:
+        """Prepare it again, where there is time left."""
+        left_s = until_s - self.line.now()
+        if left_s <= 0.0:
+            raise NotReady(f"the vehicle is not ready in time: {hinders}")
+        self._until = until_s
+        try:
+            self._tell(prepare(replace(self._departure, progress=progress), left_s))
+        finally:
+            self._until = math.inf
 
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
         with self._in_time(), self.state.told():

@@ -95,6 +95,7 @@ class Personality:
     takeoff_mode: int | None  # into which the order to take off changes, and which it leaves up there
     mission_arms: bool  # MISSION_START arms by itself
     tells_prearm: bool  # SYS_STATUS has the pre-arm check among its sensors, and texts say what it lacks
+    prearm_every_s: float  # how often these checks are made: what is told of them is as old [s]
     refused_arming: int  # COMMAND_ACK of an arming, or of a disarming in flight, that is refused
     arm_words: tuple[str, str, str, str]  # armed, disarmed by order, by landing, by standing too long
     disarm_delay: str  # the parameter that says how long it may stand armed on the ground [s]

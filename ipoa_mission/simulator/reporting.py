@@ -80,6 +80,7 @@ class Reporting:
         self._idle_mode = habits.first_mode  # what it shows while it does nothing by itself
         self._mode_before = habits.first_mode  # PX4's, before it was sent home or to the ground
         self._armed_s: float | None = None
+        self._checked = -math.inf, False  # when it looked whether it could be armed, and whether it could
         self._rise_to = math.nan  # PX4: the altitude AMSL to take off to; NaN: its parameter's
         self._has_begun = self._runs = False  # ArduPilot: whether it has a current item at all, and goes on with it
 
@@ -113,6 +114,13 @@ class Reporting:
             return start_up.unsteady
         return ""
 
+    def _passed_checks(self) -> bool:
+        """Whether it could be armed when that was last looked at: after a change of mode that is not yet true."""
+        checked_s, _ = self._checked
+        if self._now - checked_s >= self.habits.prearm_every_s:
+            self._checked = self._now, not self._hinders()
+        return self._checked[1]
+
     def _is_standing(self) -> bool:
         if not (self.flight.armed and self.flight.landed):
             return False
@@ -138,7 +146,7 @@ class Reporting:
             case "HEARTBEAT":
                 return self._heartbeat()
             case "SYS_STATUS":
-                return streams.status(not self._hinders(), self.habits.tells_prearm)
+                return streams.status(self._passed_checks(), self.habits.tells_prearm)
             case "MISSION_CURRENT":
                 self._repeat_reached()
                 return self._current()

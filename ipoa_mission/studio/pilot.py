@@ -116,11 +116,10 @@ def _flown(flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | No
         if stage is Stage.FLIGHT:
             answer(State(phase="flying", words=Stage.START))
             yield silent
-        elif stage is Stage.READY:
-            yield lambda _, words: answer(State(phase="preparing", words=words))
         else:
-            vehicle.overhearing = Watch(flight, vehicle, answer, speedup).hear
-            yield silent
+            if stage is Stage.START:
+                vehicle.overhearing = Watch(flight, vehicle, answer, speedup).hear
+            yield lambda _, words: answer(State(phase="preparing", words=words))
 
     def remark(words: str) -> None:
         answer(State(phase="preparing", words=words))

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from ipoa_mission.vehicles.arming import UNTOLD, ArmingWords
+
 
 @dataclass(frozen=True)
 class Manners:
@@ -27,5 +29,7 @@ class Manners:
     """A parameter that is set with another type than its own stays as it is."""
     limits_are_bits: str = ""
     """The parameter whose bits say which limits of its own fence are in force."""
+    arming_words: ArmingWords = UNTOLD
+    """Its reasons for not being armed."""
     widen_fence: str = "give the vehicle a wider fence; --anyway sends it all the same"
     """What a user can do about a fence of the vehicle's own that is too narrow."""

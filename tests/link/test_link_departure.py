@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.departure import Departure, depart, prepare
+from ipoa_mission.link.departure import Departure, NotYet, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, TimeUp
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
@@ -205,13 +205,32 @@ def test_a_mission_that_is_not_begun_disarms_it_too() -> None:
     assert not vehicle.armed
 
 
-def test_an_arming_that_is_refused_for_good_is_an_error() -> None:
+@pytest.mark.parametrize(("words", "times"), [("Arming denied: high throttle", 1), ("", 5)])
+def test_an_arming_that_is_refused_for_good_is_an_error(words: str, times: int) -> None:
+    """One that gives no reason is asked some times more: a link may have lost it."""
     vehicle = Scripted(PX4, first=0)
     vehicle.hold(prepare)
-    vehicle.refuses[ARM] = (1, "Arming denied: high winds")
-    with pytest.raises(CommandRefused, match=r"arm: .*Arming denied: high winds"):
+    vehicle.refuses[ARM] = (1, words)
+    with pytest.raises(CommandRefused, match=f"arm: .*{words}") as refused:
         vehicle.hold(depart)
-    assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)] * 5
+    assert not isinstance(refused.value, NotYet)
+    assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)] * times
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_an_arming_that_is_refused_for_what_passes_may_be_tried_again(autopilot: Autopilot) -> None:
+    vehicle = Scripted(autopilot, first=0 if autopilot is PX4 else 1)
+    vehicle.hold(prepare)
+    reason = "Preflight Fail: GPS fix too low" if autopilot is PX4 else "Arm: Need Position Estimate"
+    vehicle.refuses[ARM] = (4, reason)
+    with pytest.raises(NotYet, match=reason) as refused:
+        vehicle.hold(depart)
+    assert refused.value.words == reason
+    assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)]
+    vehicle.refuses.clear()
+    vehicle.hold(prepare)
+    vehicle.hold(depart)
+    assert vehicle.armed
 
 
 @pytest.mark.parametrize("landed", [None, 2, 3, 4], ids=["untold", "in the air", "taking off", "landing"])
@@ -399,10 +418,10 @@ def test_a_vehicle_that_answers_nothing_after_the_arming_is_told_to_disarm_all_t
     assert silence.value.hint == "the vehicle is armed, on the ground, in GUIDED"
 
 
-def test_an_arming_that_is_refused_at_first_is_tried_again() -> None:
+def test_an_arming_that_is_refused_at_first_without_a_reason_is_tried_again() -> None:
     vehicle = Scripted(PX4, first=0)
     vehicle.hold(prepare)
-    vehicle.refuses[ARM] = (1, "Arming denied: high winds")
+    vehicle.refuses[ARM] = (1, "")
     told = vehicle.stream
 
     def calmer() -> list[Message]:

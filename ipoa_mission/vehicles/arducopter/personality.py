@@ -63,6 +63,7 @@ PERSONALITY = Personality(
     takeoff_mode=None,
     mission_arms=False,
     tells_prearm=True,
+    prearm_every_s=1.0,
     refused_arming=CommandResult.FAILED,
     arm_words=("Arming motors", "Disarming motors", "Disarming motors", "Disarming motors"),
     disarm_delay="DISARM_DELAY",

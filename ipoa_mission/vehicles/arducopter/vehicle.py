@@ -1,5 +1,6 @@
 """ArduCopter as one object; its times, its tube and its stand-in are loaded when they are asked for."""
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -8,6 +9,7 @@ from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.vehicles.arducopter import failsafes, refusal, returning
 from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON, limits_on
+from ipoa_mission.vehicles.arming import ArmingWords
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
@@ -74,6 +76,19 @@ MODES = Modes(
     },
 )
 
+#: AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence of 4.7 give these reasons.
+ARMING_WORDS = ArmingWords(
+    re.compile(r"(Pre)?Arm: "),
+    re.compile(
+        r"initialis|waiting|starting|not started|unhealthy|not healthy|not calibrated$|inconsistent \d"
+        r"|(Gyros|Accels) inconsistent|(calibration|cal) running|heater temp|(position|alt) estimate"
+        r"|(without|requires) position|attitude is bad|variance|vel error|yaw error|not using configured AHRS"
+        r"|Altitude disparity|no terrain data|Main loop slow|GCS failsafe|HDOP|GPS \d+: Bad fix|yaw not available"
+        r"|GPS (glitching|drift|numsats|\w+ (error|speed)|speed error|and AHRS differ|positions differ)",
+        re.IGNORECASE,
+    ),
+)
+
 
 class ArduCopter(Autopilot):
     """ArduPilot on a multicopter."""
@@ -109,6 +124,7 @@ class ArduCopter(Autopilot):
         takes_mission_file=True,
         boots_slowly=True,
         tells_items=True,
+        arming_words=ARMING_WORDS,
         parameters_by_name=True,
         limits_are_bits="FENCE_TYPE",
         widen_fence="give the vehicle a wider fence, or take that part out of its FENCE_TYPE (4: what the mission "

@@ -60,6 +60,7 @@ PERSONALITY = Personality(
     takeoff_mode=mode_number(4, 2),
     mission_arms=True,
     tells_prearm=False,
+    prearm_every_s=0.0,
     refused_arming=CommandResult.TEMPORARILY_REJECTED,
     arm_words=(
         "Armed by external command\t",

@@ -1,11 +1,13 @@
 """PX4 on a multicopter as one object; its times, its tube and its stand-in are loaded when they are asked for."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.mission.commands import FLOWN_TO, Command
+from ipoa_mission.vehicles.arming import ArmingWords
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
@@ -70,6 +72,16 @@ MODES = Modes(
     has_sub_modes=True,
 )
 
+#: The commander's checks of 1.17 give these reasons, as texts only when an order to arm is refused.
+ARMING_WORDS = ArmingWords(
+    re.compile(r"Arming denied: |Preflight Fail: "),
+    re.compile(
+        r"Resolve system health|^calibrating|No valid data|missing data|(Accel|Gyro|Compass) Sensor \d+ missing"
+        r"|barometer \d+ missing|unstable|not stable|estimate required|Home position required|requires valid home"
+        r"|GPS(?! signal spoofed)|High (Gyro|Accelerometer) Bias|CPU|No connection to the GCS|system power unavailable"
+    ),
+)
+
 
 class Px4Multicopter(Autopilot):
     """PX4 on a multicopter."""
@@ -95,6 +107,7 @@ class Px4Multicopter(Autopilot):
     )
     manners = Manners(
         judges_later=True,
+        arming_words=ARMING_WORDS,
         keeps_types=True,
         widen_fence="give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
     )
