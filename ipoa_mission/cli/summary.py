@@ -13,7 +13,8 @@ def tell_planned(flight: Flight, written: Iterable[Path]) -> None:
     """Print what was planned, how else it could be flown, and the files written."""
     tell(*describe(flight))
     tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
-    tell(*ROUTE_WORDS, "", f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
+    tell(*ROUTE_WORDS, *([PASSED_OVER] if any(option.passed_over for option in flight.options) else []))
+    tell("", f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
 
 
 def describe(flight: Flight) -> list[str]:
@@ -38,13 +39,14 @@ def promised(promise: Promise | None) -> list[str]:
     return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(promise.confidence)}"]
 
 
-ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "x curve\nat limits", "off the\ncurve, m", "clear"]
+ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "x curve\nat limits", "off the\ncurve, m", "clear", "not written"]
 #: What the columns mean, said below the first table that has them.
 ROUTE_WORDS = (
     "curve: the smooth path that was planned; the waypoints stand for it, and flights cut its corners",
     "at limits: flown along the curve itself at the vehicle's limits of speed and acceleration",
     "clear: the clearance is kept by the path that this autopilot is predicted to fly",
 )
+PASSED_OVER = "not written: why, though it would be quicker"
 
 
 def route_rows(flight: Flight) -> list[tuple[str, ...]]:
@@ -58,6 +60,7 @@ def route_rows(flight: Flight) -> list[tuple[str, ...]]:
             f"{option.ratio:.2f}",
             f"{option.deviation:.1f}",
             "yes" if option.flies_clear else "no",
+            option.passed_over,
         )
         for option in flight.options
     ]

@@ -66,6 +66,7 @@ def option_as_json(option: "Option", mode: str) -> dict[str, Any]:
         "deviation": option.deviation,
         "flies_clear": option.flies_clear,
         "chosen": option.mode == mode,
+        **({"passed_over": option.passed_over} if option.passed_over else {}),
     }
 
 

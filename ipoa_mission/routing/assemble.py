@@ -8,18 +8,18 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.route import kinematics
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.build import build_mission, draft_mission
-from ipoa_mission.routing.fastest import fastest_route
+from ipoa_mission.routing.fastest import SEARCH, fastest_route
 from ipoa_mission.routing.prove_route import prove_route
 from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
-from ipoa_mission.routing.trial import flies_safely, fly
+from ipoa_mission.routing.trial import Flown, flies_safely, fly
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
 
@@ -44,6 +44,8 @@ class Option:
     """How many times the least time that the planned curve takes under the same limits, or the quickest route if one
     is quicker than that, beside the curve.
     """
+    passed_over: str = ""
+    """Why `fastest` does not fly it, where it is quicker than what that flies."""
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
@@ -125,7 +127,7 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) ->
         >>> "fastest" in [option.mode for option in weigh_routes(plan_path(scenario, seed=7), scenario)]
         True
     """
-    needed, flights = scenario.route.mode, []
+    needed, flights = scenario.route.mode, list[tuple[str, Route, Flown, bool]]()
     for mode in sorted(MODES, key=lambda mode: mode != needed):
         try:
             known = chosen is not None and mode == needed
@@ -140,8 +142,27 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) ->
     options = []
     for mode, route, flown, is_clear in flights:
         seconds, away = round(flown.seconds, 3), round(flown.deviation, 3)
-        options.append(Option(mode, route, seconds, away, is_clear, round(seconds / least, 4)))
+        is_quicker = needed == "fastest" and flown.seconds < flights[0][2].seconds
+        why = _passed_over(route, flown, flights[0][2], is_clear, scenario) if is_quicker else ""
+        options.append(Option(mode, route, seconds, away, is_clear, round(seconds / least, 4), why))
     return tuple(sorted(options, key=lambda option: (option.seconds, option.mode != "fastest")))
+
+
+def _passed_over(route: Route, flown: Flown, chosen: Flown, is_clear: bool, scenario: Scenario) -> str:
+    """Why a route is not the fastest, though it is quicker than the `chosen` one."""
+    if not is_clear:
+        return "not clear"
+    if flown.deviation > scenario.route.tolerance:
+        return f"more than {scenario.route.tolerance:g} m off the curve"
+    if flown.overrun > SEARCH.most_overrun:
+        return "would brake beyond the goal"
+    if flown.seconds + flown.late > (1 - SEARCH.equal_share) * (chosen.seconds + chosen.late):
+        return "hardly quicker"
+    try:
+        whole = Forecast(build_mission(route, scenario), scenario)
+    except MissionError as error:
+        return str(error)
+    return "its ending is not clear" if any(kept.forbids for kept in whole.promise.limits) else "not sought"
 
 
 def is_promised(route: Route, scenario: Scenario) -> bool:

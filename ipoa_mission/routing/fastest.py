@@ -11,6 +11,7 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 
+from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.build import VISITED
@@ -37,6 +38,7 @@ class RouteSearch:
 
 
 SEARCH = RouteSearch()
+TIGHT = 0.5  # of tight places, that waypoints are given room at where none would fit without
 
 
 def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Route]) -> Route:
@@ -44,9 +46,10 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
 
     Quick is what is quick in its mean and in the time that nine flights in ten keep. Of routes that are as good as
     equally quick it is the one that misses the fewest waypoints, and of those the one that keeps away farthest.
-    `fallback` is asked where none is both.
+    Where none does both, their waypoints are moved clear with room for the tube; at last `fallback` is asked.
     """
-    quickest = _quickest(curve, scenario)
+    drawn = [(route, sketch(route, curve, scenario)) for route in candidates(curve, scenario)]
+    quickest = _quickest(drawn, scenario, scenario) or _quickest(drawn, scenario, with_room(scenario, TIGHT))
     improved = list(dict.fromkeys(ready for way in quickest for ready in (way[0], _improve(*way, scenario))))
     if len(improved) < 2:
         return improved[0] if improved else fallback()
@@ -58,12 +61,11 @@ def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Rout
     return improved[min(ranks)[-1]]
 
 
-def _quickest(curve: Spline, scenario: Scenario) -> list[tuple[Route, Flown]]:
-    """The quickest fit routes, of different numbers of waypoints.
+def _quickest(drawn: list[tuple[Route, Flown]], scenario: Scenario, roomy: Scenario) -> list[tuple[Route, Flown]]:
+    """The quickest fit routes of those drawn, of different numbers of waypoints, moved clear in `roomy`.
 
     To move a route clear takes longer than to fly it, so that is put off until no other is quicker as it is drawn.
     """
-    drawn = [(route, sketch(route, curve, scenario)) for route in candidates(curve, scenario)]
     waiting = [(flown.seconds, n, False, route, flown) for n, (route, flown) in enumerate(drawn)]
     heapify(waiting)
     cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], tuple[Route, Flown]]()
@@ -79,10 +81,10 @@ def _quickest(curve: Spline, scenario: Scenario) -> list[tuple[Route, Flown]]:
                 fit[kind] = route, flown
             continue
         if place not in cleared:
-            cleared[place] = push_clear(route.points, scenario)
+            cleared[place] = push_clear(route.points, roomy)
         clear = replace(route, points=cleared[place])
         if leg_lengths(clear.points).min() >= NEAREST:
-            again = flown if (clear.points == route.points).all() else sketch(clear, curve, scenario)
+            again = flown if (clear.points == route.points).all() else sketch(clear, flown.curve, scenario)
             heappush(waiting, (again.seconds, n, True, clear, again))
     return list(fit.values())
 

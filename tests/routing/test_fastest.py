@@ -172,3 +172,37 @@ def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
         assert np.linalg.norm(path - (60.0, 0.0, 20.0), axis=1).min() < 3.0
     (fastest,) = (option for option in options if option.mode == "fastest")
     assert fastest.seconds == options[0].seconds
+
+
+def test_a_quicker_way_that_is_not_flown_says_why() -> None:
+    curve, free = curve_of_the_ways(Autopilot.ARDUPILOT)
+    near = free.model_copy(update={"route": free.route.model_copy(update={"tolerance": 0.05})})
+    options = weigh_routes(as_plan(curve, near), near)
+    chosen = next(n for n, option in enumerate(options) if option.mode == "fastest")
+    assert chosen > 0
+    for n, option in enumerate(options):
+        expected = "more than 0.05 m off the curve" if option.deviation > 0.05 else "hardly quicker"
+        assert option.passed_over == (expected if n < chosen else "")
+
+
+def test_over_a_hill_no_waypoint_every_few_meters_is_needed() -> None:
+    """A curve just above the tube over a round hill: straight legs below it are raised by what the tube needs."""
+    along = np.arange(-60.0, 361.0, 20.0)
+    hill = np.round(40 * np.exp(-(((along - 150) / 60) ** 2)), 2)
+    text = f"""
+    home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
+    start = {{ east = 0.0, north = 0.0, height_above_ground = 14.0 }}
+    goal = {{ east = 300.0, north = 0.0, height_above_ground = 14.0 }}
+    terrain = {{ kind = "grid", east = -60, north = -60, spacing = 20, heights = {[hill.tolist()] * 7} }}
+    bounds = {{ east = [-50, 350], north = [-50, 50], up = [-5, 120] }}
+    planning = {{ min_height_above_ground = 12.0 }}
+    vehicle = {{ autopilot = "ardupilot" }}
+    """
+    scenario = parse_scenario(text, Path("hill.toml"))
+    over = np.interp(np.linspace(0, 300, 1500), along, hill)
+    at = np.linspace(0.0, 1.0, 1500)
+    points = np.column_stack([300 * at, 0 * at, 12.7 + over])
+    curve = Spline(np.asarray(np.linalg.lstsq(basis(60, at), points, rcond=None)[0], float))
+    route = choose_route(as_plan(curve, scenario), scenario, "fastest")
+    assert len(route.points) <= 8
+    assert fly(route, curve, scenario).keeps_limits(scenario)
