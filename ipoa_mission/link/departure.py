@@ -5,6 +5,7 @@ in which it is armed, and holds the very lists that it was given; and what is re
 unless it may be in the air.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
@@ -164,6 +165,18 @@ def _hindrance(state: VehicleState) -> str:
     if state.warnings:
         return "; ".join(dict.fromkeys(state.warnings))
     return "its pre-arm checks do not pass, without a reason" if _has_position(state) else "it has no position"
+
+
+def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:
+    """`depart`; one that is refused for a reason that passes is prepared again while there is time left [s]."""
+    while True:
+        try:
+            return (yield from depart(departure))
+        except NotYet as refused:
+            departure.progress(0.0, f"not armed yet: {refused.words}")
+            if left_s() <= 0.0:
+                raise NotReady(f"the vehicle is not ready in time: {refused.words}", hint=refused.hint) from None
+        yield from prepare(departure, left_s())
 
 
 def depart(departure: Departure) -> Dialogue[None]:

@@ -18,7 +18,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import conversations, orders, unbroken
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.departure import LIMITS, Departure, NotYet, depart, expect_on_ground, prepare, unsubscribe
+from ipoa_mission.link.departure import LIMITS, Departure, depart_when_ready, expect_on_ground, prepare, unsubscribe
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
 from ipoa_mission.link.file_transfer import FileRefused
 from ipoa_mission.link.hold import SHOWN_S, pause, resume, return_to_launch
@@ -30,7 +30,7 @@ from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
 from ipoa_mission.link.mission_file import upload_by_file
 from ipoa_mission.link.presence import Found, await_booted
-from ipoa_mission.link.state import NotReady, VehicleState
+from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.mission.commands import LAST_NAV
@@ -166,7 +166,7 @@ class Vehicle:
     def set_current(self, index: int) -> None:
         """Make item `index` of `Mission.items` the one to go on with; `state` tells whether the vehicle does."""
         with self._in_time():
-            self._tell(orders.set_current(index + self._first))
+            self._tell(orders.set_current(index + self.autopilot.counts_home))
             self._hold(until(lambda: self.state.custom_mode is not None, SHOWN_S))
 
     def pause(self) -> None:
@@ -220,8 +220,8 @@ class Vehicle:
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
-        holdings = tuple(self._holdings.values())
-        self._departure = Departure(self.state, first + self._first, moving + self._first, climb, holdings, progress)
+        holdings, home = tuple(self._holdings.values()), self.autopilot.counts_home
+        self._departure = Departure(self.state, first + home, moving + home, climb, holdings, progress)
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
@@ -234,8 +234,7 @@ class Vehicle:
         """Arm a prepared vehicle and let it fly its mission; time zero of the flight is the vehicle's arming.
 
         Directly before the arming the vehicle is proved to hold the lists that were uploaded to it, or downloaded.
-        One that is refused for a reason that passes with time is prepared again, proved and armed; for another at once
-        an error. `progress` is told what is waited for.
+        One that is refused for a reason that passes is prepared again, proved and armed; `progress` is told of it.
 
         Raises:
             NotReady, TimeUp: it could not be armed for as long as it is waited for; with its own reasons.
@@ -243,15 +242,10 @@ class Vehicle:
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
                 disarmed again if it said that it was still on the ground.
         """
-        until_s = min(self._until, self.line.now() + self.ready_s)
-        self._until = math.inf
+        until_s, self._until = min(self._until, self.line.now() + self.ready_s), math.inf
+        departure = replace(self._departure, progress=progress)
         with self.state.told():
-            while True:
-                try:
-                    return self._tell(depart(self._departure))
-                except NotYet as refused:
-                    progress(0.0, f"not armed yet: {refused.words}")
-                    self._await_armable(until_s, refused.words, progress)
+            self._tell(depart_when_ready(departure, lambda: until_s - self.line.now()))
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over; `progress` is told of items done.
@@ -350,22 +344,6 @@ class Vehicle:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    @property
-    def _first(self) -> int:
-        """The sequence number of the first thing done: ArduPilot counts its home."""
-        return self.autopilot.counts_home
-
-    def _await_armable(self, until_s: float, hinders: str, progress: Progress) -> None:
-        """Prepare it again, where there is time left."""
-        left_s = until_s - self.line.now()
-        if left_s <= 0.0:
-            raise NotReady(f"the vehicle is not ready in time: {hinders}")
-        self._until = until_s
-        try:
-            self._tell(prepare(replace(self._departure, progress=progress), left_s))
-        finally:
-            self._until = math.inf
 
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
         with self._in_time(), self.state.told():
