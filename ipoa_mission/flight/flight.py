@@ -40,6 +40,7 @@ from ipoa_mission.routing.assemble import Option
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.routing.returns import raised_returns, with_clear_returns
 from ipoa_mission.routing.seek import plan_with_room
+from ipoa_mission.routing.slower import slowed_stretches
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home
 from ipoa_mission.vehicles.energy.flight import Consumption
@@ -219,6 +220,11 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     findings = refuse_errors(check(forecast))
     expect_to_come_home(scenario, forecast.energy)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
-    planned = (*climb_for_way_home(mission), *slowed_for_ground(forecast), *raised_returns(forecast))
+    planned = (
+        *slowed_stretches(forecast),
+        *climb_for_way_home(mission),
+        *slowed_for_ground(forecast),
+        *raised_returns(forecast),
+    )
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     return Flight(plan, options, forecast, findings, remarks)

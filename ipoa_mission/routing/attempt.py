@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.route import Route
+from ipoa_mission.scenario import Scenario
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,3 +32,16 @@ class Attempt:
     def slack(self) -> float:
         """How much more than required is kept on the way, of all limits the least [m]."""
         return min((kept.slack for kept in self.promise.limits if kept.on_the_way), default=0.0)
+
+
+def attempted(plan: Plan, route: Route, scenario: Scenario) -> Attempt:
+    """What a route promises: as its whole mission is flown, where it can be one.
+
+    Raises:
+        NoRoute, Unsafe, BadInput: as `build_mission`, of a route that may be flown otherwise.
+    """
+    attempt = Attempt(plan, route, Forecast(draft_mission(route, scenario), scenario))
+    if not attempt.holds:
+        return attempt
+    built = build_mission(route, scenario)
+    return attempt if built == attempt.forecast.mission else Attempt(plan, route, Forecast(built, scenario))

@@ -59,14 +59,20 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
             f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         )
     over_home = starts_over_home(route)
-    items: list[Item] = [
-        takeoff(first[0] if over_home else home, first[1]),
-        change_speed(scenario.vehicle.cruise_speed),
-        *([] if over_home else [waypoint(*first)]),
+    flown_to = [
         *(_pass(route, n, *place, scenario) for n, place in enumerate(others[:-1], 1)),
         (spline_waypoint if route.spline and route.brakes_on_curve else waypoint)(*others[-1]),
-        return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]),
     ]
+    cruise, changes = scenario.vehicle.cruise_speed, route.speed_changes
+    items: list[Item] = [
+        takeoff(first[0] if over_home else home, first[1]),
+        change_speed(cruise),
+        *([] if over_home else [waypoint(*first)]),
+    ]
+    for leg, item in enumerate(flown_to):
+        items += [change_speed(route.slow_speed if leg in route.slow else cruise)] if leg in changes else []
+        items.append(item)
+    items.append(return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]))
     return Mission(
         home=home,
         items=tuple(items),
@@ -83,7 +89,8 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
 def items_of_waypoints(route: Route) -> tuple[int, ...]:
     """Which item of its mission flies to each waypoint of the route, as indices of `Mission.items`."""
     first = 0 if starts_over_home(route) else 2  # the take-off ends there, or a change of speed comes before it
-    return first, *range(max(first, 1) + 1, max(first, 1) + len(route.points))
+    changes, at = np.array(route.speed_changes, dtype=int), max(first, 1) + 1  # of speed, and where the first leg leads
+    return first, *(at + leg + int((changes <= leg).sum()) for leg in range(route.legs))
 
 
 def starts_over_home(route: Route) -> bool:

@@ -1,44 +1,40 @@
 """Why too few flights would keep the limits, where, and a change of the scenario that was seen to help."""
 
-from collections.abc import Callable, Iterator
-
 import numpy as np
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
+from ipoa_mission.routing.changes import Looks
 from ipoa_mission.routing.narrow import Narrow
 from ipoa_mission.scenario import Scenario
 
-SLOWER = (0.5, 0.25)  # shares of the cruise speed that are tried
-SLOWEST = 0.5  # [m/s]
-LESS_SURE = (0.9,)  # confidences that are tried
 OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of a gap, at most
 
 
-def refusal(nearest: Attempt, scenario: Scenario, planned: Callable[[Scenario], Attempt | None]) -> NoPath:
-    """The error for the attempt that came nearest to keeping the limits; `planned` tries a changed scenario."""
+def refusal(nearest: Attempt, scenario: Scenario, looks: Looks) -> NoPath:
+    """The error for the attempt that came nearest to keeping the limits; `looks` tries changed scenarios."""
     promise = nearest.promise
     tightest = min((kept for kept in promise.limits if kept.forbids), key=lambda kept: kept.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
     words = _gap(tightest, scenario) if tightest.limit == "obstacles" else _limit(tightest, promise)
-    return _with_help(f"{words}, {where}", ", or a via point that leads round", scenario, planned)
+    return _with_help(f"{words}, {where}", ", or a via point that leads round", scenario, looks)
 
 
-def narrow_refusal(narrow: Narrow, scenario: Scenario, planned: Callable[[Scenario], Attempt | None]) -> NoPath:
+def narrow_refusal(narrow: Narrow, scenario: Scenario, looks: Looks) -> NoPath:
     """The error for a gap that is too narrow for any flight."""
-    return _with_help(narrow.words(), "", scenario, planned)
+    return _with_help(narrow.words(), "", scenario, looks)
 
 
-def _with_help(words: str, round_it: str, scenario: Scenario, planned: Callable[[Scenario], Attempt | None]) -> NoPath:
+def _with_help(words: str, round_it: str, scenario: Scenario, looks: Looks) -> NoPath:
     who, chance = f"on {scenario.vehicle.autopilot}", scenario.safety.chance
     if chance is None:
         why = f"a path is there, but {who} it would not be kept to"
     else:
         why = f"a path is there, but {100 * (1 - chance):g} % of flights {who} would not keep it"
-    helps, hint = _what_helps(scenario, round_it, planned)
+    helps, hint = _what_helps(round_it, looks)
     return NoPath(f"{why}: {words}; {helps}", hint=hint)
 
 
@@ -95,11 +91,11 @@ def _across(spot: np.ndarray, name: str, needed: float, scenario: Scenario) -> t
     return best, found
 
 
-def _what_helps(scenario: Scenario, round_it: str, planned: Callable[[Scenario], Attempt | None]) -> tuple[str, str]:
+def _what_helps(round_it: str, looks: Looks) -> tuple[str, str]:
     """What of some changes plans the scenario, tried one after the other: in words, and as a hint."""
     tried = list[str]()
-    for change, changed in _changes(scenario):
-        if (found := planned(changed)) is None:
+    for change in looks.changes:
+        if (found := looks.at(change)) is None:
             tried.append(change)
             continue
         kept = found.promise.clearance
@@ -109,18 +105,3 @@ def _what_helps(scenario: Scenario, round_it: str, planned: Callable[[Scenario],
         f"it was tried in vain with {', '.join(tried)}",
         f"leave a wider way there, or a smaller safety_distance{round_it}",
     )
-
-
-def _changes(scenario: Scenario) -> Iterator[tuple[str, Scenario]]:
-    """Changes of a scenario that may help, the harmless first: as a file has them, and the scenario with each."""
-    for share in SLOWER:
-        speed = max(round(share * scenario.vehicle.cruise_speed, 1), SLOWEST)
-        vehicle = scenario.vehicle.model_copy(update={"cruise_speed": speed})
-        yield f"vehicle.cruise_speed = {speed:g}", scenario.model_copy(update={"vehicle": vehicle})
-    if scenario.route.mode != "fastest":
-        route = scenario.route.model_copy(update={"mode": "fastest"})
-        yield 'route.mode = "fastest"', scenario.model_copy(update={"route": route})
-    for confidence in LESS_SURE:
-        if scenario.safety.confidence != "nominal" and scenario.safety.confidence > confidence:
-            safety = scenario.safety.model_copy(update={"confidence": confidence})
-            yield f"safety.confidence = {confidence:g}", scenario.model_copy(update={"safety": safety})

@@ -32,13 +32,26 @@ class Route:
     """Waypoints (k, 3) from start to goal, flown in straight legs, or with `spline` in one smooth curve (ArduPilot).
 
     A curve ends in a straight leg, or with `brakes_on_curve` in a curve as well: that one must be long enough to brake
-    in (`braking_length`). `radius` is how near to a waypoint PX4 turns to the next [m]; 0: as its parameters say.
+    in (`braking_length`). `radius` is how near to a waypoint PX4 turns to the next [m]; 0: as its parameters say. The
+    `slow` legs, counted from 0, are flown at `slow_speed` [m/s], all others at the cruise speed.
     """
 
     points: Points
     spline: bool = False
     brakes_on_curve: bool = False
     radius: float = 0.0
+    slow: frozenset[int] = frozenset()
+    slow_speed: float = 0.0
+
+    @property
+    def legs(self) -> int:
+        """How many it has."""
+        return len(self.points) - 1
+
+    @property
+    def speed_changes(self) -> list[int]:
+        """The legs before which the vehicle is told another speed."""
+        return [leg for leg in range(self.legs) if (leg in self.slow) != (leg - 1 in self.slow)]
 
 
 def push_clear(waypoints: Points, scenario: Scenario) -> Points:

@@ -18,12 +18,13 @@ from ipoa_mission.planning.planner import NoPath, move_aside, plan_path
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, choose_route, expect_mode, near_routes, weigh_routes
-from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.build import build_mission, draft_mission
+from ipoa_mission.routing.attempt import Attempt, attempted
+from ipoa_mission.routing.changes import Looks
 from ipoa_mission.routing.more_room import Needs, a_little, nothing
 from ipoa_mission.routing.narrow import TooNarrow, expect_wide
 from ipoa_mission.routing.refusal import narrow_refusal, refusal
-from ipoa_mission.routing.route import NoRoute, Route
+from ipoa_mission.routing.route import NoRoute
+from ipoa_mission.routing.slower import slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -66,12 +67,16 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
         Unsafe: it would touch down fast, and nothing helps.
     """
     expect_mode(scenario.route.mode, scenario.vehicle.autopilot)
+    looks = Looks(scenario, lambda changed: _planned(changed, seed))
     try:
         found = seek(scenario, seed, progress)
     except TooNear as error:
-        raise refusal(error.nearest, scenario, lambda changed: _planned(changed, seed)) from None
+        slowed = slowed_where_needed(error.nearest, scenario, looks)
+        if slowed is None:
+            raise refusal(error.nearest, scenario, looks) from None
+        found = slowed
     except TooNarrow as error:
-        raise narrow_refusal(error.narrow, scenario, lambda changed: _planned(changed, seed)) from None
+        raise narrow_refusal(error.narrow, scenario, looks) from None
     options = weigh_routes(found.plan, scenario, found.route)
     return Routed(found.plan, options, found.forecast)
 
@@ -213,9 +218,9 @@ def _attempt(plan: Plan, scenario: Scenario) -> Attempt:
     while modes:
         mode = modes.pop(0)
         try:
-            attempts.append(_flown(plan, choose_route(plan, scenario, mode), scenario))
+            attempts.append(attempted(plan, choose_route(plan, scenario, mode), scenario))
         except NoRoute as error:
-            attempts += [_flown(plan, route, scenario) for route in error.tried]
+            attempts += [attempted(plan, route, scenario) for route in error.tried]
             if mode == "fastest":
                 modes.remove("corridor")  # that was its last resort
         if attempts and attempts[-1].holds:
@@ -226,20 +231,7 @@ def _attempt(plan: Plan, scenario: Scenario) -> Attempt:
 def _quick_attempt(plan: Plan, scenario: Scenario) -> Attempt:
     attempts = list[Attempt]()
     for route in near_routes(plan, scenario, scenario.route.mode):
-        attempts.append(_flown(plan, route, scenario))
+        attempts.append(attempted(plan, route, scenario))
         if attempts[-1].holds:
             return attempts[-1]
     return max(attempts, key=lambda attempt: attempt.slack)
-
-
-def _flown(plan: Plan, route: Route, scenario: Scenario) -> Attempt:
-    """What a route promises: as its whole mission is flown, where it can be one.
-
-    Raises:
-        NoRoute, Unsafe, BadInput: as `build_mission`, of a route that may be flown otherwise.
-    """
-    attempt = Attempt(plan, route, Forecast(draft_mission(route, scenario), scenario))
-    if not attempt.holds:
-        return attempt
-    built = build_mission(route, scenario)
-    return attempt if built == attempt.forecast.mission else Attempt(plan, route, Forecast(built, scenario))

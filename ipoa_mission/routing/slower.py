@@ -1,0 +1,102 @@
+"""Slower stretches: legs on which the vehicle is told to fly slower, where at its cruise speed flights come too near.
+
+A lower speed makes no straight gap wider; where the way bends the vehicle cuts and overshoots less, and its tube is
+narrower.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import chain, count
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.routing.attempt import Attempt, attempted
+from ipoa_mission.routing.build import items_of_waypoints
+from ipoa_mission.routing.changes import Looks, slower
+from ipoa_mission.scenario import Scenario
+
+ROUNDS = 20  # so often legs are added to those that are flown slower, at most
+
+
+def slowed_where_needed(nearest: Attempt, scenario: Scenario, looks: Looks) -> Attempt | None:
+    """An attempt that holds, with some legs flown slower if need be: of the nearest one, or of one at a lower speed."""
+    speeds = [changed.vehicle.cruise_speed for _, changed in slower(scenario)]
+    speeds = [speed for speed in speeds if speed < scenario.vehicle.cruise_speed]
+    for attempt in chain([nearest], (looks.at(change) for change, _ in slower(scenario))):
+        if attempt is not None:
+            slowed = [found for speed in speeds if (found := _slowed(attempt, scenario, speed)) is not None]
+            if slowed:
+                return min(slowed, key=lambda found: found.forecast.estimate.total_s)
+    return None
+
+
+def _slowed(attempt: Attempt, scenario: Scenario, speed: float) -> Attempt | None:
+    """The attempt with those legs at this speed [m/s] that must be, if that holds and others may be flown faster."""
+    route = replace(attempt.route, slow=frozenset(), slow_speed=speed)
+    every = frozenset(range(route.legs))
+
+    def at(slow: frozenset[int]) -> Attempt:
+        return attempted(attempt.plan, replace(route, slow=slow), scenario)
+
+    try:
+        if not at(every).holds:
+            return None
+        latest = at(route.slow)
+        for _ in range(ROUNDS):
+            if latest.holds:
+                break
+            slow = latest.route.slow.union(_more(latest.route.slow, leg) for leg in _too_near(latest))
+            if slow == every or slow == latest.route.slow:
+                return None
+            latest = at(slow)
+        for leg in sorted(latest.route.slow, reverse=True):  # a bend asks for the leg before it, seldom for that after
+            if latest.holds and (without := at(latest.route.slow - {leg})).holds:
+                latest = without
+    except MissionError:
+        return None
+    return latest if latest.holds else None
+
+
+def _too_near(attempt: Attempt) -> Iterator[int]:
+    """The legs on which something comes too near."""
+    ends = np.array(items_of_waypoints(attempt.route)[1:]) + 1
+    for kept in attempt.promise.limits:
+        if kept.forbids:
+            yield min(int(np.searchsorted(ends, kept.item)), len(ends) - 1)
+
+
+def _more(slow: frozenset[int], leg: int) -> int:
+    """The leg; if it is slow already the one before its stretch, from which it comes fast, or at last that after."""
+    before = next(n for n in range(leg, -2, -1) if n not in slow)
+    return before if before >= 0 else next(n for n in count(leg) if n not in slow)
+
+
+def slowed_stretches(forecast: Forecast) -> Iterator[str]:
+    """Which items are flown slower than at the cruise speed, and what would come too near else."""
+    mission, cruise = forecast.mission, forecast.world.vehicle.cruise_speed
+    stretches = list(_stretches(mission, cruise))
+    if not stretches:
+        return
+    asked = [item.command != Command.DO_CHANGE_SPEED or item.params[1] == cruise for item in mission.items]
+    fast = replace(mission, items=tuple(item for item, stays in zip(mission.items, asked, strict=True) if stays))
+    promise = Forecast(fast, forecast.world).promise
+    worst = min((kept for kept in promise.limits if kept.forbids), key=lambda kept: kept.slack, default=None)
+    why = "" if worst is None else f": at {cruise:g} m/s, {worst.to}: {worst.words(promise.confidence)}"
+    which = ", ".join(f"{first} to {last}" if last > first else f"{first}" for first, last, _ in stretches)
+    yield f"items {which} are flown at {stretches[0][-1]:g} m/s{why}"
+
+
+def _stretches(mission: Mission, cruise: float) -> Iterator[tuple[int, int, float]]:
+    """The first and the last item of each stretch that is flown slower than the cruise speed, and how fast."""
+    first = None
+    speed = cruise
+    for seq, item in enumerate(mission.items, 1):
+        is_end = seq == len(mission.items)
+        if item.command == Command.DO_CHANGE_SPEED or is_end:
+            if first is not None and speed < cruise:
+                yield first, seq - 1, speed
+            first, speed = seq + 1, item.params[1]
