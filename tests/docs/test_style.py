@@ -10,7 +10,8 @@ REPOSITORY = Path(__file__).parents[2]
 WIDTH = 120
 #: British forms, and where one is somebody else's word.
 BRITISH = re.compile(
-    r"(?i)(?<!EKF3 still )(?<!System not )(?:mini|maxi|opti|organ|recogn|summar|normal|initial|lineari|seriali)(?:mis|is)(?:e|ed|es|er|ing|ation)\b"
+    r"(?i)(?<!EKF3 still )(?<!System not )"
+    r"(?:mini|maxi|opti|organ|recogn|summar|normal|initial|lineari|seriali)(?:mis|is)(?:e|ed|es|er|ing|ation)\b"
     r"|colour|neighbour|behaviour|favour|honour|\bgrey\b|(?<!sports_)centre|modelled|travelled|labelled|\blicence\b"
 )
 METERS_IN_NAMES = re.compile(r"\b(?:def|class) \w*metre|\bmetres?_|_metres?\b")

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.departure import Departure, NotYet, depart, prepare
+from ipoa_mission.link.departure import Departure, NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, TimeUp
 from ipoa_mission.link.messages import (
     ARMED_FLAG,
@@ -231,6 +231,18 @@ def test_an_arming_that_is_refused_for_what_passes_may_be_tried_again(autopilot:
     vehicle.hold(prepare)
     vehicle.hold(depart)
     assert vehicle.armed
+
+
+@pytest.mark.parametrize(("tries", "passes_s"), [(1, 0.0), (3, 20.0)])
+def test_it_is_tried_again_while_there_is_time(tries: int, passes_s: float) -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.hold(prepare)
+    vehicle.refuses[ARM] = (4, "Arm: Need Position Estimate")
+    until_s = vehicle.now + passes_s
+    with pytest.raises(NotReady, match="not ready in time: Arm: Need Position Estimate"):
+        vehicle.hold(lambda departure: depart_when_ready(departure, lambda: until_s - vehicle.now))
+    assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)] * tries
+    assert vehicle.now >= until_s
 
 
 @pytest.mark.parametrize("landed", [None, 2, 3, 4], ids=["untold", "in the air", "taking off", "landing"])
