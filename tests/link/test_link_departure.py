@@ -160,6 +160,16 @@ def test_one_that_does_not_become_ready_is_an_error_with_its_own_reason() -> Non
     assert late.value.hint == "the vehicle is disarmed, in STABILIZE"
 
 
+def test_what_waiting_does_not_mend_is_not_waited_for() -> None:
+    vehicle = Scripted(ARDUPILOT)
+    vehicle.ready_s = 1e9
+    vehicle.refuses[RUN_PREARM_CHECKS] = (4, "PreArm: Hardware safety switch")
+    with pytest.raises(NotReady, match="cannot be armed: PreArm: Hardware safety switch"):
+        vehicle.hold(prepare)
+    assert vehicle.now < 20.0
+    assert ARM not in [told[0] for told in vehicle.told]
+
+
 @pytest.mark.parametrize("autopilot", registered())
 def test_an_armed_vehicle_is_left_alone(autopilot: Autopilot) -> None:
     vehicle = Scripted(autopilot)

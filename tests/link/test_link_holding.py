@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.link import holding as holdings
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.dialogue import Dialogue, NoAnswer
 from ipoa_mission.link.holding import LOOK_S, Holding, ReplacedSince, expect_unchanged
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
@@ -119,6 +120,37 @@ def test_what_nobody_touches_is_flown_to_the_end(family: Autopilot) -> None:
     vehicle.prepare()
     vehicle.start()
     assert vehicle.watch().completed
+    assert vehicle.changed == ""
+
+
+@pytest.mark.parametrize("family", registered())
+def test_a_flight_is_watched_of_which_no_list_was_seen(family: Autopilot) -> None:
+    vehicle = vehicle_of(family)
+    vehicle.upload(suited(vehicle, MISSION))
+    vehicle.prepare()
+    vehicle._holdings.clear()
+    vehicle.start()
+    assert vehicle.watch().completed
+    assert vehicle.changed == ""
+
+
+def test_a_list_that_is_being_sent_in_flight_is_looked_at_once_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another checksum, and no list to be read just then: nothing is known yet, and nothing is said."""
+    vehicle = vehicle_of(ARDUPILOT)
+    vehicle.upload(suited(vehicle, MISSION))
+    vehicle.prepare()
+    vehicle.start()
+    read, refused = holdings._read_again, list[float]()
+
+    def once_refused(job: Upload) -> Dialogue[int]:
+        if not refused:
+            refused.append(vehicle.line.now())
+            raise NotReady("the vehicle does not tell")
+        return (yield from read(job))
+
+    monkeypatch.setattr(holdings, "_read_again", once_refused)
+    assert vehicle.watch().completed
+    assert refused
     assert vehicle.changed == ""
 
 
