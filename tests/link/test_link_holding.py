@@ -134,24 +134,32 @@ def test_a_flight_is_watched_of_which_no_list_was_seen(family: Autopilot) -> Non
     assert vehicle.changed == ""
 
 
-def test_a_list_that_is_being_sent_in_flight_is_looked_at_once_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Another checksum, and no list to be read just then: nothing is known yet, and nothing is said."""
+def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another checksum, and no list to be read just then: the next look tells."""
     vehicle = vehicle_of(ARDUPILOT)
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()
-    read, refused = holdings._read_again, list[float]()
+    read = holdings._read_again
+    replaced_s, refused_s, told_s = list[float](), list[float](), list[float]()
 
     def once_refused(job: Upload) -> Dialogue[int]:
-        if not refused:
-            refused.append(vehicle.line.now())
+        if not refused_s:
+            refused_s.append(vehicle.line.now())
             raise NotReady("the vehicle does not tell")
         return (yield from read(job))
 
+    def overhear(message: Message) -> None:
+        if isinstance(message, Position) and message.height > 5.0 and not replaced_s:
+            replaced_s.append(vehicle.line.now())
+            replaced_by(vehicle, OTHERS["as long"](MISSION))
+        if vehicle.changed and not told_s:
+            told_s.append(vehicle.line.now())
+
+    vehicle.overhearing = overhear
     monkeypatch.setattr(holdings, "_read_again", once_refused)
-    assert vehicle.watch().completed
-    assert refused
-    assert vehicle.changed == ""
+    assert not vehicle.watch().completed
+    assert replaced_s[0] < refused_s[0] < told_s[0] <= refused_s[0] + LOOK_S + 2.0
 
 
 @pytest.mark.parametrize("other", OTHERS)
