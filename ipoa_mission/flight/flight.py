@@ -37,8 +37,8 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option
+from ipoa_mission.routing.endings import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
-from ipoa_mission.routing.returns import raised_returns, with_clear_returns
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
 from ipoa_mission.scenario import Scenario
@@ -213,8 +213,6 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     plan, options, forecast = plan_with_room(scenario, seed, progress)
-    if scenario.safety.returns == "planned":
-        forecast = with_clear_returns(forecast)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     findings = refuse_errors(check(forecast))
@@ -224,7 +222,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
         *slowed_stretches(forecast),
         *climb_for_way_home(mission),
         *slowed_for_ground(forecast),
-        *raised_returns(forecast),
+        *planned_returns(forecast),
     )
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     return Flight(plan, options, forecast, findings, remarks)

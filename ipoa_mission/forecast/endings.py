@@ -1,38 +1,25 @@
 """How a flight can end before its mission does, from every second of it: what each way to end it keeps.
 
 A vehicle that is told to end its flight flies on until it has braked. Then it returns (it climbs, flies to home or a
-rally point and descends), lands where it stands, goes back along the way that it came, or holds its place. These ways
-are looked at from times so near to each other that between two clear ones nothing can be nearer than is required.
-Obstacles are larger by the tube of the autopilot.
+rally point and descends), lands where it stands, goes back along the way that it came, or holds its place.
 """
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import groupby, pairwise
 
 import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.itinerary import rally_places
-from ipoa_mission.forecast.stops import Stops, stops_of
-from ipoa_mission.forecast.tube.room import with_room
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.forecast.looks import GROUND, LIFTED, EndingWays, Looks
 from ipoa_mission.mission.items import Item, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
-from ipoa_mission.vehicles.returning import ReturnBy
-from ipoa_mission.world.airspace import NOTHING_NEAR
+from ipoa_mission.world.airspace import Clearance
 
-EVERY_S = 1.0  # between the looks at first [s]
-NEAREST_S = 0.05  # looks are no nearer to each other [s]
-TIGHT_PLACES = 4.0  # at so many tight places the tube has room on one of these ways
-LIFTED = 1.0  # who is lower above where he took off can end his flight by standing still [m]
-BACK = (0.0, 0.5, 1.0)  # shares of the way back to where it was told to return, at which it may climb
-GOAL_DOUBT = 10.0  # it may be so far from where it is thought to be as it chooses its goal [m]
+NEAREST_FEW = 6  # so many looks of a row are measured to the millimeter
 TIMED = 3  # looks of a row from which the flight is timed
 
 
@@ -60,135 +47,12 @@ class EndingRow:
     energy_wh: float | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class _Look:
-    """One ending ordered at one time: the ways on which it may be flown, each (k, 3), and what they keep."""
-
-    time: float
-    goal: str
-    ways: tuple[Points, ...]
-    least: float
-    required: float
-    to: str
-
-    @property
-    def slack(self) -> float:
-        return self.least - self.required
-
-    @property
-    def is_clear(self) -> bool:
-        return self.slack >= 0.0
-
-
 class Endings:
     """All ways in which one forecast's flight can end, in the world of its scenario."""
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast, self.mission = forecast, forecast.mission
-        self.roomy = with_room(forecast.world, TIGHT_PLACES)
-        self.required = forecast.world.limits.obstacle_distance
-        self.rally = rally_places(self.mission)
-
-    @cached_property
-    def stops(self) -> Stops:
-        """From every moment at which it is in the air."""
-        track = self.forecast.promise.flight.pieces
-        lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
-        begin, end = (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
-        return stops_of(self.forecast, begin, end)
-
-    def why_unknown(self) -> str | None:
-        """Why it is not known here where a return leads; None where it is."""
-        vehicle, version = self.mission.autopilot, self.mission.firmware_version
-        parameters = vehicle.book.by_old_names(self.mission.parameters)
-        end = self.forecast.promise.flight.pieces.points[-1]
-        here = (float(end[0]), float(end[1]), float(end[2]))
-        by = vehicle.return_route(parameters, here, self.rally, version=version).by
-        if by is not ReturnBy.DIRECT:
-            return f"returns {by} are not modeled"
-        if vehicle.returns_over_terrain(parameters) and not self.forecast.ground.is_level:
-            return "returns that keep their height over the ground are not modeled"
-        if self.mission.fence and vehicle.room_to_fences(parameters, version) is not None:
-            return "returns round fences are not modeled"
-        return None
-
-    def looks(self, ending: Ending) -> list[_Look]:
-        """At an ending from so many times that nothing is missed between two of them."""
-        if ending is Ending.SMART_RTL:
-            return list(self._looks_back())
-        times = self.stops.times
-        begin, end = float(times[0]), float(times[-1])
-        first = np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1))
-        looks = [self._look(ending, float(time)) for time in first]
-        return [*(one for pair in pairwise(looks) for one in self._between(ending, *pair)), looks[-1]]
-
-    def _between(self, ending: Ending, one: _Look, other: _Look) -> Iterator[_Look]:
-        """`one`, and as many looks before `other` as are needed."""
-        if other.time - one.time > NEAREST_S and (one.goal != other.goal or self._may_hide(one, other)):
-            middle = self._look(ending, (one.time + other.time) / 2)
-            yield from self._between(ending, one, middle)
-            yield from self._between(ending, middle, other)
-        else:
-            yield one
-
-    @staticmethod
-    def _may_hide(one: _Look, other: _Look) -> bool:
-        """Whether a way between two clear ones may be nearer than is required, or one of them is not clear."""
-        if one.is_clear != other.is_clear:
-            return True
-        moved = max(float(np.linalg.norm(a - b, axis=1).max()) for a, b in zip(one.ways, other.ways, strict=True))
-        return one.is_clear and one.slack + other.slack < moved
-
-    def _look(self, ending: Ending, time: float) -> _Look:
-        place, stand = self.stops.at(time)
-        goal, ways = "here", [np.stack((place, stand))]
-        if ending is Ending.LAND:
-            ways = [np.stack((place, stand, self._ground_below(stand)))]
-        elif ending is Ending.RTL:
-            goal, ways = self._returns(place, stand)
-        near = min((self.roomy.airspace.obstacle_clearance(way) for way in ways), key=lambda found: found.distance)
-        look = _Look(time, goal, tuple(ways), near.distance, self.required, near.what)
-        begin, end = self.forecast.promise.flight.way
-        over_ground = [way[: -1 if ending is Ending.RTL else 2] for way in ways if begin <= time <= end]
-        for check in (check for way in over_ground for check in prove_heights(way, self.forecast.world)):
-            if check.limit == "ground" and check.slack < min(look.slack, 0.0):
-                look = replace(look, least=check.nearest.distance, required=check.required, to="the ground")
-        return look
-
-    def _looks_back(self) -> Iterator[_Look]:
-        """At the ways back along the path: as near as it came on its way so far, or as it comes where it brakes."""
-        flown = self.forecast.promise.flight.pieces
-        begun, so_far = 0.0, NOTHING_NEAR
-        for look in self.looks(Ending.HOLD):
-            near = self.roomy.airspace.obstacle_clearance(flown.part(begun, look.time).points, within=so_far.distance)
-            begun, so_far = look.time, min(so_far, near, key=lambda found: found.distance)
-            back = replace(look, goal="home", ways=(np.stack((*look.ways[0], flown.points[0])),))
-            yield back if so_far.distance >= look.least else replace(back, least=so_far.distance, to=so_far.what)
-
-    def _returns(self, place: Vector, stand: Vector) -> tuple[str, list[Points]]:
-        """Every way that a return may take from there: to each goal that it may choose, each begun where it may."""
-        goals = sorted(self._goals(stand))
-        ways = self.forecast.returns_from(stand[None])[:, 0]
-        back = np.array([*(place - stand)[:2], 0.0])
-        shares = BACK if self.mission.autopilot.guidance.climbs_coming_back else BACK[:1]
-        return " or ".join(_goal_name(goal) for goal in goals), [
-            np.stack((place, stand, stand + share * back, over + share * back, beyond, self._ground_below(beyond)))
-            for _, over, beyond in (ways[goal] for goal in goals)
-            for share in shares
-        ]
-
-    def _goals(self, stand: Vector) -> set[int]:
-        """The goals of a return from near there: 0 is home, n the rally point n."""
-        parameters = self.mission.autopilot.book.by_old_names(self.mission.parameters)
-        around = ((0.0, 0.0), (GOAL_DOUBT, 0.0), (-GOAL_DOUBT, 0.0), (0.0, GOAL_DOUBT), (0.0, -GOAL_DOUBT))
-        east, north, up = (float(x) for x in stand)
-        near = [(east + e, north + n, up) for e, n in around]
-        chosen = (self.mission.autopilot.goal_of_return(parameters, here, self.rally) for here in near)
-        return {0 if goal is None else goal + 1 for goal in chosen}
-
-    def _ground_below(self, point: Vector) -> Vector:
-        ground = self.roomy.airspace.ground(point[None])[0]
-        return np.array([point[0], point[1], min(float(ground), float(point[2]))])
+        self.ways = EndingWays(forecast)
 
     def rows(self, ending: Ending, timed: bool = True) -> tuple[EndingRow, ...]:
         """One ending, from the first moment in the air to the last; with times and energy if `timed`.
@@ -196,42 +60,57 @@ class Endings:
         Raises:
             MissionError: the vehicle has no model of its flight.
         """
-        if ending is Ending.RTL and (why := self.why_unknown()) is not None:
-            begin, end = (float(time) for time in self.stops.times[[0, -1]])
-            return (EndingRow(ending, begin, end, False, math.nan, self.required, why, "unknown"),)
-        looks = self.looks(ending)
-        runs = [list(run) for _, run in groupby(looks, key=lambda look: (look.is_clear, look.goal))]
-        rows = []
-        for run, after in zip(runs, [*runs[1:], [looks[-1]]], strict=True):
-            worst = min(run, key=lambda look: look.slack)
-            row = EndingRow(
-                ending,
-                run[0].time,
-                after[0].time,
-                worst.is_clear,
-                worst.least,
-                worst.required,
-                worst.to,
-                run[0].goal,
-                None if run[0].goal == "here" else (float(run[0].ways[0][-1][0]), float(run[0].ways[0][-1][1])),
-            )
-            rows.append(self._timed(row, run) if timed and ending in (Ending.RTL, Ending.LAND) else row)
-        return tuple(rows)
+        if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
+            begin, end = (float(time) for time in self.ways.stops.times[[0, -1]])
+            return (EndingRow(ending, begin, end, False, math.nan, self.ways.required, why, "unknown"),)
+        looks = self.ways.looks(ending)
+        rows = tuple(self._row(ending, looks, run) for run in _runs(looks))
+        if not timed:
+            return rows
+        return tuple(self._timed(row, looks, run) for row, run in zip(rows, _runs(looks), strict=True))
 
-    def _timed(self, row: EndingRow, run: list[_Look]) -> EndingRow:
+    def _row(self, ending: Ending, looks: Looks, run: range) -> EndingRow:
+        """The row of the looks in a run, as its worst one has it."""
+        worst, near = min(self._nearest(ending, looks, run), key=lambda found: found[1].distance)
+        least, required, to = near.distance, self.ways.required, near.what
+        if GROUND in looks.which[run.start : run.stop]:
+            on_ground = [n for n in run if GROUND in looks.which[n]]
+            worst = min(on_ground, key=lambda n: float(looks.spare[n]))
+            checks = (check for way in looks.ways[worst] for check in prove_heights(way, self.forecast.world))
+            low = min((check for check in checks if check.limit == "ground"), key=lambda check: check.slack)
+            least, required, to = low.nearest.distance, low.required, "the ground"
+        goal, lands = self.ways.goal(ending, looks, run.start), None
+        if goal != "here":
+            east, north, _ = looks.ways[run.start][looks.taken[run.start]][0, -1]
+            lands = float(east), float(north)
+        until = float(looks.times[min(run.stop, len(looks.times) - 1)])
+        is_clear = bool(looks.clear[run.start])
+        return EndingRow(ending, float(looks.times[run.start]), until, is_clear, least, required, to, goal, lands)
+
+    def _nearest(self, ending: Ending, looks: Looks, run: range) -> list[tuple[int, Clearance]]:
+        """The looks of a run that are nearest to something, and how near: one of these is the nearest of all."""
+        spare = looks.spare[run.start : run.stop]
+        inside = np.flatnonzero(spare <= -self.ways.required)  # how deep is not known yet
+        few = np.linspace(0, len(inside) - 1, min(len(inside), NEAREST_FEW)).astype(int)
+        picked = {*np.argsort(spare, kind="stable")[:NEAREST_FEW].tolist(), *inside[few].tolist()}
+        return [(run[n], self.ways.exactly(ending, looks, run[n])) for n in sorted(picked)]
+
+    def _timed(self, row: EndingRow, looks: Looks, run: range) -> EndingRow:
         """The row with how long its flights last, as the vehicle's model flies them, and what they take."""
-        picked = {round(share * (len(run) - 1)) for share in np.linspace(0.0, 1.0, TIMED)}
+        if row.ending not in (Ending.RTL, Ending.LAND):
+            return row
+        picked = {run[round(share * (len(run) - 1))] for share in np.linspace(0.0, 1.0, TIMED)}
         try:
-            flown = [self._flown(row.ending, run[n]) for n in sorted(picked)]
+            flown = [self._flown(row.ending, looks, n) for n in sorted(picked)]
         except MissionError:
             return row
         used = [energy for _, energy in flown if energy is not None]
         lasts = min(low for (low, _), _ in flown), max(high for (_, high), _ in flown)
         return replace(row, duration_s=lasts, energy_wh=max(used, default=None))
 
-    def _flown(self, ending: Ending, look: _Look) -> tuple[tuple[float, float], float | None]:
+    def _flown(self, ending: Ending, looks: Looks, n: int) -> tuple[tuple[float, float], float | None]:
         """The least and the most time that an ending takes from one place [s], and its energy [Wh]."""
-        stand = look.ways[0][1]
+        place, stand = looks.ways[n, 0, :2]
         there = self.forecast.frame.geodetic(stand)
         height = there.altitude - self.mission.home.altitude
         last: Item = land(there) if ending is Ending.LAND else return_to_launch()
@@ -240,7 +119,7 @@ class Endings:
         prediction = ending_flight.predicted(sure=True)
         begun, done = float(prediction.done[-2]), float(prediction.done[-1])
         share = (done - begun) / done
-        braking = float(np.linalg.norm(look.ways[0][1] - look.ways[0][0])) / max(self._speed(look.time), LIFTED) * 2
+        braking = float(np.linalg.norm(stand - place)) / max(self._speed(float(looks.times[n])), LIFTED) * 2
         low, high = (
             braking + done - begun + share * (float(end[-1]) - done) for end in (prediction.low, prediction.high)
         )
@@ -256,5 +135,10 @@ class Endings:
         return float(np.interp(time, track.times, track.speeds))
 
 
-def _goal_name(goal: int) -> str:
-    return "home" if goal == 0 else f"rally point {goal}"
+def _runs(looks: Looks) -> Iterator[range]:
+    """Numbers of looks one after the other that lead to the same goals and are equally clear."""
+    ends = [*(np.flatnonzero(~looks.same_as_next) + 1).tolist(), len(looks.times)]
+    begin = 0
+    for end in ends:
+        yield range(begin, end)
+        begin = end

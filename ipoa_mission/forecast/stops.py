@@ -21,12 +21,13 @@ class Stops:
     stands: Points
     seqs: NDArray[np.intp]
 
-    def at(self, time: float) -> tuple[Vector, Vector]:
-        """Where it is at any time from the first to the last, and where it stands then, each (3,) [m]."""
-        place, stand = (
-            np.array([np.interp(time, self.times, axis) for axis in points.T]) for points in (self.places, self.stands)
+    def at(self, times: Vector) -> tuple[Points, Points]:
+        """Where it is at any times (n,) from the first to the last, and where it stands then, each (n, 3) [m]."""
+        places, stands = (
+            np.column_stack([np.interp(times, self.times, axis) for axis in points.T])
+            for points in (self.places, self.stands)
         )
-        return place, stand
+        return places, stands
 
 
 def stops_of(forecast: Forecast, begin: float | None = None, end: float | None = None) -> Stops:

@@ -3,15 +3,16 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.tube.limits import Rim, raised
-from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.forecast.tube.room import LEAST_GROWTH, keep_gaps_open, lowered, shrunk
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.spline import Spline
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Cylinder, Obstacle
 
 MORE = 1.15  # times what is missing
 A_LITTLE = 0.03  # and so much [m]
@@ -21,23 +22,32 @@ LOOK_EVERY = 0.5  # along a curve [m]
 
 @dataclass(frozen=True, eq=False)
 class Needs:
-    """By how much obstacles (n,) must be larger, and limits of height and bounds tighter [m]."""
+    """By how much obstacles (n,) must be larger, and limits of height and bounds tighter [m].
+
+    `columns`: from which obstacles (n,) down to the ground nothing may be flown.
+    """
 
     growth: Vector
+    columns: NDArray[np.bool_]
     above: float = 0.0
     below: float = 0.0
     inside: float = 0.0
 
-    def more(self, promise: Promise, curve: Spline, scenario: Scenario) -> "Needs":
-        """What is needed beside this by what a promise is short of, of a flight along a curve."""
+    def more(self, attempt: Attempt, scenario: Scenario) -> "Needs":
+        """What is needed beside this by what an attempt is short of."""
+        promise, curve = attempt.promise, attempt.plan.curve
         short = {kept.limit: -kept.slack * MORE + A_LITTLE for kept in promise.broken if kept.on_the_way}
-        growth = self.growth
-        for kept in promise.broken:
-            if kept.on_the_way and kept.limit == "obstacles":
-                spots = curve.sample(max(2, int(curve.length / LOOK_EVERY)))
-                growth = np.maximum(growth, _growth(spots, kept.to, short["obstacles"], scenario))
+        wanted = [(one.to, short["obstacles"]) for one in promise.broken if one.on_the_way and one.limit == "obstacles"]
+        wanted += [(one.body, one.missing * MORE + A_LITTLE) for one in attempt.short if one.body and not one.overhead]
+        growth, columns = self.growth, self.columns.copy()
+        spots = curve.sample(max(2, int(curve.length / LOOK_EVERY)))
+        for name, missing in wanted:
+            growth = np.maximum(growth, _growth(spots, name, missing, scenario))
+        overhead = {one.body for one in attempt.short if one.overhead}
+        columns |= np.array([body.name in overhead for body in scenario.airspace.obstacles], dtype=bool)
         return Needs(
             growth,
+            columns,
             self.above + short.get("ground", 0.0),
             self.below + short.get("ceiling", 0.0),
             self.inside + short.get("bounds", 0.0),
@@ -53,9 +63,16 @@ class Needs:
         if gaps and len(growth) > 1:
             keep_gaps_open(growth, scenario.airspace.obstacles, scenario.limits.obstacle_distance, float(growth.max()))
         bodies = tuple(
-            body.grown(by, by, by) if by > LEAST_GROWTH else wide
-            for body, wide, by in zip(
-                scenario.airspace.obstacles, roomy.airspace.obstacles, growth.tolist(), strict=True
+            _down_to(roomy.airspace, larger) if is_column else larger
+            for larger, is_column in zip(
+                (
+                    body.grown(by, by, by) if by > LEAST_GROWTH else wide
+                    for body, wide, by in zip(
+                        scenario.airspace.obstacles, roomy.airspace.obstacles, growth.tolist(), strict=True
+                    )
+                ),
+                self.columns.tolist(),
+                strict=True,
             )
         )
         inside, air = Rim(self.inside, self.inside, self.inside), roomy.airspace
@@ -65,6 +82,15 @@ class Needs:
             bounds = air.bounds
         wider = lowered(raised(roomy, self.above) if self.above else roomy, self.below)
         return wider.in_airspace(Airspace(bounds, air.terrain, bodies))
+
+
+def _down_to(air: Airspace, body: Obstacle) -> Obstacle:
+    """The body and all below it, down to the lowest bound."""
+    (west, south, base), (east, north, top) = body.bounds
+    if body.column is not None:
+        return body.grown(0.0, max(base - air.bounds.lower[2], 0.0), 0.0)
+    radius = max(east - west, north - south) / 2
+    return Cylinder(body.name, (west + east) / 2, (south + north) / 2, radius, min(air.bounds.lower[2], base), top)
 
 
 def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) -> Vector:
@@ -80,11 +106,11 @@ def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) ->
 
 def a_little(scenario: Scenario) -> Needs:
     """What the predicted path alone needs: it is seen by straight legs that stand for it."""
-    return replace(
-        nothing(scenario), growth=np.full(len(scenario.airspace.obstacles), 2 * A_LITTLE), above=2 * A_LITTLE
-    )
+    none = nothing(scenario)
+    return replace(none, growth=none.growth + 2 * A_LITTLE, above=2 * A_LITTLE)
 
 
 def nothing(scenario: Scenario) -> Needs:
     """No need of more."""
-    return Needs(np.zeros(len(scenario.airspace.obstacles)))
+    count = len(scenario.airspace.obstacles)
+    return Needs(np.zeros(count), np.zeros(count, dtype=bool))

@@ -7,15 +7,20 @@ from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import Looks
+from ipoa_mission.routing.endings import why_not_planned
 from ipoa_mission.routing.narrow import Narrow
 from ipoa_mission.scenario import Scenario
 
+GIVE_UP = 'or [safety] returns = "warn", to be warned only'
 OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of a gap, at most
 
 
 def refusal(nearest: Attempt, scenario: Scenario, looks: Looks) -> NoPath:
     """The error for the attempt that came nearest to keeping the limits; `looks` tries changed scenarios."""
     promise = nearest.promise
+    if nearest.short:
+        helps, hint = _what_helps("", looks)
+        return NoPath(f"a path is there, but {why_not_planned(nearest.forecast)}; {helps}", hint=f"{hint}; {GIVE_UP}")
     tightest = min((kept for kept in promise.limits if kept.forbids), key=lambda kept: kept.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"

@@ -178,7 +178,7 @@ def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     for _ in range(0 if _as_printed(scenario) else ROUNDS):
         if best.holds or in_vain == IN_VAIN:
             break
-        room.needs = room.needs.more(latest.promise, latest.plan.curve, scenario)
+        room.needs = room.needs.more(latest, scenario)
         moved = None
         for gaps in (False, True):
             if moved is None:
@@ -197,7 +197,7 @@ def _looked_at(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
     if quick.slack < promising:
         return quick
     whole = _attempt(plan, scenario)
-    return whole if whole.holds else max(quick, whole, key=_merit)
+    return whole if whole.holds or whole.short else max(quick, whole, key=_merit)
 
 
 def _merit(attempt: Attempt) -> tuple[bool, float]:
@@ -223,7 +223,7 @@ def _attempt(plan: Plan, scenario: Scenario) -> Attempt:
             attempts += [attempted(plan, route, scenario) for route in error.tried]
             if mode == "fastest":
                 modes.remove("corridor")  # that was its last resort
-        if attempts and attempts[-1].holds:
+        if attempts and (attempts[-1].holds or attempts[-1].short):  # another path makes endings clear, no slower route
             return attempts[-1]
     return max(attempts, key=lambda attempt: attempt.slack)
 
@@ -231,7 +231,7 @@ def _attempt(plan: Plan, scenario: Scenario) -> Attempt:
 def _quick_attempt(plan: Plan, scenario: Scenario) -> Attempt:
     attempts = list[Attempt]()
     for route in near_routes(plan, scenario, scenario.route.mode):
-        attempts.append(attempted(plan, route, scenario))
+        attempts.append(attempted(plan, route, scenario, quick=True))
         if attempts[-1].holds:
             return attempts[-1]
     return max(attempts, key=lambda attempt: attempt.slack)

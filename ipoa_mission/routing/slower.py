@@ -67,6 +67,10 @@ def _too_near(attempt: Attempt) -> Iterator[int]:
     for kept in attempt.promise.limits:
         if kept.forbids:
             yield min(int(np.searchsorted(ends, kept.item)), len(ends) - 1)
+    flight = attempt.promise.flight
+    for one in attempt.short:
+        then = min(int(np.searchsorted(flight.prediction.done, one.time)), len(flight.route.visits) - 1)
+        yield min(int(np.searchsorted(ends, flight.route.visits[then].seq)), len(ends) - 1)
 
 
 def _more(slow: frozenset[int], leg: int) -> int:

@@ -221,6 +221,36 @@ class Airspace:
         asked[spots] = shapely.get_point(lines[spots], 0)
         return np.asarray(self._index.query(asked, "dwithin", reach))
 
+    def legs_clearance(self, starts: Points, ends: Points, within: float) -> tuple[Vector, NDArray[np.intp]]:
+        """What the distances of many straight legs to obstacles do not fall short of; quick where they are many.
+
+        It is the distance itself where a leg is level or upright, outside an obstacle that stands upright.
+
+        Args:
+            starts: (n, 3) [m].
+            ends: (n, 3) [m].
+            within: what is farther away is not looked at [m].
+
+        Returns:
+            For each leg the distance to what is nearest (n,) [m], infinite where nothing is so near, and its number.
+        """
+        least, which = np.full(len(starts), np.inf), np.full(len(starts), -1)
+        if not self.obstacles:
+            return least, which
+        lines = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
+        low, high = np.minimum(starts[:, 2], ends[:, 2]), np.maximum(starts[:, 2], ends[:, 2])
+        legs, bodies = self.beside(lines, np.full(len(starts), within))
+        base, top = self._heights
+        level_with = np.maximum(low[legs] - top[bodies], base[bodies] - high[legs]) <= within
+        for body, near in _grouped(np.stack([legs[level_with], bodies[level_with]])):
+            passing = self.obstacles[body].passing(starts[near], ends[near])
+            beyond = np.maximum(passing.above, passing.below)
+            away = np.hypot(np.maximum(passing.aside, 0.0), np.maximum(beyond, 0.0))
+            away += np.minimum(np.maximum(passing.aside, beyond), 0.0)
+            nearer = (away < least[near]) & (away <= within)
+            least[near[nearer]], which[near[nearer]] = away[nearer], body
+        return least, which
+
     def obstacle_clearance(self, points: Points, within: float = np.inf) -> Clearance:
         """The least distance to an obstacle of the legs between consecutive points.
 
@@ -276,6 +306,12 @@ class Airspace:
             if (margin.distance, leg) < (least.distance, least.leg):
                 least = replace(margin, leg=int(leg))
         return least
+
+    @cached_property
+    def _heights(self) -> tuple[Vector, Vector]:
+        """From where to where each obstacle reaches, (n,) each [m]."""
+        heights = np.array([obstacle.bounds[:, 2] for obstacle in self.obstacles])
+        return heights[:, 0], heights[:, 1]
 
     @cached_property
     def _index(self) -> shapely.STRtree:

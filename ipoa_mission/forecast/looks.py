@@ -1,0 +1,255 @@
+"""Endings ordered at many times of one flight: the ways on which each may be flown, and what they keep.
+
+The times are so near to each other that between two clear ones nothing can be nearer than is required: there no way
+moves farther than both have to spare. Ways are straight legs, level or upright but where the vehicle brakes; obstacles
+are larger by the tube of the autopilot.
+"""
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.itinerary import rally_places
+from ipoa_mission.forecast.stops import Stops, stops_of
+from ipoa_mission.forecast.tube.room import with_room
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.planning.proof import prove_heights
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.returning import ReturnBy
+from ipoa_mission.world.airspace import Clearance
+
+EVERY_S = 1.0  # between the times that are looked at first [s]
+NEAREST_S = 0.05  # they come no nearer to each other [s]
+TIGHT_PLACES = 4.0  # at so many tight places the tube has room on one of these ways
+LIFTED = 1.0  # who is lower above where he took off can end his flight by standing still [m]
+BACK = (0.0, 0.5, 1.0)  # shares of the way back to where it was told to return, at which it may climb
+GOAL_DOUBT = 10.0  # it may be so far from where it is thought to be as it chooses its goal [m]
+AROUND = ((0.0, 0.0), (GOAL_DOUBT, 0.0), (-GOAL_DOUBT, 0.0), (0.0, GOAL_DOUBT), (0.0, -GOAL_DOUBT))
+SAGITTA = 0.02  # so far a flown bend is beside the chords between the places at which it is looked at [m]
+SEEN = 8.0  # what is so much farther than required counts as no nearer [m]
+BRAKES, TURNS_BACK, CLIMBS, RETURNS, DESCENDS = range(5)  # the legs of a way on which it returns
+GROUND = -2  # the number of the ground, beside those of obstacles; -1 is nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """One ending, ordered at each of `times` (n,) [s after arming].
+
+    Attributes:
+        ways: the ways on which it may be flown, (n, k, p, 3) [m].
+        taken: which of them may be, (n, k).
+        near: what their legs keep of the nearest thing, (n, k, p - 1) [m]; infinite where nothing is near.
+        which: the number of that thing, (n, k, p - 1).
+        spare: how much more than required is kept, (n,) [m].
+    """
+
+    times: Vector
+    ways: NDArray[np.float64]
+    taken: NDArray[np.bool_]
+    near: NDArray[np.float64]
+    which: NDArray[np.intp]
+    spare: Vector
+
+    @property
+    def clear(self) -> NDArray[np.bool_]:
+        """Whether everything that is required is kept, (n,)."""
+        return np.asarray(self.spare >= 0.0)
+
+    @property
+    def same_as_next(self) -> NDArray[np.bool_]:
+        """Whether the next one may lead to the same goals, and is as clear, (n - 1,)."""
+        taken, clear = self.taken, self.clear
+        return np.asarray((taken[1:] == taken[:-1]).all(axis=1) & (clear[1:] == clear[:-1]))
+
+    def gaps(self) -> Vector:
+        """The middle of each two times between which something may be missed."""
+        moved = np.linalg.norm(np.diff(self.ways, axis=0), axis=-1).max(axis=2)
+        moved = np.where(self.taken[1:] | self.taken[:-1], moved, 0.0).max(axis=1)
+        hidden = self.clear[:-1] & (self.spare[1:] + self.spare[:-1] < moved)
+        asked = (hidden | ~self.same_as_next) & (np.diff(self.times) > NEAREST_S)
+        return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
+
+    def merged(self, other: "Looks") -> "Looks":
+        """Both, in the order of their times."""
+        order = np.argsort(np.concatenate([self.times, other.times]), kind="stable")
+        both = {f.name: np.concatenate([getattr(self, f.name), getattr(other, f.name)])[order] for f in fields(self)}
+        return Looks(**both)
+
+
+class EndingWays:
+    """Where the endings of one forecast's flight lead, in the world of its scenario."""
+
+    def __init__(self, forecast: Forecast) -> None:
+        self.forecast, self.mission = forecast, forecast.mission
+        self.required = forecast.world.limits.obstacle_distance
+        self.rally = rally_places(self.mission)
+
+    def returning(self, forecast: Forecast) -> "EndingWays":
+        """The same of a forecast in this world that differs in its return altitude or rally points only."""
+        other = EndingWays(forecast)
+        other.__dict__["roomy"] = self.roomy
+        if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
+            other.__dict__["stops"] = self.stops  # none of that changes how it is flown
+        return other
+
+    @cached_property
+    def roomy(self) -> Scenario:
+        """The scenario with room for the tube."""
+        return with_room(self.forecast.world, TIGHT_PLACES)
+
+    @cached_property
+    def stops(self) -> Stops:
+        """From every moment at which it is in the air."""
+        track = self.forecast.promise.flight.pieces
+        lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
+        begin, end = (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
+        return stops_of(self.forecast, begin, end)
+
+    def why_unknown(self) -> str | None:
+        """Why it is not known here where a return leads; None where it is."""
+        vehicle, version = self.mission.autopilot, self.mission.firmware_version
+        parameters = vehicle.book.by_old_names(self.mission.parameters)
+        end = self.forecast.promise.flight.pieces.points[-1]
+        here = (float(end[0]), float(end[1]), float(end[2]))
+        by = vehicle.return_route(parameters, here, self.rally, version=version).by
+        if by is not ReturnBy.DIRECT:
+            return f"returns {by} are not modeled"
+        if vehicle.returns_over_terrain(parameters) and not self.forecast.ground.is_level:
+            return "returns that keep their height over the ground are not modeled"
+        if self.mission.fence and vehicle.room_to_fences(parameters, version) is not None:
+            return "returns round fences are not modeled"
+        return None
+
+    def looks(self, ending: Ending) -> Looks:
+        """At an ending from so many times that nothing is missed between two of them."""
+        begin, end = (float(time) for time in self.stops.times[[0, -1]])
+        looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
+        while len(between := looks.gaps()):
+            looks = looks.merged(self.at(ending, between))
+        return looks
+
+    def at(self, ending: Ending, times: Vector) -> Looks:
+        """At an ending from these times (n,)."""
+        places, stands = self.stops.at(times)
+        ways, taken = np.stack([places, stands], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
+        if ending is Ending.LAND:
+            ways = np.concatenate([ways, self._ground_below(stands)[:, None, None]], axis=2)
+        elif ending is Ending.RTL:
+            ways, taken = self._returns(places, stands)
+        elif ending is Ending.SMART_RTL:
+            home = np.broadcast_to(self.forecast.promise.flight.pieces.points[0], (len(times), 1, 1, 3))
+            ways = np.concatenate([ways, home], axis=2)
+        near, which = self._near(ways)
+        if ending is Ending.SMART_RTL:
+            near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
+        spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, SEEN), SEEN).min(axis=1)
+        looks = Looks(times, ways, taken, near, which, spare)
+        return self._with_ground(looks, -1 if ending is Ending.RTL else 2)
+
+    def exactly(self, ending: Ending, looks: Looks, n: int) -> Clearance:
+        """What one look keeps of an obstacle, to the millimeter, and of which."""
+        if ending is Ending.SMART_RTL:
+            return self._least_noted(looks, n)
+        ways = looks.ways[n][looks.taken[n]]
+        return min((self.roomy.airspace.obstacle_clearance(way) for way in ways), key=lambda found: found.distance)
+
+    def _least_noted(self, looks: Looks, n: int) -> Clearance:
+        leg = int(np.argmin(looks.near[n, 0]))
+        number, place = int(looks.which[n, 0, leg]), looks.ways[n, 0, leg].tolist()
+        name = self.roomy.airspace.obstacles[number].name if number >= 0 else "nothing"
+        return Clearance(float(looks.near[n, 0, leg]), (place[0], place[1], place[2]), name, leg)
+
+    def goal(self, ending: Ending, looks: Looks, n: int) -> str:
+        """Where one look leads, in words."""
+        if ending in (Ending.LAND, Ending.HOLD):
+            return "here"
+        goals = sorted({int(way) // len(self._shares) for way in np.flatnonzero(looks.taken[n])})
+        return " or ".join("home" if goal == 0 else f"rally point {goal}" for goal in goals)
+
+    def _near(self, ways: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        """What the legs of ways (n, k, p, 3) keep of obstacles, and of which; exactly where one brakes on a slant."""
+        air, shape = self.roomy.airspace, (*ways.shape[:2], ways.shape[2] - 1)
+        starts, ends = ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3)
+        near, which = air.legs_clearance(starts, ends, self.required + SEEN)
+        slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
+        slanting &= np.arange(len(starts)) % shape[2] == BRAKES
+        for leg in np.flatnonzero(slanting & (near < self.required)):
+            near[leg], _ = air.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
+        return near.reshape(shape), which.reshape(shape)
+
+    def _flown_so_far(self, times: Vector) -> tuple[Vector, NDArray[np.intp]]:
+        """How near it came to what on its way until each time (n,)."""
+        near, which = (legs[:, 0, 0] for legs in self._flown)
+        nearest = np.maximum.accumulate(np.where(near <= np.minimum.accumulate(near), np.arange(len(near)), 0))
+        until = nearest[np.clip(np.searchsorted(self.stops.times, times) - 1, 0, len(near) - 1)]
+        return near[until] - SAGITTA, which[until]
+
+    @cached_property
+    def _flown(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        places = self.stops.places
+        return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
+
+    def _with_ground(self, looks: Looks, end: int) -> Looks:
+        """The looks with what their ways up to place `end` keep of the ground, where that is less."""
+        begin, last = self.forecast.promise.flight.way
+        near, which, spare = looks.near.copy(), looks.which.copy(), looks.spare.copy()
+        on_the_way = np.flatnonzero((looks.times >= begin) & (looks.times <= last))
+        low = looks.taken & (
+            self._least_height(looks.ways[:, :, :end]) < self.forecast.world.limits.height_above_ground
+        )
+        for n, k in product(on_the_way.tolist(), range(looks.taken.shape[1])):
+            if not low[n, k]:
+                continue
+            for check in prove_heights(looks.ways[n, k, :end], self.forecast.world):
+                if check.limit == "ground" and check.slack < min(spare[n], 0.0):
+                    leg = min(check.nearest.leg, near.shape[2] - 1)
+                    near[n, k, leg], which[n, k, leg] = self.required + check.slack, GROUND
+                    spare[n] = check.slack
+        return replace(looks, near=near, which=which, spare=spare)
+
+    def _least_height(self, ways: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What the height above ground of ways (n, k, p, 3) does not fall short of, (n, k) [m]."""
+        air = self.forecast.world.airspace
+        above = ways[..., 2] - air.ground(ways.reshape(-1, 3)).reshape(ways.shape[:-1])
+        sink = np.abs(np.diff(ways[..., 2], axis=2)) + air.terrain.steepness * np.hypot(
+            *np.moveaxis(np.diff(ways[..., :2], axis=2), -1, 0)
+        )
+        return np.asarray((np.maximum(above[..., 1:], above[..., :-1]) - sink).min(axis=2))
+
+    @property
+    def _shares(self) -> tuple[float, ...]:
+        return BACK if self.mission.autopilot.guidance.climbs_coming_back else BACK[:1]
+
+    def _returns(self, places: Points, stands: Points) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """Every way that a return may take from there: to each goal, each begun where it may; and which may be."""
+        to_goals = self.forecast.returns_from(stands)
+        back = places - stands
+        back[:, 2] = 0.0
+        ways = [
+            np.stack(
+                [places, stands, stands + share * back, over + share * back, beyond, self._ground_below(beyond)], axis=1
+            )
+            for (over, beyond), share in product(((way[:, 1], way[:, 2]) for way in to_goals), self._shares)
+        ]
+        chosen = np.array([[goal in goals for goal in range(len(to_goals))] for goals in map(self._goals, stands)])
+        return np.stack(ways, axis=1), np.repeat(chosen, len(self._shares), axis=1)
+
+    def _goals(self, stand: Vector) -> set[int]:
+        """The goals of a return from near there: 0 is home, n the rally point n."""
+        if not self.rally:
+            return {0}
+        parameters = self.mission.autopilot.book.by_old_names(self.mission.parameters)
+        east, north, up = (float(x) for x in stand)
+        near = [(east + e, north + n, up) for e, n in AROUND]
+        chosen = (self.mission.autopilot.goal_of_return(parameters, here, self.rally) for here in near)
+        return {0 if goal is None else goal + 1 for goal in chosen}
+
+    def _ground_below(self, points: Points) -> Points:
+        ground = self.roomy.airspace.ground(points)
+        return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])

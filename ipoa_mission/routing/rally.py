@@ -1,0 +1,94 @@
+"""Rally points for returns that no altitude makes clear: places with room to land, as few as may be."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.looks import SEEN, EndingWays
+from ipoa_mission.geometry import Points
+from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.world.frame import Geodetic
+
+MOST = 4  # rally points
+EVERY_M = 25.0  # along the path a place to land is looked for
+BESIDE = (0.0, 15.0, 30.0)  # and so far beside it [m]
+ROOM = 2.0  # around the place it is so much more than required away from everything [m]
+SAMPLED = 60  # moments of the flight from which candidates are weighed
+APART = 12.0  # from home and from each other at least [m]: PX4 passes over those within 10 m of home
+
+
+def rally_sets(ways: EndingWays) -> Iterator[tuple[Geodetic, ...]]:
+    """One rally point, then one more, each the one that makes most returns clear; to be proved by who asks."""
+    forecast = ways.forecast
+    places = _with_room(ways, _places(forecast))
+    if not len(places):
+        return
+    times = np.linspace(*ways.stops.times[[0, -1]], SAMPLED)
+    stands = ways.stops.at(times)[1]
+    height = ways.at(Ending.RTL, times).ways[:, 0, 3, 2]
+    home = np.zeros(3)
+    goals = np.vstack([home, places])
+    clear = _clear(ways, stands, height, goals)
+    away = np.linalg.norm(stands[:, None, :2] - goals[None, :, :2], axis=2)
+    chosen = [0]
+    while len(chosen) <= MOST:
+        gains = [_served(clear, away, [*chosen, n]) for n in range(1, len(goals))]
+        best = int(np.argmax(gains)) + 1
+        if gains[best - 1] <= _served(clear, away, chosen):
+            return
+        chosen.append(best)
+        yield tuple(_rally_point(forecast, goals[n]) for n in chosen[1:])
+
+
+def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[int]) -> int:
+    """From how many moments the nearest of the chosen goals is reached clear."""
+    nearest = np.argmin(away[:, chosen], axis=1)
+    return int(clear[np.arange(len(clear)), np.array(chosen)[nearest]].sum())
+
+
+def _clear(ways: EndingWays, stands: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
+    """Whether level ways at these heights lead clear from over each place (n, 3) to over each goal (m, 3), (n, m)."""
+    starts = np.repeat(np.column_stack([stands[:, :2], height]), len(goals), axis=0)
+    ends = np.column_stack([np.tile(goals[:, :2], (len(stands), 1)), starts[:, 2]])
+    near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + SEEN)
+    return np.asarray(near >= ways.required).reshape(len(stands), len(goals))
+
+
+def _places(forecast: Forecast) -> Points:
+    """Places on the ground along the path and beside it (n, 3), away from home and from each other."""
+    track = forecast.promise.flight.pieces.points
+    steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
+    traveled = np.concatenate([[0.0], np.cumsum(steps)])
+    at = np.arange(0.0, traveled[-1] + EVERY_M, EVERY_M)
+    spots = np.column_stack([np.interp(at, traveled, track[:, k]) for k in range(2)])
+    ahead = np.gradient(spots, axis=0) if len(spots) > 1 else np.zeros_like(spots)
+    aside = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
+    kept: list[np.ndarray] = [np.zeros(2)]
+    for distance in BESIDE:
+        for sign in (1.0, -1.0) if distance else (1.0,):
+            for spot in spots + sign * distance * aside:
+                if min(float(np.hypot(*(spot - other))) for other in kept) >= APART:
+                    kept.append(spot)
+    level = np.array(kept[1:]).reshape(-1, 2)
+    return np.column_stack([level, forecast.world.airspace.ground(level)])
+
+
+def _with_room(ways: EndingWays, places: Points) -> Points:
+    """Those within the bounds with nothing over them or beside them as one comes down."""
+    if not len(places):
+        return places
+    air = ways.roomy.airspace
+    top = np.column_stack([places[:, :2], np.full(len(places), air.bounds.upper[2])])
+    near, _ = air.legs_clearance(top, places, ways.required + ROOM)
+    middle = (air.bounds.lower[2] + air.bounds.upper[2]) / 2
+    inside = air.bounds.margin(np.column_stack([places[:, :2], np.full(len(places), middle)]))
+    return places[(near >= ways.required + ROOM) & (inside > 0.0)]
+
+
+def _rally_point(forecast: Forecast, place: np.ndarray) -> Geodetic:
+    """It as a mission has it: its altitude is above home."""
+    there = forecast.frame.geodetic(place)
+    above = round(there.altitude - forecast.mission.home.altitude, 3)
+    return Geodetic(round(there.latitude_deg, 7), round(there.longitude_deg, 7), above)
