@@ -10,13 +10,12 @@ from itertools import takewhile
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg
+from ipoa_mission.forecast.shortfalls import HEIGHT_STEP, HIGHEST, SAG
 from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario import Scenario
 
-HEIGHT_STEP, HIGHEST = 5, 500  # [m] above home
 TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
-SAG = 0.3  # the predicted way home is up to so much lower than it is set [m]
 
 
 def remedy(forecast: Forecast) -> str:

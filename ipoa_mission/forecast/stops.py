@@ -21,6 +21,10 @@ class Stops:
     stands: Points
     seqs: NDArray[np.intp]
 
+    def seqs_at(self, times: Vector) -> NDArray[np.intp]:
+        """On its way to which items it is at these times (n,)."""
+        return np.asarray(self.seqs[np.clip(np.searchsorted(self.times, times), 0, len(self.seqs) - 1)])
+
     def at(self, times: Vector) -> tuple[Points, Points]:
         """Where it is at any times (n,) from the first to the last, and where it stands then, each (n, 3) [m]."""
         places, stands = (

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.shortfalls import Shortfall
 from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.build import build_mission, draft_mission
-from ipoa_mission.routing.endings import Shortfall, settled
+from ipoa_mission.routing.endings import settled
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 

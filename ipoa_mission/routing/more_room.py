@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.tube.limits import Rim, raised
@@ -24,11 +23,11 @@ LOOK_EVERY = 0.5  # along a curve [m]
 class Needs:
     """By how much obstacles (n,) must be larger, and limits of height and bounds tighter [m].
 
-    `columns`: from which obstacles (n,) down to the ground nothing may be flown.
+    `columns`: so much wider than obstacles (n,) is what is kept free below them, down to the ground; negative: nothing.
     """
 
     growth: Vector
-    columns: NDArray[np.bool_]
+    columns: Vector
     above: float = 0.0
     below: float = 0.0
     inside: float = 0.0
@@ -43,8 +42,10 @@ class Needs:
         spots = curve.sample(max(2, int(curve.length / LOOK_EVERY)))
         for name, missing in wanted:
             growth = np.maximum(growth, _growth(spots, name, missing, scenario))
-        overhead = {one.body for one in attempt.short if one.overhead}
-        columns |= np.array([body.name in overhead for body in scenario.airspace.obstacles], dtype=bool)
+        number = {body.name: n for n, body in enumerate(scenario.airspace.obstacles)}
+        for name, missing in {one.body: one.missing for one in attempt.short if one.overhead}.items():
+            wide = columns[number[name]]
+            columns[number[name]] = 0.0 if wide < 0.0 else wide + missing * MORE + A_LITTLE
         return Needs(
             growth,
             columns,
@@ -63,14 +64,15 @@ class Needs:
         if gaps and len(growth) > 1:
             keep_gaps_open(growth, scenario.airspace.obstacles, scenario.limits.obstacle_distance, float(growth.max()))
         bodies = tuple(
-            _down_to(roomy.airspace, larger) if is_column else larger
-            for larger, is_column in zip(
-                (
-                    body.grown(by, by, by) if by > LEAST_GROWTH else wide
-                    for body, wide, by in zip(
-                        scenario.airspace.obstacles, roomy.airspace.obstacles, growth.tolist(), strict=True
-                    )
-                ),
+            _room_below(roomy.airspace, wide, column)
+            if column >= 0.0
+            else body.grown(by, by, by)
+            if by > LEAST_GROWTH
+            else wide
+            for body, wide, by, column in zip(
+                scenario.airspace.obstacles,
+                roomy.airspace.obstacles,
+                growth.tolist(),
                 self.columns.tolist(),
                 strict=True,
             )
@@ -84,13 +86,14 @@ class Needs:
         return wider.in_airspace(Airspace(bounds, air.terrain, bodies))
 
 
-def _down_to(air: Airspace, body: Obstacle) -> Obstacle:
-    """The body and all below it, down to the lowest bound."""
+def _room_below(air: Airspace, body: Obstacle, wider: float) -> Obstacle:
+    """The body, so much wider, and all below it down to the lowest bound."""
     (west, south, base), (east, north, top) = body.bounds
+    floor = min(air.bounds.lower[2], base)
     if body.column is not None:
-        return body.grown(0.0, max(base - air.bounds.lower[2], 0.0), 0.0)
-    radius = max(east - west, north - south) / 2
-    return Cylinder(body.name, (west + east) / 2, (south + north) / 2, radius, min(air.bounds.lower[2], base), top)
+        return body.grown(wider, base - floor, 0.0)
+    radius = max(east - west, north - south) / 2 + wider
+    return Cylinder(body.name, (west + east) / 2, (south + north) / 2, radius, floor, top)
 
 
 def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) -> Vector:
@@ -113,4 +116,4 @@ def a_little(scenario: Scenario) -> Needs:
 def nothing(scenario: Scenario) -> Needs:
     """No need of more."""
     count = len(scenario.airspace.obstacles)
-    return Needs(np.zeros(count), np.zeros(count, dtype=bool))
+    return Needs(np.zeros(count), np.full(count, -1.0))

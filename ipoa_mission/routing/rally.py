@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import SEEN, EndingWays
+from ipoa_mission.forecast.looks import GOAL_DOUBT, SEEN, EndingWays
 from ipoa_mission.geometry import Points
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.world.frame import Geodetic
@@ -43,9 +43,9 @@ def rally_sets(ways: EndingWays) -> Iterator[tuple[Geodetic, ...]]:
 
 
 def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[int]) -> int:
-    """From how many moments the nearest of the chosen goals is reached clear."""
-    nearest = np.argmin(away[:, chosen], axis=1)
-    return int(clear[np.arange(len(clear)), np.array(chosen)[nearest]].sum())
+    """From how many moments every one of the chosen goals that may be taken for the nearest is reached clear."""
+    near = away[:, chosen] <= away[:, chosen].min(axis=1, keepdims=True) + 2 * GOAL_DOUBT
+    return int((clear[:, chosen] | ~near).all(axis=1).sum())
 
 
 def _clear(ways: EndingWays, stands: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:

@@ -243,10 +243,7 @@ class Airspace:
         base, top = self._heights
         level_with = np.maximum(low[legs] - top[bodies], base[bodies] - high[legs]) <= within
         for body, near in _grouped(np.stack([legs[level_with], bodies[level_with]])):
-            passing = self.obstacles[body].passing(starts[near], ends[near])
-            beyond = np.maximum(passing.above, passing.below)
-            away = np.hypot(np.maximum(passing.aside, 0.0), np.maximum(beyond, 0.0))
-            away += np.minimum(np.maximum(passing.aside, beyond), 0.0)
+            away = self.obstacles[body].leg_distances(starts[near], ends[near])
             nearer = (away < least[near]) & (away <= within)
             least[near[nearer]], which[near[nearer]] = away[nearer], body
         return least, which

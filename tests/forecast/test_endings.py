@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
-from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.endings import Endings
@@ -104,14 +103,6 @@ def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path) -> None
     assert flight.mission.parameters["RTL_ALT"] > 3000.0
     assert any("RTL is clear from every second" in remark for remark in flight.remarks)
     assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
-
-
-def test_where_no_altitude_helps_the_refusal_has_the_stretch(tmp_path: Path) -> None:
-    text = (MISSIONS / "sitl.toml").read_text(encoding="utf-8")
-    (tmp_path / "refused.toml").write_text(text + '\n[safety]\nreturns = "planned"\n', encoding="utf-8")
-    with pytest.raises(Unsafe, match=r"RTL from \d+\.\d to \d+\.\d s after arming keeps .* required") as refused:
-        plan_flight(read_scenario(tmp_path / "refused.toml"), seed=0)
-    assert "vehicle.cruise_speed" in str(refused.value.hint)
 
 
 def test_check_tells_endings_and_what_leads_to_them() -> None:

@@ -104,6 +104,16 @@ class Obstacle(ABC):
         low, high = np.minimum(a[:, 2], b[:, 2]), np.maximum(a[:, 2], b[:, 2])
         return Passing(shapely.distance(lines, shape) - radius, low - top, base - high, sides)
 
+    def leg_distances(self, a: Points, b: Points) -> Vector:
+        """What the signed distance of the straight legs from a to b (n, 3) does not fall short of, (n,) [m].
+
+        It is that distance where a leg is level or upright, and outside a body that stands upright.
+        """
+        aside, above, below, _ = self.passing(a, b)
+        beyond = np.maximum(above, below)
+        outside = np.hypot(np.maximum(aside, 0.0), np.maximum(beyond, 0.0))
+        return np.asarray(outside + np.minimum(np.maximum(aside, beyond), 0.0))
+
     def outline(self) -> tuple[Plane, ...]:
         """Rings of the ground plan, each (n, 2) and open: the outer one, then the holes."""
         return (_rectangle(self.bounds[:, :2]),)

@@ -61,14 +61,22 @@ class Sphere(Part):
 
     def passing(self, a: Points, b: Points) -> Passing:
         """As the plane that touches it where the leg is nearest: what is level and what is vertical of the way."""
-        step, center = b - a, np.asarray(self.center)
-        squares = np.maximum((step**2).sum(axis=1), 1e-12)
-        along = np.clip(((center - a) * step).sum(axis=1) / squares, 0.0, 1.0)
-        away = a + along[:, None] * step - center
+        away = self._away(a, b)
         length = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
         share = (length - self.radius) / length
         up = share * away[:, 2]
         return Passing(share * np.hypot(away[:, 0], away[:, 1]), up, -up, np.ones(len(a)))
+
+    def leg_distances(self, a: Points, b: Points) -> Vector:
+        """The signed distances themselves."""
+        return np.asarray(np.linalg.norm(self._away(a, b), axis=1) - self.radius)
+
+    def _away(self, a: Points, b: Points) -> Points:
+        """From the center to where each leg is nearest to it, (n, 3) [m]."""
+        step, center = b - a, np.asarray(self.center)
+        squares = np.maximum((step**2).sum(axis=1), 1e-12)
+        along = np.clip(((center - a) * step).sum(axis=1) / squares, 0.0, 1.0)
+        return np.asarray(a + along[:, None] * step - center)
 
     def distance(self, points: Points) -> Vector:
         """Signed distance of points (n, 3), (n,)."""

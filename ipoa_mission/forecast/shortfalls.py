@@ -1,0 +1,94 @@
+"""What endings of a flight are short of, and return altitudes at which RTL is not."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.looks import CLIMBS, EVERY_S, GROUND, RETURNS, EndingWays, Looks
+from ipoa_mission.vehicles.ending import Ending
+
+HEIGHT_STEP, HIGHEST = 5, 500  # return altitudes are of every so many meters, up to [m] above home
+MOST_TRIES = 8  # return altitudes
+SAG = 0.3  # a return is up to so much lower than it is set [m]
+
+
+@dataclass(frozen=True)
+class Shortfall:
+    """An ending that is too near to something: ordered at a time [s], of which body, and what is missing at most [m].
+
+    `part` is the leg of its way; `overhead`: what is too near hangs over the vehicle as it climbs. The ground is "".
+    """
+
+    ending: Ending
+    time: float
+    body: str
+    missing: float
+    part: int
+    overhead: bool = False
+
+
+def returning(ways: EndingWays) -> list[Shortfall]:
+    """What RTL comes too near to; at first from few times, since one that is not clear is enough."""
+    begin, end = ways.stops.times[[0, -1]]
+    few = ways.at(Ending.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * EVERY_S)))))
+    return list(shortfalls(ways, Ending.RTL, few)) or list(shortfalls(ways, Ending.RTL, ways.looks(Ending.RTL)))
+
+
+def at_another_height(
+    ways: EndingWays, forecast: Forecast, short: list[Shortfall], highest: float
+) -> tuple[Forecast, list[Shortfall]]:
+    """The lowest return altitude of those tried at which RTL is clear, else that which leaves the least to the path."""
+    by = forecast.mission.autopilot.book.return_height
+    now = forecast.mission.autopilot.book.complete(forecast.mission.parameters)[by.name] * by.unit
+    best, tried, asked = (forecast, short), {now}, list(_heights(ways, short, now))
+    for _ in range(MOST_TRIES):
+        asked = sorted({height for height in asked if 0.0 < height <= highest} - tried)
+        if not asked:
+            break
+        tried.add(height := asked.pop(0))
+        raised = forecast.given.with_parameters({by.name: by.spelled(height)})
+        other = Forecast(raised, forecast.scenario, forecast.wind)
+        if not (left := returning(ways.returning(other))):
+            return other, []
+        best = min(best, (other, left), key=_merit)
+        asked += _heights(ways, left, height)
+    return best
+
+
+def _merit(settled: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
+    """What is left: first what no path helps against, then what is missing."""
+    _, left = settled
+    return sum(one.missing for one in left if one.part >= RETURNS), sum(one.missing for one in left)
+
+
+def _heights(ways: EndingWays, short: list[Shortfall], now: float) -> Iterator[float]:
+    """Heights, of every five meters, over what is in the way, and under what hangs over it."""
+    bodies = {body.name: body.bounds[:, 2] for body in ways.roomy.airspace.obstacles}
+    required = ways.required + SAG
+    over = [now + one.missing for one in short if one.body == "" and one.part >= CLIMBS]
+    for one in short:
+        if one.body and one.part >= CLIMBS:
+            base, top = bodies[one.body]
+            over += [float(top) + required] if one.part >= RETURNS else []
+            yield float(HEIGHT_STEP * math.floor((base - required) / HEIGHT_STEP))
+    if over:
+        yield float(HEIGHT_STEP * math.ceil(max(over) / HEIGHT_STEP))
+        yield float(HEIGHT_STEP * math.ceil(min(over) / HEIGHT_STEP))
+
+
+def shortfalls(ways: EndingWays, ending: Ending, looks: Looks) -> Iterator[Shortfall]:
+    """What is too near, of each body and each leg of the ways to it the worst."""
+    short = np.where(looks.taken[..., None] & ~looks.clear[:, None, None], looks.near - ways.required, 0.0)
+    where = np.argwhere(short < 0.0)
+    seen = set[tuple[int, int]]()
+    bodies = ways.roomy.airspace.obstacles
+    for n, k, leg in where[np.argsort(short[tuple(where.T)], kind="stable")].tolist():
+        number = int(looks.which[n, k, leg])
+        if (number, leg) not in seen:
+            seen.add((number, leg))
+            name = "" if number == GROUND else bodies[number].name
+            over = number >= 0 and leg == CLIMBS and float(bodies[number].bounds[0, 2]) > float(looks.ways[n, k, 1, 2])
+            yield Shortfall(ending, float(looks.times[n]), name, -float(short[n, k, leg]), leg, over)

@@ -1,0 +1,111 @@
+"""Flights of which every ending is planned: what they keep by another geometry, and how that is seen to."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission import plan_flight
+from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.ending import Ending
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+PLANNED = (Ending.RTL, Ending.HOLD, Ending.SMART_RTL)
+SLAB = 'kind = "box"\nname = "roof"\neast = 80.0\nnorth = 0.0\nbase = 40.0\nwidth = 40.0\ndepth = 40.0\nheight = 20.0'
+BALLOON = 'kind = "sphere"\nname = "balloon"\neast = 50.0\nnorth = 1.0\nup = 30.0\nradius = 8.0'
+WALL = 'kind = "box"\nname = "wall"\neast = 45.0\nnorth = 0.0\nwidth = 4.0\ndepth = 60.0\nheight = 90.0'
+
+
+def scene(
+    autopilot: Autopilot,
+    *obstacles: str,
+    parameters: str = "",
+    top: float = 60.0,
+    returns: str = "planned",
+    ending: str = "land",
+) -> Scenario:
+    text = f"""
+    safety_distance = 2.0
+    home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
+    start = {{ east = 0.0, north = 0.0, up = 15.0 }}
+    goal = {{ east = 95.0, north = 0.0, up = 15.0 }}
+    bounds = {{ east = [-50.0, 150.0], north = [-80.0, 80.0], up = [-5.0, {top}] }}
+    vehicle = {{ radius = 0.5, autopilot = "{autopilot}", parameters = {{ {parameters} }} }}
+    route = {{ ending = "{ending}" }}
+    safety = {{ returns = "{returns}" }}
+    {"".join(f"[[obstacles]]{chr(10)}{body}{chr(10)}" for body in obstacles)}
+    """
+    return parse_scenario(text, Path("scene.toml"))
+
+
+def towers(autopilot: Autopilot, seed: int) -> Scenario:
+    rng = np.random.default_rng(seed)
+    bodies = [
+        f'kind = "box"\nname = "tower {n}"\neast = {rng.uniform(15, 80):.1f}\nnorth = {rng.uniform(-25, 25):.1f}\n'
+        f"width = {rng.uniform(6, 14):.1f}\ndepth = {rng.uniform(6, 14):.1f}\nheight = {rng.uniform(10, 40):.1f}"
+        for n in range(7)
+    ]
+    return scene(autopilot, *bodies)
+
+
+def kept_by_dense_sampling(flight: Flight) -> float:
+    """The least that returns from many seconds keep, looked at every few centimeters."""
+    ways = Endings(flight.forecast).ways
+    begin, end = ways.stops.times[[0, -1]]
+    looks = ways.at(Ending.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
+    legs = [np.linspace(a, b, 150) for n, k in np.argwhere(looks.taken) for a, b in pairwise(looks.ways[n, k, :5])]
+    return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
+
+
+@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("seed", [1, 4])
+def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopilot: Autopilot, seed: int) -> None:
+    flight = plan_flight(towers(autopilot, seed), seed=0)
+    assert all(row.clear for ending in PLANNED for row in Endings(flight.forecast).rows(ending, timed=False))
+    assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_path_is_not_laid_under_what_hangs_over_it(autopilot: Autopilot) -> None:
+    """RTL climbs: under a balloon it is laid aside, or so low a return is chosen that it does not come to it."""
+    flight = plan_flight(scene(autopilot, BALLOON), seed=0)
+    assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
+    assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_where_no_altitude_within_the_bounds_helps_rally_points_are_planned(autopilot: Autopilot) -> None:
+    flight = plan_flight(scene(autopilot, WALL, top=70.0), seed=0)
+    assert 1 <= len(flight.mission.rally) <= 2
+    assert any("rally points" in remark for remark in flight.remarks)
+    assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
+
+
+def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:
+    flight = plan_flight(scene(Autopilot.PX4, WALL, parameters="RTL_RETURN_ALT = 30", top=200.0), seed=0)
+    assert flight.mission.parameters["RTL_RETURN_ALT"] == 30.0
+    assert flight.mission.rally
+
+
+def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away() -> None:
+    warned, planned = (
+        plan_flight(replaced(read_scenario(MISSIONS / "sitl.toml"), returns), seed=7) for returns in ("warn", "planned")
+    )
+    assert not all(row.clear for row in Endings(warned.forecast).rows(Ending.HOLD, timed=False))
+    assert all(row.clear for row in Endings(planned.forecast).rows(Ending.HOLD, timed=False))
+    assert planned.estimate.total_s < 1.06 * warned.estimate.total_s
+
+
+def replaced(scenario: Scenario, returns: str) -> Scenario:
+    return scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"returns": returns})})
+
+
+def test_where_nothing_helps_the_refusal_has_the_stretch_and_what_was_tried() -> None:
+    with pytest.raises(NoPath, match=r"RTL from \d+\.\d to \d+\.\d s after arming keeps .* of roof") as refused:
+        plan_flight(scene(Autopilot.PX4, SLAB, parameters="RTL_RETURN_ALT = 55", top=200.0), seed=0)
+    assert 'returns = "warn"' in str(refused.value.hint)
