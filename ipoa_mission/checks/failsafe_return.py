@@ -10,13 +10,14 @@ import numpy as np
 
 from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import GROUND, RETURNS, EndingWays, Looks
+from ipoa_mission.forecast.looks import GROUND, RETURNS, EndingLooks, EndingWays
 from ipoa_mission.forecast.shortfalls import HIGHEST, at_another_height, shortfalls
 from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.vehicles.ending import Ending
 
-#: Which legs of a return are told of together: what it is, and what may be ordered there.
-TOLD = ((range(RETURNS), "brakes and climbs", "RTL or pause"), (range(RETURNS, RETURNS + 2), "flies home", "RTL"))
+ROUNDING = 0.02  # [m]
+#: Which legs of a return are told of together, and how; where it comes down is a leg of the mission's own.
+TOLD = ((range(RETURNS), "brakes and climbs", "RTL or pause"), (range(RETURNS, RETURNS + 1), "flies home", "RTL"))
 
 
 def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
@@ -30,7 +31,11 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("return-too-near", Severity.WARNING, None, f"nobody looked where RTL from the way leads: {why}")
         return
     looks = ways.looks(Ending.RTL)
-    near = np.where(looks.taken[..., None] & ~looks.clear[:, None, None], looks.near - ways.required, 0.0)
+    begin, end = forecast.promise.flight.way
+    asked = ~looks.clear & (looks.times >= begin) & (looks.times <= end)  # its own climb and return are legs
+    near = np.where(looks.taken[..., None] & asked[:, None, None], looks.near - ways.required, 0.0)
+    braking = near[:, :, :RETURNS].min(axis=2, keepdims=True)
+    near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - ROUNDING] = 0.0  # it is where it begins that is too near
     for legs, verb, order in TOLD:
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
@@ -41,7 +46,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
 
-def _check(ways: EndingWays, looks: Looks, n: int, legs: range) -> Check:
+def _check(ways: EndingWays, looks: EndingLooks, n: int, legs: range) -> Check:
     """What some legs of the ways from one look come nearest to breaking."""
     some = [way[legs.start : legs.stop + 1] for way in looks.ways[n][looks.taken[n]]]
     if GROUND in looks.which[n, :, legs.start : legs.stop]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import GROUND, LIFTED, EndingWays, Looks
+from ipoa_mission.forecast.looks import GROUND, LIFTED, EndingLooks, EndingWays
 from ipoa_mission.mission.items import Item, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
@@ -69,7 +69,7 @@ class Endings:
             return rows
         return tuple(self._timed(row, looks, run) for row, run in zip(rows, _runs(looks), strict=True))
 
-    def _row(self, ending: Ending, looks: Looks, run: range) -> EndingRow:
+    def _row(self, ending: Ending, looks: EndingLooks, run: range) -> EndingRow:
         """The row of the looks in a run, as its worst one has it."""
         worst, near = min(self._nearest(ending, looks, run), key=lambda found: found[1].distance)
         least, required, to = near.distance, self.ways.required, near.what
@@ -87,7 +87,7 @@ class Endings:
         is_clear = bool(looks.clear[run.start])
         return EndingRow(ending, float(looks.times[run.start]), until, is_clear, least, required, to, goal, lands)
 
-    def _nearest(self, ending: Ending, looks: Looks, run: range) -> list[tuple[int, Clearance]]:
+    def _nearest(self, ending: Ending, looks: EndingLooks, run: range) -> list[tuple[int, Clearance]]:
         """The looks of a run that are nearest to something, and how near: one of these is the nearest of all."""
         spare = looks.spare[run.start : run.stop]
         inside = np.flatnonzero(spare <= -self.ways.required)  # how deep is not known yet
@@ -95,7 +95,7 @@ class Endings:
         picked = {*np.argsort(spare, kind="stable")[:NEAREST_FEW].tolist(), *inside[few].tolist()}
         return [(run[n], self.ways.exactly(ending, looks, run[n])) for n in sorted(picked)]
 
-    def _timed(self, row: EndingRow, looks: Looks, run: range) -> EndingRow:
+    def _timed(self, row: EndingRow, looks: EndingLooks, run: range) -> EndingRow:
         """The row with how long its flights last, as the vehicle's model flies them, and what they take."""
         if row.ending not in (Ending.RTL, Ending.LAND):
             return row
@@ -108,7 +108,7 @@ class Endings:
         lasts = min(low for (low, _), _ in flown), max(high for (_, high), _ in flown)
         return replace(row, duration_s=lasts, energy_wh=max(used, default=None))
 
-    def _flown(self, ending: Ending, looks: Looks, n: int) -> tuple[tuple[float, float], float | None]:
+    def _flown(self, ending: Ending, looks: EndingLooks, n: int) -> tuple[tuple[float, float], float | None]:
         """The least and the most time that an ending takes from one place [s], and its energy [Wh]."""
         place, stand = looks.ways[n, 0, :2]
         there = self.forecast.frame.geodetic(stand)
@@ -135,7 +135,7 @@ class Endings:
         return float(np.interp(time, track.times, track.speeds))
 
 
-def _runs(looks: Looks) -> Iterator[range]:
+def _runs(looks: EndingLooks) -> Iterator[range]:
     """Numbers of looks one after the other that lead to the same goals and are equally clear."""
     ends = [*(np.flatnonzero(~looks.same_as_next) + 1).tolist(), len(looks.times)]
     begin = 0

@@ -38,7 +38,7 @@ GROUND = -2  # the number of the ground, beside those of obstacles; -1 is nothin
 
 
 @dataclass(frozen=True, eq=False)
-class Looks:
+class EndingLooks:
     """One ending, ordered at each of `times` (n,) [s after arming].
 
     Attributes:
@@ -75,11 +75,11 @@ class Looks:
         asked = (hidden | ~self.same_as_next) & (np.diff(self.times) > NEAREST_S)
         return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
 
-    def merged(self, other: "Looks") -> "Looks":
+    def merged(self, other: "EndingLooks") -> "EndingLooks":
         """Both, in the order of their times."""
         order = np.argsort(np.concatenate([self.times, other.times]), kind="stable")
         both = {f.name: np.concatenate([getattr(self, f.name), getattr(other, f.name)])[order] for f in fields(self)}
-        return Looks(**both)
+        return EndingLooks(**both)
 
 
 class EndingWays:
@@ -126,7 +126,7 @@ class EndingWays:
             return "returns round fences are not modeled"
         return None
 
-    def looks(self, ending: Ending) -> Looks:
+    def looks(self, ending: Ending) -> EndingLooks:
         """At an ending from so many times that nothing is missed between two of them."""
         begin, end = (float(time) for time in self.stops.times[[0, -1]])
         looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
@@ -134,7 +134,7 @@ class EndingWays:
             looks = looks.merged(self.at(ending, between))
         return looks
 
-    def at(self, ending: Ending, times: Vector) -> Looks:
+    def at(self, ending: Ending, times: Vector) -> EndingLooks:
         """At an ending from these times (n,)."""
         places, stands = self.stops.at(times)
         ways, taken = np.stack([places, stands], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
@@ -149,23 +149,23 @@ class EndingWays:
         if ending is Ending.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, SEEN), SEEN).min(axis=1)
-        looks = Looks(times, ways, taken, near, which, spare)
+        looks = EndingLooks(times, ways, taken, near, which, spare)
         return self._with_ground(looks, -1 if ending is Ending.RTL else 2)
 
-    def exactly(self, ending: Ending, looks: Looks, n: int) -> Clearance:
+    def exactly(self, ending: Ending, looks: EndingLooks, n: int) -> Clearance:
         """What one look keeps of an obstacle, to the millimeter, and of which."""
         if ending is Ending.SMART_RTL:
             return self._least_noted(looks, n)
         ways = looks.ways[n][looks.taken[n]]
         return min((self.roomy.airspace.obstacle_clearance(way) for way in ways), key=lambda found: found.distance)
 
-    def _least_noted(self, looks: Looks, n: int) -> Clearance:
+    def _least_noted(self, looks: EndingLooks, n: int) -> Clearance:
         leg = int(np.argmin(looks.near[n, 0]))
         number, place = int(looks.which[n, 0, leg]), looks.ways[n, 0, leg].tolist()
         name = self.roomy.airspace.obstacles[number].name if number >= 0 else "nothing"
         return Clearance(float(looks.near[n, 0, leg]), (place[0], place[1], place[2]), name, leg)
 
-    def goal(self, ending: Ending, looks: Looks, n: int) -> str:
+    def goal(self, ending: Ending, looks: EndingLooks, n: int) -> str:
         """Where one look leads, in words."""
         if ending in (Ending.LAND, Ending.HOLD):
             return "here"
@@ -188,14 +188,14 @@ class EndingWays:
         near, which = (legs[:, 0, 0] for legs in self._flown)
         nearest = np.maximum.accumulate(np.where(near <= np.minimum.accumulate(near), np.arange(len(near)), 0))
         until = nearest[np.clip(np.searchsorted(self.stops.times, times) - 1, 0, len(near) - 1)]
-        return near[until] - SAGITTA, which[until]
+        return np.asarray(near[until] - SAGITTA), np.asarray(which[until])
 
     @cached_property
     def _flown(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         places = self.stops.places
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
-    def _with_ground(self, looks: Looks, end: int) -> Looks:
+    def _with_ground(self, looks: EndingLooks, end: int) -> EndingLooks:
         """The looks with what their ways up to place `end` keep of the ground, where that is less."""
         begin, last = self.forecast.promise.flight.way
         near, which, spare = looks.near.copy(), looks.which.copy(), looks.spare.copy()

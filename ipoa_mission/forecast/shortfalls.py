@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import CLIMBS, EVERY_S, GROUND, RETURNS, EndingWays, Looks
+from ipoa_mission.forecast.looks import CLIMBS, EVERY_S, GROUND, RETURNS, EndingLooks, EndingWays
 from ipoa_mission.vehicles.ending import Ending
 
 HEIGHT_STEP, HIGHEST = 5, 500  # return altitudes are of every so many meters, up to [m] above home
@@ -79,7 +79,7 @@ def _heights(ways: EndingWays, short: list[Shortfall], now: float) -> Iterator[f
         yield float(HEIGHT_STEP * math.ceil(min(over) / HEIGHT_STEP))
 
 
-def shortfalls(ways: EndingWays, ending: Ending, looks: Looks) -> Iterator[Shortfall]:
+def shortfalls(ways: EndingWays, ending: Ending, looks: EndingLooks) -> Iterator[Shortfall]:
     """What is too near, of each body and each leg of the ways to it the worst."""
     short = np.where(looks.taken[..., None] & ~looks.clear[:, None, None], looks.near - ways.required, 0.0)
     where = np.argwhere(short < 0.0)

@@ -6,14 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.checks.failsafe_return import RETURNS, broken_returns, check_failsafe_return
+from ipoa_mission.checks.failsafe_return import check_failsafe_return
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.stops import Stops, stops_of
+from ipoa_mission.forecast.looks import RETURNS, EndingWays
+from ipoa_mission.forecast.stops import Stops
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.vehicles.ending import Ending
 
 FLOWN = list(csv.DictReader(Path("docs/returns.csv").read_text().splitlines()))
 ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])
@@ -58,7 +60,7 @@ def flight_in(scenario: Scenario) -> Forecast:
 def test_what_stands_in_the_way_home_is_named_with_a_height_that_clears_it(
     autopilot: Autopilot, body: str, clears: float
 ) -> None:
-    scenario = scene(autopilot, body)
+    scenario = nominal(scene(autopilot, body))
     forecast = flight_in(scenario)
     (finding,) = check_failsafe_return(forecast)
     by = autopilot.book.return_height
@@ -91,18 +93,16 @@ def test_no_height_helps_where_it_brakes_into_a_wall(autopilot: Autopilot) -> No
 def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_not(
     autopilot: Autopilot, height: float
 ) -> None:
-    scenario = scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0"))
-    forecast = flight_in(scenario)
-    stops = stops_of(forecast)
-    sources = stops.stands if autopilot is Autopilot.ARDUPILOT else np.concatenate([stops.places, stops.stands])
-    seqs = np.resize(stops.seqs, len(sources))
-    (ways,) = forecast.returns_from(sources)
-    single = {
-        int(seq)
-        for seq, way in zip(seqs, ways, strict=True)
-        if any(c.slack < -0.02 for c in prove(way[1:], scenario).checks if c.limit == "obstacles")
-    }
-    assert {one.seq for one in broken_returns(forecast, stops) if one.part == RETURNS} == single
+    scenario = nominal(scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0")))
+    ways = EndingWays(flight_in(scenario))
+    looks = ways.looks(Ending.RTL)
+    single = [
+        any(c.slack < -0.02 for way in ways_of for c in prove(way[:5], scenario).checks if c.limit == "obstacles")
+        for ways_of in looks.ways
+    ]
+    exact = {int(seq) for seq, is_broken in zip(ways.stops.seqs_at(looks.times), single, strict=True) if is_broken}
+    told = {int(seq) for seq in ways.stops.seqs_at(looks.times[~looks.clear])}
+    assert told == exact
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -119,19 +119,22 @@ def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
     assert not list(check_failsafe_return(Forecast(mission.with_parameters({name: float(value)}), scenario)))
 
 
-def test_a_place_that_is_not_left_is_no_way() -> None:
-    scenario = scene(Autopilot.PX4, HALL)
-    forecast = flight_in(scenario)
-    at = np.array([[100.0, 0.0, 20.0]] * 2)
-    (broken,) = broken_returns(forecast, Stops(np.arange(2.0), at, at, np.array([4, 4])))
-    assert (broken.seq, broken.part, broken.check.nearest.what) == (4, RETURNS, "hall")
-
-
 @pytest.mark.parametrize("autopilot", registered())
 def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_ordered(autopilot: Autopilot) -> None:
     """The hall is beside the way home from where the vehicle stands, and in that from halfway back."""
     scenario = scene(autopilot, HALL)
-    forecast = flight_in(scenario)
+    ways = EndingWays(flight_in(scenario))
     places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
-    broken = list(broken_returns(forecast, Stops(np.arange(2.0), places, stands, np.array([4, 4]))))
-    assert [one.part for one in broken] == ([RETURNS] if autopilot is Autopilot.PX4 else [])
+    ways.__dict__["stops"] = Stops(np.arange(2.0), places, stands, np.array([4, 4]))
+    returns = ways.at(Ending.RTL, np.arange(2.0)).near[:, :, RETURNS].min()
+    assert (returns < scenario.limits.obstacle_distance) == (autopilot is Autopilot.PX4)
+
+
+def nominal(scenario: Scenario) -> Scenario:
+    return scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"confidence": "nominal"})})
+
+
+def test_a_return_that_is_not_modeled_is_told_of() -> None:
+    forecast = flight_in(scene(Autopilot.PX4, HALL))
+    (finding,) = check_failsafe_return(Forecast(forecast.mission.with_parameters({"RTL_TYPE": 2.0}), forecast.world))
+    assert (finding.code, finding.seq) == ("return-too-near", None)
