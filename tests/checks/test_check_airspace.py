@@ -223,8 +223,9 @@ def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
 def test_a_climb_beside_a_wall_is_a_warning_and_into_a_roof_an_error() -> None:
     beside = world(**{"east = 50.0\nnorth = 20.0": "east = 12.0\nnorth = 0.0", "height = 30.0": "height = 15.0"})
     findings = check_mission(flight(beside, (-30.0, 0.0, 20.0)), beside)
-    assert found(findings) == ["warning leg-too-near 1", "warning leg-too-near 3"]
-    assert all(": 2.00 m from hall at east 0.0, north 0.0" in finding.message for finding in findings)
+    climbs = [finding for finding in findings if finding.code == "leg-too-near"]
+    assert found(climbs) == ["warning leg-too-near 1", "warning leg-too-near 3"]
+    assert all(": 2.00 m from hall at east 0.0, north 0.0" in finding.message for finding in climbs)
     into = world(
         **{
             'kind = "box"': 'kind = "sphere"\nup = 15.0\nradius = 4.0',
