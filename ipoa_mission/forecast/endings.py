@@ -79,6 +79,10 @@ class _Look:
     def is_clear(self) -> bool:
         return self.slack >= 0.0
 
+    @property
+    def lands(self) -> tuple[float, float]:
+        return float(self.ways[0][-1][0]), float(self.ways[0][-1][1])
+
 
 class Endings:
     """All ways in which one forecast's flight can end, in the world of its scenario."""
@@ -213,10 +217,16 @@ class Endings:
                 worst.required,
                 worst.to,
                 run[0].goal,
-                None if run[0].goal == "here" else (float(run[0].ways[0][-1][0]), float(run[0].ways[0][-1][1])),
+                None if run[0].goal == "here" else run[0].lands,
             )
             rows.append(self._timed(row, run) if timed and ending in (Ending.RTL, Ending.LAND) else row)
         return tuple(rows)
+
+    def at(self, ending: Ending, time: float) -> EndingRow:
+        """RTL, LAND or a hold that is ordered at one time [s]; raises as `rows` does."""
+        look = self._look(ending, time)
+        row = EndingRow(ending, time, time, look.is_clear, look.least, look.required, look.to, look.goal, look.lands)
+        return self._timed(row, [look]) if ending in (Ending.RTL, Ending.LAND) else row
 
     def _timed(self, row: EndingRow, run: list[_Look]) -> EndingRow:
         """The row with how long its flights last, as the vehicle's model flies them, and what they take."""

@@ -4,6 +4,7 @@ Kept as two small files a flight, so that it can be judged anew without the log:
 """
 
 import json
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
@@ -42,12 +43,13 @@ class EndedFlight:
             if seen and does not in ("mission", "take-off"):
                 return time
             seen = seen or does == "mission"
-        return float("nan")
+        return math.nan
 
     def did(self) -> tuple[str, ...]:
         """What it did after its mission, each thing once in its order."""
         left = self.left_mission()
-        return tuple(dict.fromkeys(does for time, does in self.modes if time >= left))
+        until = math.inf if math.isnan(self.ended_s) else self.ended_s
+        return tuple(dict.fromkeys(does for time, does in self.modes if left <= time < until - 0.05))
 
     def place(self, time: float) -> Points:
         """Where it truly was (3,) [m]."""
@@ -64,7 +66,7 @@ class EndedFlight:
         """What `write` kept."""
         told: dict[str, Any] = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
         track = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1, ndmin=2)
-        ended = float("nan") if told["ended_s"] is None else told["ended_s"]
+        ended = math.nan if told["ended_s"] is None else told["ended_s"]
         return cls(tuple(map(tuple, told["modes"])), track, ended, tuple(map(tuple, told["texts"])))  # type: ignore[arg-type]
 
 
@@ -75,7 +77,7 @@ def flight_from(log: Path, home: Geodetic) -> EndedFlight:
 
 def _of_copter(log: Path, home: Geodetic) -> EndedFlight:
     kinds = frozenset({"SIM", "MODE", "EV", "ARM", "MSG"})
-    place, modes, texts, armed, ended = [], [], [], float("nan"), float("nan")
+    place, modes, texts, armed, ended = [], [], [], math.nan, math.nan
     for kind, record in read_records(log, kinds):
         time = record["TimeUS"] / 1e6
         if kind == "SIM":
@@ -103,7 +105,7 @@ def _of_px4(log: Path, home: Geodetic) -> EndedFlight:
     modes = [(at[n], PX4_DOES.get(int(status["nav_state"][n]), f"mode {status['nav_state'][n]}")) for n in changed]
     places = np.column_stack([true["timestamp"] / 1e6, true["lat"], true["lon"], true["alt"]])
     texts = [(message.timestamp / 1e6, message.message) for message in read.logged_messages]
-    return _flight(places, modes, texts, armed, at[later[0]] if len(later) else float("nan"), home)
+    return _flight(places, modes, texts, armed, at[later[0]] if len(later) else math.nan, home)
 
 
 def _flight(
@@ -120,8 +122,10 @@ def _flight(
     place = place[thin]
     local = frame.to_local(place[:, 1], place[:, 2], place[:, 3] - place[0, 3] + home.altitude)
     track = np.column_stack([place[:, 0] - armed, local])
+    before = [(armed, does) for time, does in modes if time < armed][-1:]
+    modes = before + [(time, does) for time, does in modes if time >= armed]
     return EndedFlight(tuple(_since(modes, armed)), track, float(ended - armed), tuple(_since(texts, armed)))
 
 
 def _since(told: list[tuple[float, str]], armed: float) -> Iterator[tuple[float, str]]:
-    return ((round(float(time - armed), 3), words) for time, words in told if time >= armed - 1.0)
+    return ((round(float(time - armed), 3), words) for time, words in told if time >= armed)

@@ -1,7 +1,7 @@
 """Break off missions on a simulated autopilot at random seconds, by order or by a failsafe, and keep how they ended.
 
     python -m tools.fly.endings FOLDER --autopilot ardupilot --out DIR --seed 1 --count 60 \
-        --start "COMMAND {latitude} {longitude} {altitude} {folder}" --link tcp:127.0.0.1:5760 [--failsafes]
+        --start "COMMAND {latitude} {longitude} {altitude} {folder}" --link tcp:127.0.0.1:5760 [--failsafes 6]
 
 FOLDER has scenarios, NAME.toml, and their planned missions, NAME.plan; `{folder}` is where the simulator keeps its
 logs. What is ordered, on which mission and when follows from the seed alone. A simulator is started for every order,
@@ -32,6 +32,8 @@ from ipoa_mission.flight.procedure import load_mission
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Target
+from ipoa_mission.link.conversations import MissionRefused
+from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CommandAck, CommandLong, Heartbeat, Message, ParamSet
 from ipoa_mission.link.orders import spelled_parameter
 from ipoa_mission.link.vehicle import Vehicle
@@ -41,7 +43,7 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.wind import Wind
-from tools.fly.causes import TRIGGERS, Trigger
+from tools.fly.causes import TRIGGERS
 from tools.fly.ended_flight import flight_from
 
 WEIGHTS = {Ending.RTL: 5, Ending.LAND: 3, Ending.SMART_RTL: 2, Ending.HOLD: 2}
@@ -50,6 +52,8 @@ PATIENCE_S = 500.0  # after the order, by the vehicle's clock
 UNHEARD_S = 90.0  # a silence, or a failsafe that does nothing, is waited for so long
 INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
 BOOTS_S = 60.0
+TRANSFERS = 5
+EVERYWHERE = 1.0  # SIM_WIND_T: as strong near the ground
 INJECT_FAILURE = 420  # MAV_CMD
 
 
@@ -83,8 +87,9 @@ def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: a
         begin, end = spans[mission := names[number % len(names)]]
         ending = chance.choices(list(flown), list(flown.values()))[0]
         second = round(chance.uniform(begin, end), 1)
-        trigger = number % len(TRIGGERS[autopilot]) if given.failsafes else None
-        yield Order(number, mission, second, "" if given.failsafes else str(ending), trigger)
+        fails = given.failsafes > 0 and number % given.failsafes == given.failsafes - 1
+        trigger = number // given.failsafes % len(TRIGGERS[autopilot]) if fails else None
+        yield Order(number, mission, second, "" if fails else str(ending), trigger)
 
 
 class Breaker:
@@ -117,7 +122,7 @@ class Breaker:
         flying_on = self.vehicle.state.custom_mode == self.vehicle.autopilot.modes.mission
         if self.order.ending == Ending.HOLD:
             return HOLDS_S
-        if self.trigger is not None and holding or flying_on:
+        if flying_on or (holding and self.trigger is not None):
             return UNHEARD_S + HOLDS_S
         return PATIENCE_S
 
@@ -187,8 +192,17 @@ def set_up(vehicle: Vehicle, wind: Wind) -> dict[str, float]:
     """What the simulation is told before: its wind, and to have in its log when it was armed."""
     if vehicle.autopilot is Autopilot.PX4:
         return {}
-    air = {"SIM_WIND_SPD": wind.speed, "SIM_WIND_DIR": wind.from_deg % 360.0} if wind.speed > 0.0 else {}
-    return {"LOG_DISARMED": 1.0, **air}
+    air = {"SIM_WIND_SPD": wind.speed, "SIM_WIND_DIR": wind.from_deg % 360.0, "SIM_WIND_T": EVERYWHERE}
+    return {"LOG_DISARMED": 1.0, **(air if wind.speed > 0.0 else {})}
+
+
+def load(vehicle: Vehicle, forecast: Forecast) -> None:
+    """Upload it; a simulator many times as fast as real may give up a transfer in between."""
+    for _ in range(TRANSFERS - 1):
+        with suppress(MissionRefused, NoAnswer):
+            load_mission(vehicle, forecast, set_params=True, anyway=True)
+            return
+    load_mission(vehicle, forecast, set_params=True, anyway=True)
 
 
 def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str, Any]:
@@ -205,7 +219,7 @@ def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str
             time.sleep(0.2)
         for name, value in set_up(vehicle, forecast.wind).items():
             vehicle.set_parameter(name, value)
-        load_mission(vehicle, forecast, set_params=True, anyway=True)
+        load(vehicle, forecast)
         for name, value in (breaker.trigger.before if breaker.trigger else {}).items():
             vehicle.set_parameter(name, value)
         vehicle.overhearing = breaker.hear
@@ -237,8 +251,9 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=10)
-    parser.add_argument("--failsafes", action="store_true")
+    parser.add_argument("--failsafes", type=int, default=0, help="every so many orders it is a failsafe")
     given = parser.parse_args(arguments)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that its simulator ends with it
     autopilot = autopilot_named(given.autopilot)
     forecasts: dict[str, Forecast] = {}
     for path in sorted(given.folder.glob("*.plan")):

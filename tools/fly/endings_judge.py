@@ -1,0 +1,243 @@
+"""Hold missions that were broken off (`tools.fly.endings`) against what was forecast of every second of them.
+
+    python -m tools.fly.endings_judge MISSIONS OUT [--csv FILE]
+
+What was flown is judged by the simulator's true position and by a geometry of shapely's, from the order to when the
+motors stopped. The simulators' ground is level, as high as home: where a scenario's is not, times and landing places
+count only of what ends at home. One line an order; a summary on the standard output.
+"""
+
+import argparse
+import csv
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.endings import EndingRow, Endings
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.world.obstacles.cylinder import Cylinder
+from ipoa_mission.world.obstacles.prism import Prism
+from ipoa_mission.world.obstacles.sphere import Sphere
+from tools.fly.ended_flight import EndedFlight
+
+STEP = 0.15  # between the points at which a flight is looked at [m]
+AROUND_S = 12.0  # so many seconds from where it is by the clock, the forecast is searched for its place
+TOUCHED = 0.3  # so near to the height at which it stood last a vehicle has touched down [m]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none."""
+
+    autopilot: str
+    version: str
+    mission: str
+    ending: str
+    trigger: str
+    second: float
+    clear: bool
+    least: float
+    to: str
+    required: float
+    goal: str
+    low_s: float
+    high_s: float
+    exact_s: float
+    placed_s: float
+    did: str
+    flown_least: float
+    flown_to: str
+    flown_s: float
+    goal_off: float
+    stop_off: float
+    track_off: float
+    level: bool
+
+
+def distances(points: Points, scenario: Scenario) -> tuple[float, str]:
+    """The least distance of points (n, 3) to the scenario's obstacles, less than 0 inside, and to which."""
+    found = [(float(_to(one, points).min()), str(one.name)) for one in scenario.airspace.obstacles]
+    return min(found, default=(math.inf, ""))
+
+
+def _to(one: Any, points: Points) -> Any:
+    if isinstance(one, Sphere):
+        return np.linalg.norm(points - np.array(one.center), axis=1) - one.radius
+    if isinstance(one, Cylinder):
+        level = np.hypot(points[:, 0] - one.east, points[:, 1] - one.north) - one.radius
+    elif isinstance(one, Prism):
+        shape = shapely.Polygon(one.outer, one.holes)
+        at = shapely.points(points[:, :2])
+        outside = shapely.distance(shape, at)
+        level = np.where(outside > 0.0, outside, -shapely.distance(shape.boundary, at))
+    else:
+        raise TypeError(type(one).__name__)
+    upright = np.maximum(one.base - points[:, 2], points[:, 2] - one.top)
+    return np.where((level > 0.0) & (upright > 0.0), np.hypot(level, upright), np.maximum(level, upright))
+
+
+def dense(track: Points) -> Points:
+    """Points (n, 3) along a track (m, 4), no two of them farther apart than `STEP`."""
+    pieces = [track[:1, 1:]]
+    for one, other in zip(track[:-1, 1:], track[1:, 1:], strict=True):
+        count = max(1, math.ceil(float(np.linalg.norm(other - one)) / STEP))
+        pieces.append(one + (other - one) * np.linspace(0.0, 1.0, count + 1)[1:, None])
+    return np.concatenate(pieces)
+
+
+class Foretold:
+    """What was forecast of one mission."""
+
+    def __init__(self, path: Path) -> None:
+        self.scenario = read_scenario(path.with_suffix(".toml"))
+        autopilot = self.scenario.vehicle.autopilot
+        self.endings = Endings(Forecast(read_mission(path, autopilot), self.scenario))
+        self.rows = cache(self.endings.rows)
+        self.level = bool(self.scenario.ground.is_level)
+
+    def row(self, ending: Ending, time: float) -> EndingRow:
+        """The row that a second lies in."""
+        rows = self.rows(ending)
+        return next((row for row in rows if row.from_s <= time <= row.to_s), rows[-1 if time > rows[0].to_s else 0])
+
+    def timed(self, ending: Ending, time: float) -> float:
+        """How long the ending was to last from that very time; NaN where it is not told."""
+        begin, end = self.endings.stops.times[[0, -1]]
+        try:
+            lasts = self.endings.at(ending, float(np.clip(time, begin, end))).duration_s
+        except MissionError:
+            return math.nan
+        return math.nan if lasts is None else (lasts[0] + lasts[1]) / 2
+
+    def time_at(self, place: Points, time: float) -> float:
+        """When it was forecast to be where it was."""
+        times = self.endings.stops.times
+        near = np.abs(times - time) <= AROUND_S
+        if not near.any():
+            return time
+        return float(times[near][np.linalg.norm(self.endings.stops.places[near] - place, axis=1).argmin()])
+
+
+def judge(folder: Path, foretold: Foretold) -> Judged:
+    """One order."""
+    order: dict[str, Any] = json.loads((folder / "order.json").read_text(encoding="utf-8"))
+    flight = EndedFlight.read(folder)
+    mission = foretold.endings.mission
+    left = flight.left_mission()
+    second = left if not math.isnan(left) else float(order["ordered_s"])
+    ended = flight.track[-1, 0] if math.isnan(flight.ended_s) else flight.ended_s
+    ending, trigger = order["ending"], ""
+    if order["trigger"] is not None:
+        before: Mapping[str, float] = order["before"]
+        said = mission.autopilot.failsafes({**mission.parameters, **before}, mission.firmware_version)
+        ending = str(next(one for one in said if one.cause == order["cause"]).route.ending)
+        trigger = f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
+    common = {
+        "autopilot": str(mission.autopilot),
+        "version": order["version"],
+        "mission": order["mission"],
+        "ending": ending,
+        "trigger": trigger,
+        "second": second,
+        "did": " ".join(flight.did()),
+        "level": foretold.level,
+    }
+    after = flight.track[(flight.track[:, 0] >= second) & (flight.track[:, 0] <= ended)]
+    least, to = distances(dense(after), foretold.scenario)
+    nothing = {f.name: math.nan for f in fields(Judged) if f.name not in common}
+    flown = {"flown_least": least, "flown_to": to, "flown_s": flight.ended_s - second}
+    if ending not in (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD):
+        return Judged(**{**nothing, **common, **flown, "clear": True, "to": "", "goal": ""})
+    kind = Ending(ending)
+    row = foretold.row(kind, second)
+    place = flight.place(second)
+    placed = foretold.time_at(place, second)
+    stops = foretold.endings.stops
+    stand = stops.at(float(np.clip(placed, stops.times[0], stops.times[-1])))[1]
+    end = flight.track[-1, 1:] if math.isnan(flight.ended_s) else flight.place(flight.ended_s)
+    lands = stand[:2] if row.lands is None else np.array(row.lands)
+    low, high = row.duration_s or (math.nan, math.nan)
+    return Judged(
+        **common,
+        **flown,
+        clear=row.clear,
+        least=row.least_m,
+        to=row.to,
+        required=row.required_m,
+        goal=row.goal,
+        low_s=low,
+        high_s=high,
+        exact_s=foretold.timed(kind, second),
+        placed_s=foretold.timed(kind, placed),
+        goal_off=float(np.linalg.norm(end[:2] - lands)),
+        stop_off=math.nan,
+        track_off=float(np.linalg.norm(stops.at(float(np.clip(second, *stops.times[[0, -1]])))[0] - place)),
+    )
+
+
+def rounded(row: Judged) -> dict[str, Any]:
+    """A line of the table."""
+    told = asdict(row)
+    return {name: round(value, 2) if isinstance(value, float) else value for name, value in told.items()}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("missions", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--csv", type=Path)
+    given = parser.parse_args()
+    foretold: dict[str, Foretold] = {}
+    judged = []
+    for told in sorted(given.out.glob("*/order.json")):
+        name = json.loads(told.read_text(encoding="utf-8"))["mission"]
+        if name not in foretold:
+            foretold[name] = Foretold(given.missions / f"{name}.plan")
+        judged.append(judge(told.parent, foretold[name]))
+    if given.csv and judged:
+        with given.csv.open("w", newline="", encoding="utf-8") as out:
+            lines = csv.DictWriter(out, [f.name for f in fields(Judged)], lineterminator="\n")
+            lines.writeheader()
+            lines.writerows(map(rounded, judged))
+    print("\n".join(summary(judged)))
+
+
+def summary(judged: list[Judged]) -> list[str]:
+    """Counts, and the share by which times were off."""
+    lines = []
+    obstacles = [one for one in judged if not math.isnan(one.least) and one.to != "the ground"]
+    nearer = [one for one in obstacles if one.flown_least < one.required]
+    missed = [one for one in nearer if one.clear]
+    alarms = [one for one in obstacles if not one.clear]
+    false = [one for one in alarms if one.flown_least >= one.required]
+    lines.append(f"{len(judged)} orders, nearer than required {len(nearer)}, of these not foretold {len(missed)}")
+    lines.append(f"alarms {len(alarms)}, of these kept what is required {len(false)}")
+    for name in ("rtl", "land"):
+        timed = [one for one in judged if one.did.split()[-1:] == [name] and (one.level or one.goal == "home")]
+        for what in ("exact_s", "placed_s"):
+            off = np.array([getattr(one, what) / one.flown_s - 1.0 for one in timed if one.flown_s > 0])
+            off = off[np.isfinite(off)]
+            if len(off):
+                size = np.abs(off)
+                lines.append(
+                    f"{name} {what}: {len(off)}, median off {np.median(off):+.1%}, size {np.median(size):.1%}, "
+                    f"{np.quantile(size, 0.9):.1%}, worst {size.max():.1%}"
+                )
+    lines += [f"not foretold: {rounded(one)}" for one in missed]
+    return lines
+
+
+if __name__ == "__main__":
+    main()
