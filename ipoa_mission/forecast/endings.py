@@ -18,9 +18,9 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.forecast.stops import Stops, stops_of
+from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.items import Item, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
@@ -92,14 +92,24 @@ class Endings:
         self.roomy = with_room(forecast.world, TIGHT_PLACES)
         self.required = forecast.world.limits.obstacle_distance
         self.rally = rally_places(self.mission)
+        self._stopped: dict[Ending, Stops] = {}
 
     @cached_property
     def stops(self) -> Stops:
-        """From every moment at which it is in the air."""
+        """For a return, from every moment at which it is in the air."""
+        return self._stops(Ending.RTL)
+
+    def _stops(self, ending: Ending) -> Stops:
+        if ending not in self._stopped:
+            self._stopped[ending] = stops_of(self.forecast, *self.in_air, ending)
+        return self._stopped[ending]
+
+    @cached_property
+    def in_air(self) -> tuple[float, float]:
+        """From when to when it is in the air [s]."""
         track = self.forecast.promise.flight.pieces
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
-        begin, end = (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
-        return stops_of(self.forecast, begin, end)
+        return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
     def why_unknown(self) -> str | None:
         """Why it is not known here where a return leads; None where it is."""
@@ -120,11 +130,15 @@ class Endings:
         """At an ending from so many times that nothing is missed between two of them."""
         if ending is Ending.SMART_RTL:
             return list(self._looks_back())
-        times = self.stops.times
-        begin, end = float(times[0]), float(times[-1])
+        return list(self._spread(ending))
+
+    def _spread(self, ending: Ending) -> Iterator[_Look]:
+        begin, end = self.in_air
         first = np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1))
         looks = [self._look(ending, float(time)) for time in first]
-        return [*(one for pair in pairwise(looks) for one in self._between(ending, *pair)), looks[-1]]
+        for pair in pairwise(looks):
+            yield from self._between(ending, *pair)
+        yield looks[-1]
 
     def _between(self, ending: Ending, one: _Look, other: _Look) -> Iterator[_Look]:
         """`one`, and as many looks before `other` as are needed."""
@@ -144,7 +158,7 @@ class Endings:
         return one.is_clear and one.slack + other.slack < moved
 
     def _look(self, ending: Ending, time: float) -> _Look:
-        place, stand = self.stops.at(time)
+        place, stand = self._stops(ending).at(time)
         goal, ways = "here", [np.stack((place, stand))]
         if ending is Ending.LAND:
             ways = [np.stack((place, stand, self._ground_below(stand)))]
@@ -163,7 +177,7 @@ class Endings:
         """At the ways back along the path: as near as it came on its way so far, or as it comes where it brakes."""
         flown = self.forecast.promise.flight.pieces
         begun, so_far = 0.0, NOTHING_NEAR
-        for look in self.looks(Ending.HOLD):
+        for look in self._spread(Ending.SMART_RTL):
             near = self.roomy.airspace.obstacle_clearance(flown.part(begun, look.time).points, within=so_far.distance)
             begun, so_far = look.time, min(so_far, near, key=lambda found: found.distance)
             back = replace(look, goal="home", ways=(np.stack((*look.ways[0], flown.points[0])),))
@@ -201,8 +215,7 @@ class Endings:
             MissionError: the vehicle has no model of its flight.
         """
         if ending is Ending.RTL and (why := self.why_unknown()) is not None:
-            begin, end = (float(time) for time in self.stops.times[[0, -1]])
-            return (EndingRow(ending, begin, end, False, math.nan, self.required, why, "unknown"),)
+            return (EndingRow(ending, *self.in_air, False, math.nan, self.required, why, "unknown"),)
         looks = self.looks(ending)
         runs = [list(run) for _, run in groupby(looks, key=lambda look: (look.is_clear, look.goal))]
         rows = []
@@ -241,29 +254,16 @@ class Endings:
 
     def _flown(self, ending: Ending, look: _Look) -> tuple[tuple[float, float], float | None]:
         """The least and the most time that an ending takes from one place [s], and its energy [Wh]."""
-        stand = look.ways[0][1]
-        there = self.forecast.frame.geodetic(stand)
-        height = there.altitude - self.mission.home.altitude
-        last: Item = land(there) if ending is Ending.LAND else return_to_launch()
-        items = (takeoff(self.mission.home, max(height, LIFTED)), waypoint(there, height), last)
-        ending_flight = Forecast(replace(self.mission, items=items), self.forecast.scenario, self.forecast.wind)
-        prediction = ending_flight.predicted(sure=True)
-        begun, done = float(prediction.done[-2]), float(prediction.done[-1])
-        share = (done - begun) / done
-        braking = float(np.linalg.norm(look.ways[0][1] - look.ways[0][0])) / max(self._speed(look.time), LIFTED) * 2
-        low, high = (
-            braking + done - begun + share * (float(end[-1]) - done) for end in (prediction.low, prediction.high)
-        )
+        forecast, mission = self.forecast, self.mission
+        model, order = mission.autopilot.part(FlightModel), BrokenOff(look.time, ending)
+        prediction = model.broken_off(forecast.itinerary, mission, forecast.wind, None, order)
         track = prediction.track
-        after = track.times >= begun
+        after = track.times >= look.time
         used = flight_energy(
-            self.forecast.world, track.times[after], track.points[after], track.speeds[after], self.mission.vehicle
+            forecast.world, track.times[after], track.points[after], track.speeds[after], mission.vehicle
         )
-        return (low, high), None if used is None else used.energy_wh
-
-    def _speed(self, time: float) -> float:
-        track = self.forecast.estimate.track
-        return float(np.interp(time, track.times, track.speeds))
+        lasts = float(prediction.low[-1]) - look.time, float(prediction.high[-1]) - look.time
+        return lasts, None if used is None else used.energy_wh
 
 
 def _goal_name(goal: int) -> str:

@@ -89,6 +89,8 @@ def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: a
         second = round(chance.uniform(begin, end), 1)
         fails = given.failsafes > 0 and number % given.failsafes == given.failsafes - 1
         trigger = number // given.failsafes % len(TRIGGERS[autopilot]) if fails else None
+        if trigger is not None and TRIGGERS[autopilot][trigger].silent:
+            second = round(begin, 1)  # it takes a minute to be noticed
         yield Order(number, mission, second, "" if fails else str(ending), trigger)
 
 

@@ -11,7 +11,7 @@ import argparse
 import csv
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.endings import EndingRow, Endings
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import Scenario, read_scenario
@@ -34,7 +34,8 @@ from tools.fly.ended_flight import EndedFlight
 
 STEP = 0.15  # between the points at which a flight is looked at [m]
 AROUND_S = 12.0  # so many seconds from where it is by the clock, the forecast is searched for its place
-TOUCHED = 0.3  # so near to the height at which it stood last a vehicle has touched down [m]
+LONG_ENOUGH = 10.0  # shares are counted of longer endings only [s]
+SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,6 @@ class Judged:
     flown_to: str
     flown_s: float
     goal_off: float
-    stop_off: float
     track_off: float
     level: bool
 
@@ -106,6 +106,7 @@ class Foretold:
         self.endings = Endings(Forecast(read_mission(path, autopilot), self.scenario))
         self.rows = cache(self.endings.rows)
         self.level = bool(self.scenario.ground.is_level)
+        self.over_level_ground = Forecast(self.endings.mission, wind=self.endings.forecast.wind)
 
     def row(self, ending: Ending, time: float) -> EndingRow:
         """The row that a second lies in."""
@@ -113,13 +114,14 @@ class Foretold:
         return next((row for row in rows if row.from_s <= time <= row.to_s), rows[-1 if time > rows[0].to_s else 0])
 
     def timed(self, ending: Ending, time: float) -> float:
-        """How long the ending was to last from that very time; NaN where it is not told."""
-        begin, end = self.endings.stops.times[[0, -1]]
-        try:
-            lasts = self.endings.at(ending, float(np.clip(time, begin, end))).duration_s
-        except MissionError:
+        """How long the ending was to last from that time, over the simulators' ground; NaN where it is not told."""
+        forecast = self.endings.forecast
+        model = forecast.mission.autopilot.part(FlightModel)
+        order = BrokenOff(float(np.clip(time, *self.endings.in_air)), ending)
+        if ending not in (Ending.RTL, Ending.LAND):
             return math.nan
-        return math.nan if lasts is None else (lasts[0] + lasts[1]) / 2
+        prediction = model.broken_off(self.over_level_ground.itinerary, forecast.mission, forecast.wind, None, order)
+        return float(prediction.done[-1]) - order.time
 
     def time_at(self, place: Points, time: float) -> float:
         """When it was forecast to be where it was."""
@@ -130,10 +132,8 @@ class Foretold:
         return float(times[near][np.linalg.norm(self.endings.stops.places[near] - place, axis=1).argmin()])
 
 
-def judge(folder: Path, foretold: Foretold) -> Judged:
+def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> Judged:
     """One order."""
-    order: dict[str, Any] = json.loads((folder / "order.json").read_text(encoding="utf-8"))
-    flight = EndedFlight.read(folder)
     mission = foretold.endings.mission
     left = flight.left_mission()
     second = left if not math.isnan(left) else float(order["ordered_s"])
@@ -142,7 +142,10 @@ def judge(folder: Path, foretold: Foretold) -> Judged:
     if order["trigger"] is not None:
         before: Mapping[str, float] = order["before"]
         said = mission.autopilot.failsafes({**mission.parameters, **before}, mission.firmware_version)
-        ending = str(next(one for one in said if one.cause == order["cause"]).route.ending)
+        route = next(one for one in said if one.cause == order["cause"]).route
+        ending = str(route.ending)
+        if ending == Ending.LAND_START:  # none of these missions has one
+            ending = str(route.otherwise[0])
         trigger = f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
     common = {
         "autopilot": str(mission.autopilot),
@@ -182,9 +185,22 @@ def judge(folder: Path, foretold: Foretold) -> Judged:
         exact_s=foretold.timed(kind, second),
         placed_s=foretold.timed(kind, placed),
         goal_off=float(np.linalg.norm(end[:2] - lands)),
-        stop_off=math.nan,
         track_off=float(np.linalg.norm(stops.at(float(np.clip(second, *stops.times[[0, -1]])))[0] - place)),
     )
+
+
+def spoiled(order: Mapping[str, Any], flight: EndedFlight) -> str:
+    """Why a flight says nothing; nothing where it does."""
+    ordered, left = float(order["ordered_s"]), flight.left_mission()
+    if not math.isfinite(ordered) or left < ordered - 0.5:
+        return "left its mission before the order: the simulation was stalled, and its sensors timed out"
+    if order["trigger"] is None and math.isnan(left):
+        return "the order was not heard before it stood"
+    ends = flight.ended_s if math.isfinite(flight.ended_s) else math.inf
+    silent = "ground station lost" in str(order.get("cause", ""))
+    if silent and math.isnan(left) and ends - ordered < SILENCE_S:
+        return "it stood before the silence was noticed"
+    return ""
 
 
 def rounded(row: Judged) -> dict[str, Any]:
@@ -202,41 +218,48 @@ def main() -> None:
     foretold: dict[str, Foretold] = {}
     judged = []
     for told in sorted(given.out.glob("*/order.json")):
-        name = json.loads(told.read_text(encoding="utf-8"))["mission"]
+        order: dict[str, Any] = json.loads(told.read_text(encoding="utf-8"))
+        flight, name = EndedFlight.read(told.parent), order["mission"]
         if name not in foretold:
             foretold[name] = Foretold(given.missions / f"{name}.plan")
-        judged.append(judge(told.parent, foretold[name]))
+        if why := spoiled(order, flight):
+            print(f"{told.parent.name}: {why}")
+            continue
+        judged.append(judge(order, flight, foretold[name]))
     if given.csv and judged:
         with given.csv.open("w", newline="", encoding="utf-8") as out:
             lines = csv.DictWriter(out, [f.name for f in fields(Judged)], lineterminator="\n")
             lines.writeheader()
             lines.writerows(map(rounded, judged))
-    print("\n".join(summary(judged)))
+    for line in summary(judged):
+        print(line)
 
 
-def summary(judged: list[Judged]) -> list[str]:
-    """Counts, and the share by which times were off."""
-    lines = []
-    obstacles = [one for one in judged if not math.isnan(one.least) and one.to != "the ground"]
-    nearer = [one for one in obstacles if one.flown_least < one.required]
+def summary(judged: list[Judged]) -> Iterator[str]:
+    """Counts, and the shares by which times were off."""
+    known = [one for one in judged if math.isfinite(one.least) and one.to != "the ground"]
+    nearer = [one for one in known if one.flown_least < one.required]
+    alarms = [one for one in known if not one.clear]
     missed = [one for one in nearer if one.clear]
-    alarms = [one for one in obstacles if not one.clear]
     false = [one for one in alarms if one.flown_least >= one.required]
-    lines.append(f"{len(judged)} orders, nearer than required {len(nearer)}, of these not foretold {len(missed)}")
-    lines.append(f"alarms {len(alarms)}, of these kept what is required {len(false)}")
+    yield f"{len(judged)} orders, {len(known)} of them with obstacles; nearer than required {len(nearer)}"
+    yield f"of these not foretold: {len(missed)}; alarms {len(alarms)}, of these false {len(false)}"
+    planned = [one for one in known if one.mission.startswith("p") and one.ending == Ending.RTL]
+    yield f"RTL of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):
-        timed = [one for one in judged if one.did.split()[-1:] == [name] and (one.level or one.goal == "home")]
+        timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]
         for what in ("exact_s", "placed_s"):
-            off = np.array([getattr(one, what) / one.flown_s - 1.0 for one in timed if one.flown_s > 0])
-            off = off[np.isfinite(off)]
+            off = np.array([getattr(one, what) / one.flown_s - 1.0 for one in timed if one.flown_s > LONG_ENOUGH])
+            size = np.abs(off := off[np.isfinite(off)])
             if len(off):
-                size = np.abs(off)
-                lines.append(
-                    f"{name} {what}: {len(off)}, median off {np.median(off):+.1%}, size {np.median(size):.1%}, "
-                    f"{np.quantile(size, 0.9):.1%}, worst {size.max():.1%}"
-                )
-    lines += [f"not foretold: {rounded(one)}" for one in missed]
-    return lines
+                quantiles = ", ".join(f"{np.quantile(size, share):.1%}" for share in (0.5, 0.9, 0.95, 1.0))
+                yield f"{name} {what}: {len(off)}, median {np.median(off):+.1%}, sizes (50, 90, 95, 100 %) {quantiles}"
+    fails = [one for one in judged if one.trigger]
+    as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.ending]
+    yield f"failsafes {len(fails)} of {len({one.trigger for one in fails})} kinds, as said {len(as_said)}"
+    yield from (f"otherwise: {rounded(one)}" for one in fails if one not in as_said)
+    yield from (f"not foretold: {rounded(one)}" for one in missed)
+    yield from (f"false: {rounded(one)}" for one in false)
 
 
 if __name__ == "__main__":
