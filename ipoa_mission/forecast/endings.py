@@ -25,7 +25,7 @@ from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.returning import ReturnBy
-from ipoa_mission.world.airspace import NOTHING_NEAR
+from ipoa_mission.world.airspace import NOTHING_NEAR, Clearance
 
 EVERY_S = 1.0  # between the looks at first [s]
 NEAREST_S = 0.05  # looks are no nearer to each other [s]
@@ -175,13 +175,19 @@ class Endings:
 
     def _looks_back(self) -> Iterator[_Look]:
         """At the ways back along the path: as near as it came on its way so far, or as it comes where it brakes."""
-        flown = self.forecast.promise.flight.pieces
         begun, so_far = 0.0, NOTHING_NEAR
         for look in self._spread(Ending.SMART_RTL):
-            near = self.roomy.airspace.obstacle_clearance(flown.part(begun, look.time).points, within=so_far.distance)
-            begun, so_far = look.time, min(so_far, near, key=lambda found: found.distance)
-            back = replace(look, goal="home", ways=(np.stack((*look.ways[0], flown.points[0])),))
-            yield back if so_far.distance >= look.least else replace(back, least=so_far.distance, to=so_far.what)
+            back, so_far = self._back(look, begun, so_far)
+            begun = look.time
+            yield back
+
+    def _back(self, look: _Look, begun: float, so_far: Clearance) -> tuple[_Look, Clearance]:
+        """A look at the way back, and as near as it came on its way, if it was so near until `begun` [s]."""
+        flown = self.forecast.promise.flight.pieces
+        near = self.roomy.airspace.obstacle_clearance(flown.part(begun, look.time).points, within=so_far.distance)
+        so_far = min(so_far, near, key=lambda found: found.distance)
+        back = replace(look, goal="home", ways=(np.stack((*look.ways[0], flown.points[0])),))
+        return (back if so_far.distance >= look.least else replace(back, least=so_far.distance, to=so_far.what)), so_far
 
     def _returns(self, place: Vector, stand: Vector) -> tuple[str, list[Points]]:
         """Every way that a return may take from there: to each goal that it may choose, each begun where it may."""
@@ -220,26 +226,24 @@ class Endings:
         runs = [list(run) for _, run in groupby(looks, key=lambda look: (look.is_clear, look.goal))]
         rows = []
         for run, after in zip(runs, [*runs[1:], [looks[-1]]], strict=True):
-            worst = min(run, key=lambda look: look.slack)
-            row = EndingRow(
-                ending,
-                run[0].time,
-                after[0].time,
-                worst.is_clear,
-                worst.least,
-                worst.required,
-                worst.to,
-                run[0].goal,
-                None if run[0].goal == "here" else run[0].lands,
-            )
-            rows.append(self._timed(row, run) if timed and ending in (Ending.RTL, Ending.LAND) else row)
+            rows.append(self._row(ending, run, after[0].time, timed))
         return tuple(rows)
 
-    def at(self, ending: Ending, time: float) -> EndingRow:
-        """RTL, LAND or a hold that is ordered at one time [s]; raises as `rows` does."""
+    def at(self, ending: Ending, time: float, timed: bool = True) -> EndingRow:
+        """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
+        if ending is Ending.RTL and (why := self.why_unknown()) is not None:
+            return EndingRow(ending, time, time, False, math.nan, self.required, why, "unknown")
         look = self._look(ending, time)
-        row = EndingRow(ending, time, time, look.is_clear, look.least, look.required, look.to, look.goal, look.lands)
-        return self._timed(row, [look]) if ending in (Ending.RTL, Ending.LAND) else row
+        if ending is Ending.SMART_RTL:
+            look, _ = self._back(look, 0.0, NOTHING_NEAR)
+        return self._row(ending, [look], time, timed)
+
+    def _row(self, ending: Ending, run: list[_Look], until: float, timed: bool) -> EndingRow:
+        worst = min(run, key=lambda look: look.slack)
+        lands = None if run[0].goal == "here" else run[0].lands
+        kept = worst.is_clear, worst.least, worst.required, worst.to
+        row = EndingRow(ending, run[0].time, until, *kept, run[0].goal, lands)
+        return self._timed(row, run) if timed and ending in (Ending.RTL, Ending.LAND) else row
 
     def _timed(self, row: EndingRow, run: list[_Look]) -> EndingRow:
         """The row with how long its flights last, as the vehicle's model flies them, and what they take."""

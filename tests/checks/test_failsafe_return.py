@@ -15,7 +15,7 @@ from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 
-FLOWN = list(csv.DictReader(Path("docs/returns.csv").read_text().splitlines()))
+FLOWN = list(csv.DictReader(Path(__file__).with_name("braked.csv").read_text().splitlines()))
 ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])
 BESIDE = {"ardupilot": 0.3, "px4": 3.2}  # [m]
 

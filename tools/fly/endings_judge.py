@@ -13,7 +13,6 @@ import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,19 +21,25 @@ import shapely
 
 from ipoa_mission.forecast.endings import EndingRow, Endings
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.world.ground import LEVEL
 from ipoa_mission.world.obstacles.cylinder import Cylinder
 from ipoa_mission.world.obstacles.prism import Prism
 from ipoa_mission.world.obstacles.sphere import Sphere
+from tools.fly.causes import TRIGGERS
 from tools.fly.ended_flight import EndedFlight
 
 STEP = 0.15  # between the points at which a flight is looked at [m]
 AROUND_S = 12.0  # so many seconds from where it is by the clock, the forecast is searched for its place
 LONG_ENOUGH = 10.0  # shares are counted of longer endings only [s]
+FAR_OUTSIDE, FAR_M = "100 m outside it lands", 100.0
+NOTICED_S = 15.0  # longer than a failsafe takes to act [s]
 SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
 
 
@@ -55,8 +60,7 @@ class Judged:
     goal: str
     low_s: float
     high_s: float
-    exact_s: float
-    placed_s: float
+    expected_s: float
     did: str
     flown_least: float
     flown_to: str
@@ -67,7 +71,11 @@ class Judged:
 
 
 def distances(points: Points, scenario: Scenario) -> tuple[float, str]:
-    """The least distance of points (n, 3) to the scenario's obstacles, less than 0 inside, and to which."""
+    """The least distance of points (n, 3) to the scenario's obstacles, less than 0 inside, and to which.
+
+    Points below the scenario's ground, to which only the simulator's lower one lets it sink, do not count.
+    """
+    points = points[points[:, 2] >= np.minimum(scenario.airspace.ground(points), points[:1, 2])]
     found = [(float(_to(one, points).min()), str(one.name)) for one in scenario.airspace.obstacles]
     return min(found, default=(math.inf, ""))
 
@@ -100,28 +108,29 @@ def dense(track: Points) -> Points:
 class Foretold:
     """What was forecast of one mission."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, others: Mapping[str, float]) -> None:
+        """`others`: parameters that were changed for an order."""
         self.scenario = read_scenario(path.with_suffix(".toml"))
         autopilot = self.scenario.vehicle.autopilot
-        self.endings = Endings(Forecast(read_mission(path, autopilot), self.scenario))
-        self.rows = cache(self.endings.rows)
+        mission = read_mission(path, autopilot).with_parameters(others)
+        self.endings = Endings(Forecast(mission, self.scenario))
         self.level = bool(self.scenario.ground.is_level)
-        self.over_level_ground = Forecast(self.endings.mission, wind=self.endings.forecast.wind)
+        self.over_level_ground = itinerary(self.endings.mission, LEVEL)
 
     def row(self, ending: Ending, time: float) -> EndingRow:
-        """The row that a second lies in."""
-        rows = self.rows(ending)
-        return next((row for row in rows if row.from_s <= time <= row.to_s), rows[-1 if time > rows[0].to_s else 0])
+        """What was forecast of that second."""
+        return self.endings.at(ending, float(np.clip(time, *self.endings.in_air)), timed=False)
 
-    def timed(self, ending: Ending, time: float) -> float:
-        """How long the ending was to last from that time, over the simulators' ground; NaN where it is not told."""
+    def timed(self, ending: Ending, time: float) -> tuple[float, float, float]:
+        """How long the ending was to last from that time, over level ground: low, mean, high; NaN: not told."""
         forecast = self.endings.forecast
         model = forecast.mission.autopilot.part(FlightModel)
         order = BrokenOff(float(np.clip(time, *self.endings.in_air)), ending)
         if ending not in (Ending.RTL, Ending.LAND):
-            return math.nan
-        prediction = model.broken_off(self.over_level_ground.itinerary, forecast.mission, forecast.wind, None, order)
-        return float(prediction.done[-1]) - order.time
+            return math.nan, math.nan, math.nan
+        found = model.broken_off(self.over_level_ground, forecast.mission, forecast.wind, None, order)
+        low, mean, high = (float(end[-1]) - order.time for end in (found.low, found.done, found.high))
+        return low, mean, high
 
     def time_at(self, place: Points, time: float) -> float:
         """When it was forecast to be where it was."""
@@ -146,6 +155,10 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         ending = str(route.ending)
         if ending == Ending.LAND_START:  # none of these missions has one
             ending = str(route.otherwise[0])
+        then = TRIGGERS[mission.autopilot][order["trigger"]].then
+        outside = np.hypot(*flight.place(second)[:2]) - then.get("FENCE_RADIUS", math.inf)
+        if FAR_OUTSIDE in route.words and outside > FAR_M:
+            ending = str(Ending.LAND)
         trigger = f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
     common = {
         "autopilot": str(mission.autopilot),
@@ -171,7 +184,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
     stand = stops.at(float(np.clip(placed, stops.times[0], stops.times[-1])))[1]
     end = flight.track[-1, 1:] if math.isnan(flight.ended_s) else flight.place(flight.ended_s)
     lands = stand[:2] if row.lands is None else np.array(row.lands)
-    low, high = row.duration_s or (math.nan, math.nan)
+    low, expected, high = foretold.timed(kind, second)
     return Judged(
         **common,
         **flown,
@@ -182,11 +195,18 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         goal=row.goal,
         low_s=low,
         high_s=high,
-        exact_s=foretold.timed(kind, second),
-        placed_s=foretold.timed(kind, placed),
+        expected_s=expected,
         goal_off=float(np.linalg.norm(end[:2] - lands)),
         track_off=float(np.linalg.norm(stops.at(float(np.clip(second, *stops.times[[0, -1]])))[0] - place)),
     )
+
+
+def changed(order: Mapping[str, Any], autopilot: Autopilot) -> dict[str, float]:
+    """What an order changes of the vehicle's own fence, by which ArduPilot returns lower."""
+    if order["trigger"] is None:
+        return {}
+    told = {**order["before"], **TRIGGERS[autopilot][order["trigger"]].then}
+    return {name: float(value) for name, value in told.items() if name.startswith("FENCE")}
 
 
 def spoiled(order: Mapping[str, Any], flight: EndedFlight) -> str:
@@ -197,9 +217,9 @@ def spoiled(order: Mapping[str, Any], flight: EndedFlight) -> str:
     if order["trigger"] is None and math.isnan(left):
         return "the order was not heard before it stood"
     ends = flight.ended_s if math.isfinite(flight.ended_s) else math.inf
-    silent = "ground station lost" in str(order.get("cause", ""))
-    if silent and math.isnan(left) and ends - ordered < SILENCE_S:
-        return "it stood before the silence was noticed"
+    noticed = SILENCE_S if "ground station lost" in str(order.get("cause", "")) else NOTICED_S
+    if math.isnan(left) and ends - ordered < noticed:
+        return "it stood before the cause could be noticed"
     return ""
 
 
@@ -215,17 +235,19 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--csv", type=Path)
     given = parser.parse_args()
-    foretold: dict[str, Foretold] = {}
+    foretold: dict[tuple[str, str], Foretold] = {}
     judged = []
     for told in sorted(given.out.glob("*/order.json")):
         order: dict[str, Any] = json.loads(told.read_text(encoding="utf-8"))
         flight, name = EndedFlight.read(told.parent), order["mission"]
-        if name not in foretold:
-            foretold[name] = Foretold(given.missions / f"{name}.plan")
+        others = changed(order, autopilot_named(name.rsplit("-", 1)[1]))
+        if (key := (name, json.dumps(others))) not in foretold:
+            foretold[key] = Foretold(given.missions / f"{name}.plan", others)
         if why := spoiled(order, flight):
             print(f"{told.parent.name}: {why}")
             continue
-        judged.append(judge(order, flight, foretold[name]))
+        judged.append(judge(order, flight, foretold[key]))
+        print(told.parent.name, json.dumps(rounded(judged[-1])), flush=True)
     if given.csv and judged:
         with given.csv.open("w", newline="", encoding="utf-8") as out:
             lines = csv.DictWriter(out, [f.name for f in fields(Judged)], lineterminator="\n")
@@ -248,12 +270,10 @@ def summary(judged: list[Judged]) -> Iterator[str]:
     yield f"RTL of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):
         timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]
-        for what in ("exact_s", "placed_s"):
-            off = np.array([getattr(one, what) / one.flown_s - 1.0 for one in timed if one.flown_s > LONG_ENOUGH])
-            size = np.abs(off := off[np.isfinite(off)])
-            if len(off):
-                quantiles = ", ".join(f"{np.quantile(size, share):.1%}" for share in (0.5, 0.9, 0.95, 1.0))
-                yield f"{name} {what}: {len(off)}, median {np.median(off):+.1%}, sizes (50, 90, 95, 100 %) {quantiles}"
+        off = np.array([one.expected_s / one.flown_s - 1.0 for one in timed if one.flown_s > LONG_ENOUGH])
+        if len(off := off[np.isfinite(off)]):
+            quantiles = ", ".join(f"{np.quantile(np.abs(off), share):.1%}" for share in (0.5, 0.9, 0.95, 1.0))
+            yield f"{name}: {len(off)}, median {np.median(off):+.1%}, sizes (50, 90, 95, 100 %) {quantiles}"
     fails = [one for one in judged if one.trigger]
     as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.ending]
     yield f"failsafes {len(fails)} of {len({one.trigger for one in fails})} kinds, as said {len(as_said)}"

@@ -15,7 +15,7 @@ from ipoa_mission.geometry import Points, Vector
 STEP = 0.02  # [s]
 LASTS = 12.0  # longer than any braking from 20 m/s [s]
 BRAKES_WITH = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
-LAND_LEADS = 0.35  # what its path asks for is ahead of the vehicle by so much, as flown [s]
+LAND_LEADS = 0.25  # the speed that its path asks for is that of the vehicle so much later, as flown [s]
 
 
 class Shaping(NamedTuple):

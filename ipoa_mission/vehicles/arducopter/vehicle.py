@@ -179,8 +179,8 @@ class ArduCopter(Autopilot):
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
 
     def flies_on(self, ending: Ending) -> float:
-        """BRAKE begins at once; LAND goes on from where the path already is."""
-        return {Ending.LAND: braking.LAND_LEADS, Ending.HOLD: 0.0}.get(ending, super().flies_on(ending))
+        """BRAKE and LAND begin at once."""
+        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else super().flies_on(ending)
 
     def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
         """Shaped where it lands or brakes, else to its stopping point.
@@ -194,7 +194,8 @@ class ArduCopter(Autopilot):
         p = BOOK.complete(parameters)
         if ending is Ending.HOLD:
             return braking.Shaping(braking.BRAKES_WITH, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
-        return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(velocity, accel)
+        asked = velocity + braking.LAND_LEADS * accel
+        return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(asked, accel)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         """LAND_SPEED below LAND_ALT_LOW, as fast as it else sinks above.
