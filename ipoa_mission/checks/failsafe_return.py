@@ -25,7 +25,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     if not forecast.mission.items:
         return
     ways = EndingWays(forecast)
-    if len(ways.stops.times) < 2:
+    if len(ways.stops().times) < 2:
         return
     if (why := ways.why_unknown()) is not None:
         yield Finding("return-too-near", Severity.WARNING, None, f"nobody looked where RTL from the way leads: {why}")
@@ -39,7 +39,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     for legs, verb, order in TOLD:
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
-            seqs = np.unique(ways.stops.seqs_at(looks.times[short < 0.0]))
+            seqs = np.unique(ways.stops().seqs_at(looks.times[short < 0.0]))
             worst = _check(ways, looks, int(np.argmin(short)), legs)
             words = f"{_in_words(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
             hint = _remedy(ways) if legs.start == RETURNS else None

@@ -12,8 +12,8 @@ import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import GROUND, LIFTED, EndingLooks, EndingWays
-from ipoa_mission.mission.items import Item, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
+from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
@@ -61,13 +61,20 @@ class Endings:
             MissionError: the vehicle has no model of its flight.
         """
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
-            begin, end = (float(time) for time in self.ways.stops.times[[0, -1]])
-            return (EndingRow(ending, begin, end, False, math.nan, self.ways.required, why, "unknown"),)
+            return (EndingRow(ending, *self.ways.in_air, False, math.nan, self.ways.required, why, "unknown"),)
         looks = self.ways.looks(ending)
         rows = tuple(self._row(ending, looks, run) for run in _runs(looks))
         if not timed:
             return rows
         return tuple(self._timed(row, looks, run) for row, run in zip(rows, _runs(looks), strict=True))
+
+    def at(self, ending: Ending, time: float, timed: bool = True) -> EndingRow:
+        """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
+        if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
+            return EndingRow(ending, time, time, False, math.nan, self.ways.required, why, "unknown")
+        look = self.ways.at(ending, np.array([time]))
+        row = self._row(ending, look, range(1))
+        return self._timed(row, look, range(1)) if timed else row
 
     def _row(self, ending: Ending, looks: EndingLooks, run: range) -> EndingRow:
         """The row of the looks in a run, as its worst one has it."""
@@ -110,29 +117,17 @@ class Endings:
 
     def _flown(self, ending: Ending, looks: EndingLooks, n: int) -> tuple[tuple[float, float], float | None]:
         """The least and the most time that an ending takes from one place [s], and its energy [Wh]."""
-        place, stand = looks.ways[n, 0, :2]
-        there = self.forecast.frame.geodetic(stand)
-        height = there.altitude - self.mission.home.altitude
-        last: Item = land(there) if ending is Ending.LAND else return_to_launch()
-        items = (takeoff(self.mission.home, max(height, LIFTED)), waypoint(there, height), last)
-        ending_flight = Forecast(replace(self.mission, items=items), self.forecast.scenario, self.forecast.wind)
-        prediction = ending_flight.predicted(sure=True)
-        begun, done = float(prediction.done[-2]), float(prediction.done[-1])
-        share = (done - begun) / done
-        braking = float(np.linalg.norm(stand - place)) / max(self._speed(float(looks.times[n])), LIFTED) * 2
-        low, high = (
-            braking + done - begun + share * (float(end[-1]) - done) for end in (prediction.low, prediction.high)
-        )
+        forecast, mission = self.forecast, self.mission
+        time = float(looks.times[n])
+        model, order = mission.autopilot.part(FlightModel), BrokenOff(time, ending)
+        prediction = model.broken_off(forecast.itinerary, mission, forecast.wind, None, order)
         track = prediction.track
-        after = track.times >= begun
+        after = track.times >= time
         used = flight_energy(
-            self.forecast.world, track.times[after], track.points[after], track.speeds[after], self.mission.vehicle
+            forecast.world, track.times[after], track.points[after], track.speeds[after], mission.vehicle
         )
-        return (low, high), None if used is None else used.energy_wh
-
-    def _speed(self, time: float) -> float:
-        track = self.forecast.estimate.track
-        return float(np.interp(time, track.times, track.speeds))
+        lasts = float(prediction.low[-1]) - time, float(prediction.high[-1]) - time
+        return lasts, None if used is None else used.energy_wh
 
 
 def _runs(looks: EndingLooks) -> Iterator[range]:

@@ -89,13 +89,14 @@ class EndingWays:
         self.forecast, self.mission = forecast, forecast.mission
         self.required = forecast.world.limits.obstacle_distance
         self.rally = rally_places(self.mission)
+        self._stops = dict[Ending, Stops]()
 
     def returning(self, forecast: Forecast) -> "EndingWays":
         """The same of a forecast in this world that differs in its return altitude or rally points only."""
         other = EndingWays(forecast)
         other.__dict__["roomy"] = self.roomy
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
-            other.__dict__["stops"] = self.stops  # none of that changes how it is flown
+            other.__dict__["in_air"], other._stops = self.in_air, self._stops  # it is flown as before
         return other
 
     @cached_property
@@ -104,12 +105,17 @@ class EndingWays:
         return with_room(self.forecast.world, TIGHT_PLACES)
 
     @cached_property
-    def stops(self) -> Stops:
-        """From every moment at which it is in the air."""
+    def in_air(self) -> tuple[float, float]:
+        """From when to when it is in the air [s]."""
         track = self.forecast.promise.flight.pieces
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
-        begin, end = (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
-        return stops_of(self.forecast, begin, end)
+        return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
+
+    def stops(self, ending: Ending = Ending.RTL) -> Stops:
+        """Where it comes to a stand, from every moment at which it is in the air."""
+        if ending not in self._stops:
+            self._stops[ending] = stops_of(self.forecast, *self.in_air, ending)
+        return self._stops[ending]
 
     def why_unknown(self) -> str | None:
         """Why it is not known here where a return leads; None where it is."""
@@ -128,7 +134,7 @@ class EndingWays:
 
     def looks(self, ending: Ending) -> EndingLooks:
         """At an ending from so many times that nothing is missed between two of them."""
-        begin, end = (float(time) for time in self.stops.times[[0, -1]])
+        begin, end = self.in_air
         looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
         while len(between := looks.gaps()):
             looks = looks.merged(self.at(ending, between))
@@ -136,7 +142,7 @@ class EndingWays:
 
     def at(self, ending: Ending, times: Vector) -> EndingLooks:
         """At an ending from these times (n,)."""
-        places, stands = self.stops.at(times)
+        places, stands = self.stops(ending).at(times)
         ways, taken = np.stack([places, stands], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
         if ending is Ending.LAND:
             ways = np.concatenate([ways, self._ground_below(stands)[:, None, None]], axis=2)
@@ -187,12 +193,12 @@ class EndingWays:
         """How near it came to what on its way until each time (n,)."""
         near, which = (legs[:, 0, 0] for legs in self._flown)
         nearest = np.maximum.accumulate(np.where(near <= np.minimum.accumulate(near), np.arange(len(near)), 0))
-        until = nearest[np.clip(np.searchsorted(self.stops.times, times) - 1, 0, len(near) - 1)]
+        until = nearest[np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)]
         return np.asarray(near[until] - SAGITTA), np.asarray(which[until])
 
     @cached_property
     def _flown(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        places = self.stops.places
+        places = self.stops().places
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
     def _with_ground(self, looks: EndingLooks, end: int) -> EndingLooks:

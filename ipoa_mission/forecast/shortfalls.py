@@ -32,7 +32,7 @@ class Shortfall:
 
 def returning(ways: EndingWays) -> list[Shortfall]:
     """What RTL comes too near to; at first from few times, since one that is not clear is enough."""
-    begin, end = ways.stops.times[[0, -1]]
+    begin, end = ways.in_air
     few = ways.at(Ending.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * EVERY_S)))))
     return list(shortfalls(ways, Ending.RTL, few)) or list(shortfalls(ways, Ending.RTL, ways.looks(Ending.RTL)))
 

@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.vehicles.autopilot import STANDS
+from ipoa_mission.vehicles.ending import Ending
 
 LOOK_EVERY_S = 0.2  # between the places at which the vehicle may be when its flight is broken off [s]
-STANDS = 0.1  # [m/s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,19 +35,23 @@ class Stops:
         return places, stands
 
 
-def stops_of(forecast: Forecast, begin: float | None = None, end: float | None = None) -> Stops:
+def stops_of(
+    forecast: Forecast, begin: float | None = None, end: float | None = None, ending: Ending = Ending.RTL
+) -> Stops:
     """From one time to another [s], at the end of which it stands; left out, from the take-off to the last waypoint."""
     mission, flight = forecast.mission, forecast.promise.flight
+    autopilot = mission.autopilot
     begin, end = flight.way[0] if begin is None else begin, flight.way[1] if end is None else end
     times = np.append(np.arange(begin, end, LOOK_EVERY_S), end)
-    then = np.minimum(times + mission.autopilot.guidance.brakes_after, end)
+    then = np.minimum(times + autopilot.flies_on(ending), end)
     before, places, stands, after = map(flight.pieces.at, (then - LOOK_EVERY_S, times, then, then + LOOK_EVERY_S))
     velocity = (after - before) / (2 * LOOK_EVERY_S)
-    speed = np.hypot(*velocity[:, :2].T)
-    if mission.autopilot.guidance.climb_ends_at_once:
-        velocity[:, 2] = 0.0  # it stops its climb by itself, within half a meter
-    accel = np.gradient(speed, LOOK_EVERY_S) if len(speed) > 1 else np.zeros(1)
-    way = mission.autopilot.braking_distance(mission.parameters, speed, accel)
-    stands += velocity * (way / np.maximum(speed, STANDS))[:, None]
+    accel = (after + before - 2 * stands)[:, :2] / LOOK_EVERY_S**2
+    if not autopilot.guidance.climb_ends_at_once:  # else it stops its climb by itself, within half a meter
+        speed = np.hypot(*velocity[:, :2].T)
+        gains = np.gradient(speed, LOOK_EVERY_S) if len(speed) > 1 else np.zeros(1)
+        way = autopilot.braking_distance(mission.parameters, speed, gains)
+        stands[:, 2] += velocity[:, 2] * way / np.maximum(speed, STANDS)
+    stands[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, ending)
     seqs = np.array([visit.seq for visit in flight.route.visits])
     return Stops(times, places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)])

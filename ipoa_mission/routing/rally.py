@@ -25,9 +25,9 @@ def rally_sets(ways: EndingWays) -> Iterator[tuple[Geodetic, ...]]:
     places = _with_room(ways, _places(forecast))
     if not len(places):
         return
-    begin, end = (float(time) for time in ways.stops.times[[0, -1]])
+    begin, end = ways.in_air
     times = np.linspace(begin, end, SAMPLED)
-    stands = ways.stops.at(times)[1]
+    stands = ways.stops().at(times)[1]
     height = ways.at(Ending.RTL, times).ways[:, 0, 3, 2]
     home = np.zeros(3)
     goals = np.vstack([home, places])

@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
 from ipoa_mission.vehicles.guidance import GuidanceHabits
@@ -25,9 +26,10 @@ from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
 if TYPE_CHECKING:
-    from ipoa_mission.geometry import Vector
+    from ipoa_mission.geometry import Points, Vector
 
 Part = TypeVar("Part")
+STANDS = 0.1  # who is slower stands [m/s]
 
 
 class Autopilot(ABC):
@@ -136,6 +138,19 @@ class Autopilot(ABC):
     @abstractmethod
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """The way straight on to a stop from `speed` (n,) [m/s], gaining `accel` (n,) [m/s^2], (n,) [m]."""
+
+    def flies_on(self, ending: Ending) -> float:
+        """For how long it flies on as before once an ending is ordered [s]."""
+        return self.guidance.brakes_after
+
+    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
+        """From where it then begins to brake to where that brings it, level, by velocity and acceleration, (n, 2)."""
+        import numpy as np
+
+        speed = np.hypot(*velocity.T)
+        along = (velocity * accel).sum(axis=1) / np.maximum(speed, STANDS)
+        way = self.braking_distance(parameters, speed, along)
+        return np.asarray(velocity * (way / np.maximum(speed, STANDS))[:, None])
 
     @abstractmethod
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:

@@ -72,10 +72,10 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Endings
 def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
     campus: Endings, share: float, ending: Ending
 ) -> None:
-    times = campus.ways.stops.times
+    times = campus.ways.stops(ending).times
     time = float(times[0] + share * (times[-1] - times[0]))
     row = next(row for row in campus.rows(ending, timed=False) if row.from_s <= time <= row.to_s)
-    place, stand = (point[0] for point in campus.ways.stops.at(np.array([time])))
+    place, stand = (point[0] for point in campus.ways.stops(ending).at(np.array([time])))
     way = {Ending.HOLD: [place, stand], Ending.LAND: [place, stand, np.array([*stand[:2], 0.0])]}.get(
         ending, [place, *campus.forecast.returns_from(stand[None])[0, 0]]
     )

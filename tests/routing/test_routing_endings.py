@@ -9,6 +9,7 @@ import pytest
 from ipoa_mission import plan_flight
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.looks import RETURNS, EndingWays
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
@@ -56,7 +57,7 @@ def towers(autopilot: Autopilot, seed: int) -> Scenario:
 def kept_by_dense_sampling(flight: Flight) -> float:
     """The least that returns from many seconds keep, looked at every few centimeters."""
     ways = Endings(flight.forecast).ways
-    begin, end = ways.stops.times[[0, -1]]
+    begin, end = ways.in_air
     looks = ways.at(Ending.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
     legs = [np.linspace(a, b, 150) for n, k in np.argwhere(looks.taken) for a, b in pairwise(looks.ways[n, k, :5])]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
@@ -96,8 +97,11 @@ def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     warned, planned = (
         plan_flight(replaced(read_scenario(MISSIONS / "sitl.toml"), returns), seed=7) for returns in ("warn", "planned")
     )
-    assert not all(row.clear for row in Endings(warned.forecast).rows(Ending.HOLD, timed=False))
-    assert all(row.clear for row in Endings(planned.forecast).rows(Ending.HOLD, timed=False))
+    brakes, stays = (
+        np.where(looks.taken[..., None], looks.near, np.inf)[:, :, :RETURNS].min()
+        for looks in (EndingWays(flight.forecast).looks(Ending.RTL) for flight in (warned, planned))
+    )
+    assert brakes < warned.scenario.limits.obstacle_distance <= stays
     assert planned.estimate.total_s < 1.06 * warned.estimate.total_s
 
 

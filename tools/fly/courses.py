@@ -1,9 +1,11 @@
-"""Courses to be flown on real autopilots: long ones with many near passes, and short ones of every kind.
+"""Courses to be flown on real autopilots: long ones with many near passes, short ones of every kind, and ones to be
+broken off among towns, yards, masts and hills.
 
-    python -m tools.fly.courses DIR --kind long|short
+    python -m tools.fly.courses DIR --kind long|short|returns
 
 Every course is made from its number alone, so that the same flights can be had again; each is a scenario for one
-autopilot, NAME-px4.toml and NAME-ardupilot.toml, which differ in nothing else (but that PX4 knows no splines).
+autopilot, NAME-px4.toml and NAME-ardupilot.toml, which differ in nothing else (but that PX4 knows no splines, and that
+its own simulator has no wind). Those to be broken off are made twice: as they are, and with a return that is planned.
 """
 
 import argparse
@@ -115,6 +117,68 @@ def free(rng: random.Random, kind: int) -> Course:
 SHORT = 40
 
 
+def town(rng: random.Random, count: int) -> Course:
+    """Along the streets of a grid of blocks, below most of their roofs."""
+    block, street = rng.uniform(28, 36), rng.uniform(18, 22)
+    pitch, up = block + street, rng.uniform(14, 20)
+    blocks = [
+        _block(10 * i + j, (i + 0.5) * pitch, (j + 0.5) * pitch, block, block, rng.choice((8, 12, 18, 26, 38, 55, 70)))
+        for i in range(-1, count)
+        for j in range(-1, count)
+    ]
+    via, at = [], [0, 0]
+    for n in range(count):
+        at[n % 2] += 1 if rng.random() < 0.8 or at[n % 2] == 0 else -1
+        via.append((at[0] * pitch, at[1] * pitch, up + rng.uniform(-3, 3)))
+    return _course(via, blocks, rng.uniform(4, 8))
+
+
+def yard(rng: random.Random, count: int) -> Course:
+    """Between stacks, cranes and balloons that stand anywhere."""
+    via = [(35.0 * (n + 1), rng.uniform(-30, 30), rng.uniform(10, 24)) for n in range(count)]
+    things: list[Course] = []
+    while len(things) < 4 * count:
+        east, north = rng.uniform(15, 35.0 * (count + 1)), rng.uniform(-60, 60)
+        if min(math.dist((east, north), one[:2]) for one in [*via, (0.0, 0.0, 0.0)]) < 14.0:
+            continue
+        kind, n = rng.random(), len(things)
+        if kind < 0.4:
+            things.append(_mast(n, east, north, rng.uniform(1, 4), rng.uniform(15, 70)))
+        elif kind < 0.8:
+            turned = {"heading_deg": rng.uniform(0, 90)}
+            things.append(_block(n, east, north, rng.uniform(6, 14), 6.0, rng.uniform(6, 30)) | turned)
+        else:
+            ball = {"kind": "sphere", "name": f"balloon {n}", "radius": rng.uniform(2, 4)}
+            things.append(ball | {"east": east, "north": north, "up": rng.uniform(20, 45)})
+    return _course(via, things, rng.uniform(5, 10))
+
+
+BROKEN_OFF: tuple[tuple[Callable[[random.Random, int], Course], int], ...] = (
+    (town, 4), (yard, 5), (slalom, 5), (town, 5), (gates, 3), (perimeters, 2),
+    (yard, 6), (hurdles, 4), (slalom, 6), (town, 6), (yard, 4), (gates, 4),
+    (hurdles, 5), (town, 4), (yard, 7), (slalom, 4), (town, 5), (yard, 5),
+)  # fmt: skip
+
+
+def broken_off(number: int) -> Course:
+    """One of a third with rally points, of a third with wind, of a third on a slope; with the default confidence."""
+    make, count = BROKEN_OFF[number]
+    rng = random.Random(3000 + number)
+    course = make(rng, count) | {"safety_distance": 1.5, "safety": {}}
+    if number % 3 == 1:
+        goal = course["goal"]
+        beside = {"east": goal["east"] + 12.0, "north": goal["north"] - 8.0, "up": rng.choice((12.0, 25.0))}
+        course["rally"] = [beside, {"east": -15.0, "north": 45.0, "up": 20.0}]
+    if number % 3 == 2:
+        course["wind"] = {"speed": rng.uniform(3, 6), "from_deg": float(rng.randrange(0, 360, 10))}
+    if number % 6 in (0, 4):
+        hill = {"height": rng.uniform(3, 8), "east": 130.0, "north": 60.0, "a": 110.0, "b": 90.0}
+        course["terrain"] = {"kind": "analytic", "peaks": [hill]}
+        for place in (course["start"], course["goal"], *course.get("via", [])):
+            place["up"] += hill["height"]
+    return course
+
+
 def _mast(n: int, east: float, north: float, radius: float, height: float) -> Course:
     return {"kind": "cylinder", "name": f"mast {n}", "east": east, "north": north, "radius": radius, "height": height}
 
@@ -157,6 +221,16 @@ def short_courses() -> dict[str, Course]:
     return courses
 
 
+def returning_courses() -> dict[str, Course]:
+    """By name; `p` is before those whose return is planned."""
+    courses = {f"ret{n:02d}_{kind.__name__}": broken_off(n) for n, (kind, _) in enumerate(BROKEN_OFF)}
+    planned = {f"p{name}": one | {"safety": {"returns": "planned"}} for name, one in courses.items()}
+    return courses | planned
+
+
+MAKERS = {"long": long_courses, "short": short_courses, "returns": returning_courses}
+
+
 def as_toml(course: Course) -> str:
     """A scenario's text."""
     plain = {key: value for key, value in course.items() if not isinstance(value, dict | list)}
@@ -182,14 +256,16 @@ def _value(value: Any) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--kind", choices=["long", "short"], required=True)
+    parser.add_argument("--kind", choices=list(MAKERS), required=True)
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    for name, course in (long_courses() if given.kind == "long" else short_courses()).items():
+    for name, course in MAKERS[given.kind]().items():
         for autopilot in registered():
             own = course | {"vehicle": course["vehicle"] | {"autopilot": str(autopilot)}}
             if autopilot is Autopilot.PX4 and course["route"].get("mode") == "spline":
                 own["route"] = course["route"] | {"mode": "corridor"}
+            if autopilot is Autopilot.PX4:
+                own.pop("wind", None)
             (given.folder / f"{name}-{autopilot}.toml").write_text(as_toml(own), encoding="utf-8")
 
 

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -13,6 +14,7 @@ from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
 
@@ -22,6 +24,14 @@ class SlowedByAir(Protocol):
 
     def slowing(self, velocity: Points, axes: NDArray[np.float64]) -> Points:
         """What the air takes of its speed (n, 3) [m/s^2], by velocity (n, 3) [m/s] and axes (n, 3, 3)."""
+
+
+@dataclass(frozen=True)
+class BrokenOff:
+    """A flight is ended otherwise than its mission says, from a `time` on [s after arming]: by an RTL or a LAND."""
+
+    time: float
+    ending: Ending
 
 
 class FlightModel(ABC):
@@ -44,6 +54,16 @@ class FlightModel(ABC):
     @abstractmethod
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """The limits that parameters set; `speed` is what DO_CHANGE_SPEED asks for [m/s]."""
+
+    def broken_off(
+        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: BrokenOff
+    ) -> Prediction:
+        """The flight with another end, which is its only item.
+
+        Raises:
+            MissionError: as `predicted` does; or the model knows no such flights.
+        """
+        raise MissionError("this model knows no flights that are broken off")
 
     def airframe(self, altitude: float) -> SlowedByAir:
         """The simulated vehicle's, so high above the sea [m].

@@ -128,7 +128,10 @@ def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> 
     low = _failsafe(both[0], parameters, series)
     if not all(rule.looks(parameters) for rule in both) or _urgency(one.value) <= _urgency(low.value):
         return one
-    words = f"{one.parameter} {one.value:g} is less urgent than {low.parameter} {low.value:g}, and is left out"
+    words = (
+        f"{one.parameter} {one.value:g} is less urgent than {low.parameter} {low.value:g}, and is left out, "
+        "but where the voltage falls through both at once"
+    )
     differs = {stage: replace(answer, words=words) for stage, answer in low.differs.items()}
     return replace(one, route=replace(low.route, words=words), differs=differs)
 

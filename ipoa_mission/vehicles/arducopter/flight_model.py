@@ -5,12 +5,12 @@ from typing import ClassVar
 
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import FlightModel, SlowedByAir
+from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel, SlowedByAir
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
-from ipoa_mission.vehicles.arducopter.timing import fly_arducopter
+from ipoa_mission.vehicles.arducopter.timing import break_off, fly_arducopter
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import Wind
 
@@ -30,6 +30,13 @@ class ArduCopterModel(FlightModel):
         """As `FlightModel.predicted`."""
         airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
         return fly_arducopter(route, mission.parameters, wind, fast, airframe)
+
+    def broken_off(
+        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: BrokenOff
+    ) -> Prediction:
+        """As `FlightModel.broken_off`."""
+        airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
+        return break_off(route, mission.parameters, wind, fast, airframe, order)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """As `FlightModel.kinematics`."""

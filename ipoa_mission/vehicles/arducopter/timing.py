@@ -11,6 +11,7 @@ import numpy as np
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.itinerary.program import Place
+from ipoa_mission.forecast.timing.flight_model import BrokenOff
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
@@ -28,6 +29,7 @@ from ipoa_mission.vehicles.arducopter.limits import (
     copter_limits,
 )
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
+from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
 
@@ -54,9 +56,7 @@ def fly_arducopter(
         BadInput: an item never ends, or a parameter has no sense.
         MissionError: the copter does not get on, as against a wind stronger than it can fly.
     """
-    limits, height = copter_limits(parameters), flying_already(route)
-    copter = Copter(limits, wind, airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
-    flight = _Flight(route, copter, wind, airframe, height is not None)
+    flight = _begun(route, parameters, wind, fast, airframe)
     for n in range(len(route.visits)):
         try:
             flight.reasons.append(flight.visit(n))
@@ -74,18 +74,58 @@ def fly_arducopter(
     return Prediction(done, done - doubt, done + doubt, tuple(flight.reasons), track, tuple(flight.remarks))
 
 
+def break_off(
+    route: Itinerary,
+    parameters: Parameters,
+    wind: Wind,
+    fast: bool | None,
+    airframe: Airframe,
+    order: BrokenOff,
+) -> Prediction:
+    """Fly the itinerary up to a moment, and then what is ordered; raises as `fly_arducopter` does.
+
+    The moment is noted as one more place where the track was.
+    """
+    flight = _begun(route, parameters, wind, fast, airframe)
+    flight.until = order.time
+    for n in range(len(route.visits)):
+        if flight.is_broken_off:
+            break
+        flight.visit(n)
+    flight.until, copter = math.inf, flight.copter
+    returns = order.ending is Ending.RTL
+    flight.come_down(copter.return_home(route.goal_of_return(copter.place)) if returns else copter.land(None))
+    samples = np.concatenate(flight.samples)
+    samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
+    done = np.array([copter.state.time])
+    doubt = DOUBT + DOUBT_SHARE * (done - order.time)
+    track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    return Prediction(done, done - doubt, done + doubt, ("",), track)
+
+
+def _begun(route: Itinerary, parameters: Parameters, wind: Wind, fast: bool | None, airframe: Airframe) -> "_Flight":
+    limits, height = copter_limits(parameters), flying_already(route)
+    copter = Copter(limits, wind, airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
+    return _Flight(route, copter, wind, airframe, height is not None)
+
+
 class _Flight:
     """A flight under way: the copter, and what is noted of it."""
 
     def __init__(self, route: Itinerary, copter: Copter, wind: Wind, airframe: Airframe, airborne: bool) -> None:
         self.route, self.wind, self.copter, self.limits = route, wind, copter, copter.limits
         self.airframe, self.top = airframe, airframe.top_speed(self.limits.lean)
-        self.airborne = airborne
+        self.airborne, self.until = airborne, math.inf
         self.done: list[float] = []
         self.reasons: list[str] = []
         self.remarks: list[str] = []
         self.samples: list[Points] = []
         self.note()
+
+    @property
+    def is_broken_off(self) -> bool:
+        """Whether it has come to where it ends otherwise."""
+        return self.copter.state.time >= self.until or not self.copter.passed
 
     def visit(self, n: int) -> str:
         """Do visit n; why it was slow."""
@@ -129,6 +169,8 @@ class _Flight:
         copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
         this, following = copter.this, copter.following
         flown_at = self.run()
+        if self.is_broken_off:
+            return ""
         corner = 0.0
         if following.kind == STRAIGHT:
             corner = corner_deg(this.origin, this.target, following.target)
@@ -181,6 +223,8 @@ class _Flight:
         """Fly the legs of an ending; on the ground, until the landing is noticed."""
         for _ in legs:
             self.run()
+            if self.is_broken_off:
+                return
         if self.copter.this.kind == DESCENT:
             delay = self.airframe.landing_delay
             self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
@@ -188,7 +232,7 @@ class _Flight:
 
     def run(self) -> float:
         """Fly the copter's leg to its end; the highest level speed on it [m/s]."""
-        flown = self.copter.run()
+        flown = self.copter.run(self.until)
         self.samples.append(flown)
         self.note()
         return float(np.hypot(flown[:, 4], flown[:, 5]).max(initial=0.0))

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.mission.commands import WAYPOINTS, Command
-from ipoa_mission.vehicles.arducopter import failsafes, refusal, returning
+from ipoa_mission.vehicles.arducopter import braking, failsafes, refusal, returning
 from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON, limits_on
 from ipoa_mission.vehicles.arming import ArmingWords
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance import GuidanceHabits
@@ -25,7 +26,7 @@ from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
 if TYPE_CHECKING:
-    from ipoa_mission.geometry import Vector
+    from ipoa_mission.geometry import Points, Vector
 
 ONLY_REPORTS = 0.0  # FENCE_ACTION
 
@@ -176,6 +177,25 @@ class ArduCopter(Autopilot):
         limits = copter_limits(parameters)
         near = limits.accel / limits.p_position**2
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
+
+    def flies_on(self, ending: Ending) -> float:
+        """BRAKE and LAND begin at once."""
+        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else super().flies_on(ending)
+
+    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
+        """Shaped where it lands or brakes, else to its stopping point.
+
+        >>> import numpy as np
+        >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Ending.HOLD).round(1)
+        array([[11. ,  0. ]])
+        """
+        if ending not in (Ending.LAND, Ending.HOLD):
+            return super().braking_way(parameters, velocity, accel, ending)
+        p = BOOK.complete(parameters)
+        if ending is Ending.HOLD:
+            return braking.Shaping(braking.BRAKES_WITH, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
+        asked = velocity + braking.LAND_LEADS * accel
+        return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(asked, accel)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         """LAND_SPEED below LAND_ALT_LOW, as fast as it else sinks above.

@@ -7,14 +7,14 @@ import numpy as np
 
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import FlightModel, SlowedByAir
+from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel, SlowedByAir
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, fly_px4
+from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, break_off, fly_px4
 from ipoa_mission.wind import Wind
 
 RUNS = 8  # of its noise, the same in every forecast
@@ -30,6 +30,12 @@ class Px4Model(FlightModel):
         """As `FlightModel.predicted`."""
         senses = KNOWS if sure else SIH_SENSES
         return fly_px4(route, mission.parameters, wind, fast, airframe_of(mission.vehicle), senses)
+
+    def broken_off(
+        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: BrokenOff
+    ) -> Prediction:
+        """As `FlightModel.broken_off`."""
+        return break_off(route, mission.parameters, wind, fast, airframe_of(mission.vehicle), order)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """As `FlightModel.kinematics`."""

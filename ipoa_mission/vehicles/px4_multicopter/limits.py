@@ -12,6 +12,8 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS
 
+BRAKES_LATE = 0.6  # where it lands or holds it reckons so long with the speed that it has [s]
+
 RANGE_LAG_S = 0.14  # by which PX4's height over the ground lags behind a range finder that is sinking
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR from which on PX4's simulated vehicle has none [m]
 RELAXED_THRUST = 0.6  # of the way from the least thrust to that of hovering: less is low, where hovering is learned

@@ -7,6 +7,7 @@ again and again with it, which gives times and spread.
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,17 +17,27 @@ from ipoa_mission.compiled import sooner
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
+from ipoa_mission.forecast.timing.flight_model import BrokenOff
 from ipoa_mission.forecast.timing.prediction import Missed, Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
+from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, Senses
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
-from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import FLOWN_TO, law, plan
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
+    FLOWN_TO,
+    law,
+    plan,
+    stopping_place,
+    way_down,
+    way_home,
+    with_another_end,
+)
 from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Law, Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.wind import CALM, Wind
 
@@ -95,6 +106,47 @@ def fly_px4(
     return Prediction(done, done - half, done + half, reasons, track, tuple(remarks), _missed(route, runs))
 
 
+def break_off(
+    route: Itinerary, parameters: Parameters, wind: Wind, fast: bool | None, airframe: Airframe, order: BrokenOff
+) -> Prediction:
+    """Fly the itinerary up to a moment, and then what is ordered, in the mean of its noise.
+
+    Raises:
+        BadInput, MissionError: as `fly_px4` does.
+    """
+    flights = Flights(route, parameters, wind, airframe)
+    done, samples = flights.flown(False, fast)(0)
+    row = samples[np.searchsorted(samples[:, 0], order.time).clip(max=len(samples) - 1)]
+    here, speed, limits = Enu(*map(float, row[1:4])), Level(float(row[4]), float(row[5])), flights.limits
+    if order.ending is Ending.RTL:
+        goal = Enu(*route.goal_of_return((here.east, here.north, here.up)))
+        ending = way_home(here, limits, goal._replace(up=route.ground.at(goal.east, goal.north)), goal.up)
+    else:
+        stop = stopping_place(here, speed, limits)
+        down = stop._replace(up=route.ground.at(stop.east, stop.north))
+        ending = way_down(stop, down, limits, limits.cruise, limits.disarm_delay)
+    count = int(np.searchsorted(done[1:], order.time, side="right")) + 1
+    begun = flights.plan.orders[: min(count, len(flights.plan.orders))]
+    flights.orders = with_another_end(begun, float(row[0]), ending, limits, airframe.landing_delay)
+    _, samples = flights.flown(False, fast)(0)
+    once = flights.flown(True, fast, RUNS.most * samples[-1, 0] / STEP)
+    lasted: list[float] = []
+    for seed in range(1, RUNS.most + 1):
+        if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted]):
+            break
+        with suppress(MissionError):
+            ended, _ = once(seed)
+            lasted.append(float(ended[-1] - ended[len(begun)]))
+    if not lasted:
+        lasted = [float(samples[-1, 0] - row[0])]
+    mean = float(np.mean(lasted))
+    doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2 + RUNS.landing_s**2
+    half = RUNS.interval_deviations * math.sqrt(float(np.var(lasted)) + doubt)
+    track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    end = np.array([order.time + mean])
+    return Prediction(end, end - half, end + half, ("",), track)
+
+
 def _known(times: list[Vector]) -> bool:
     """Whether the mean of the runs is known well enough: its standard error is a small share of it."""
     ends = np.array([run[-1] for run in times])
@@ -123,6 +175,7 @@ class Flights:
         self.limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self.route, self.airframe, self.wind = route, airframe, wind
         self.plan = plan(route, self.limits, airframe.landing_delay)
+        self.orders = self.plan.orders
         turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.plan.orders)
         with_noise = law(self.limits, airframe, senses, wind, STEP)
         self.quiet = with_noise._replace(noisy=False, turns=turns)
@@ -135,7 +188,17 @@ class Flights:
         Raises:
             MissionError: the vehicle does not get on.
         """
-        orders, ends, height = self.plan.orders, list(self.plan.done), flying_already(self.route) or 0.0
+        flown, ends = self.flown(noisy, fast, steps), list(self.plan.done)
+
+        def once(seed: int) -> tuple[Vector, Points]:
+            done, samples = flown(seed)
+            return done[ends], samples
+
+        return once
+
+    def flown(self, noisy: bool, fast: bool | None, steps: float = 0.0) -> Callable[[int], tuple[Vector, Points]]:
+        """The same by order, after the time of the begin (n + 1,) [s]; raises as `prepared` does."""
+        orders, height = self.orders, flying_already(self.route) or 0.0
         machine, laws = sooner(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
         asked: Any = orders
         if machine is not fly:
@@ -145,7 +208,7 @@ class Flights:
             one, two = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
             done, samples = machine(asked, laws, height, (one, two), 0 if noisy else SAMPLE_STEPS)
             if len(done) > len(orders):
-                return np.array(done)[ends], np.array(samples).reshape(-1, 7)
+                return np.array(done), np.array(samples).reshape(-1, 7)
             goal = orders[len(done) - 1].goal
             raise MissionError(
                 f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",

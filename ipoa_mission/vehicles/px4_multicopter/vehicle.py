@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.vehicles.arming import ArmingWords
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance import GuidanceHabits
@@ -25,7 +26,7 @@ from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
 if TYPE_CHECKING:
-    from ipoa_mission.geometry import Vector
+    from ipoa_mission.geometry import Points, Vector
 
 ONLY_WARNS = 1.0  # GF_ACTION; 0 does nothing at all
 
@@ -154,6 +155,26 @@ class Px4Multicopter(Autopilot):
         slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
+
+    def flies_on(self, ending: Ending) -> float:
+        """Where it lands or holds it reckons with that in where it is to stop."""
+        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else super().flies_on(ending)
+
+    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
+        """Straight on to where its navigator puts LAND and hold (preproject_stop_point).
+
+        >>> import numpy as np
+        >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Ending.HOLD).round(1)
+        array([[9.6, 0. ]])
+        """
+        if ending not in (Ending.LAND, Ending.HOLD):
+            return super().braking_way(parameters, velocity, accel, ending)
+        import numpy as np
+
+        from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, px4_limits
+
+        speed = np.hypot(*velocity.T)
+        return np.asarray(velocity * (speed / (2.0 * px4_limits(parameters).accel) + BRAKES_LATE)[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         """From MPC_LAND_ALT1 ever slower, to MPC_LAND_SPEED at MPC_LAND_ALT2.

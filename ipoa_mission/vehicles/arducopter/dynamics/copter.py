@@ -59,6 +59,7 @@ RETURN_ROUNDING = 0.7 * CENTIMETRE
 TAKEOFF_REST = 0.00003
 STANDING = 0.1  # [m/s]
 SLOWEST = 0.5  # a copter that the wind leaves less headway does not get on [m/s]
+NO_ROOM = -1  # what the stepping code says where there is no room for more samples
 BLOWN_OFF = -2  # what the stepping code says of a copter that it has lost
 TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, at its risk)"
 SETTLED = 10.0  # a hold that lasts longer changes nothing more [s]
@@ -138,8 +139,10 @@ class Copter:
         self.passed = self.passed or over
         return self.passed
 
-    def run(self) -> Points:
+    def run(self, until: float = math.inf) -> Points:
         """Let time pass to the end of the leg; samples of the track: time, place, velocity (n, 7).
+
+        At the time `until` [s] it breaks off, and the leg has not `passed`.
 
         Raises:
             MissionError: it does not get there.
@@ -149,6 +152,8 @@ class Copter:
             skipped = self.this.lasts - SETTLED
             self.this = self.this._replace(lasts=SETTLED)
         room = int((60 + 4 * self._least_time() + self.this.length / self._slowest) / (STEP * SAMPLE_STEPS))
+        breaks = until < self.state.time + room * STEP * SAMPLE_STEPS
+        room = max(int((until - self.state.time) / (STEP * SAMPLE_STEPS)), 0) if breaks else room
         samples, legs = np.empty((room, 7)), (self._before, self.this, self.following)
         before, this, following = [[leg] for leg in legs]
         states: Any = [self.state]
@@ -159,6 +164,8 @@ class Copter:
         used = self._fly_leg(states, before, this, following, self._tuning, samples)
         if self._fly_leg is not fly_leg:
             self.state = State(*states[0].item())
+        if used == NO_ROOM and breaks:
+            return samples
         if used < 0:
             raise MissionError(self._lost(used), hint=TOO_WINDY)
         self.state.time += skipped

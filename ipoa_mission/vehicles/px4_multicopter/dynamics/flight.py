@@ -35,6 +35,8 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
     speed, since = math.sqrt(x.speed * x.speed + y.speed * y.speed), body.airborne_since
     if order.kind != GO or state.guidance.side != ON_LINE or state.time - state.begun < SETTLED_S or speed < 0.1:
         return state
+    if order.until < math.inf:
+        return state
     east, north = order.goal.east - x.place, order.goal.north - y.place
     far = math.sqrt(east * east + north * north)
     way = far - speed * SETTLED_S - speed * speed / law.limits.accel
@@ -63,8 +65,9 @@ def fly(
 
     A sample is time, place and believed speed: (m, 7).
 
-    It begins over home, at rest, so high; from the ground it takes off after spooling up. It ends early at an order
-    that is not reached within its patience: then there are fewer times than orders.
+    It begins over home, at rest, so high; from the ground it takes off after spooling up. An order that is broken off
+    is done then. It ends early at an order that is not reached within its patience: then there are fewer times than
+    orders.
     """
     law = laws[0]
     state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(seeds[0], seeds[1]), height <= 0.0)
@@ -86,5 +89,5 @@ def fly(
                 row[0], row[1], row[2], row[3] = state.time, at.east, at.north, at.up
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1
-        done[n + 1] = state.reached + order.holds
+        done[n + 1] = state.reached + order.holds if order.until == math.inf else state.time
     return done, samples[:taken].copy()

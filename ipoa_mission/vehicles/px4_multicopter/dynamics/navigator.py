@@ -1,6 +1,7 @@
 """What PX4's navigator makes of a mission: the orders that are flown for each item."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from ipoa_mission.errors import BadInput
@@ -9,8 +10,8 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Order
-from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order
+from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
 from ipoa_mission.wind import Wind
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
@@ -67,6 +68,13 @@ def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: fl
     return [*way, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, holds=holds)]
 
 
+def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
+    """Where LAND and hold bring the vehicle to: ahead of it, as it reckons with 0.6 s until it brakes."""
+    level = math.hypot(speed.east, speed.north)
+    time = level / (2.0 * limits.accel) + BRAKES_LATE
+    return here._replace(east=here.east + speed.east * time, north=here.north + speed.north * time)
+
+
 def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
     """The orders of RTL: climb as `Px4Return` says, fly to the ground at home at MPC_XY_CRUISE, wait, disarm.
 
@@ -118,6 +126,19 @@ def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
     level, rise = math.dist(before[:2], order.goal[:2]), abs(order.goal.up - before.up)
     lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
     return order._replace(patience=lasts * max(1.0, 1 / order.radius))
+
+
+def with_another_end(
+    flown: Sequence[Order], time: float, ending: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
+) -> tuple[Order, ...]:
+    """Orders that are flown up to a `time` [s], the last of them broken off then, and those of the ending."""
+    *before, last = flown
+    orders, at = [*before, last._replace(until=time)], ending[0].start
+    for order in ending:
+        late = landing_delay if order.kind == LAND else 0.0
+        orders.append(_patient(order._replace(holds=order.holds + late), at, limits))
+        at = order.goal
+    return tuple(orders)
 
 
 class _Navigator:

@@ -28,7 +28,8 @@ class Order(NamedTuple):
 
     It is done `holds` s after it is reached: by being within `radius` level and `height_radius`, with the nose along
     `heading` [rad] if that is a number. `follows_home`: its heights are over home, wherever that is believed to be.
-    `may_turn_first`: MPC_YAW_MODE 4 counts here. Who has not reached it within `patience` s is lost.
+    `may_turn_first`: MPC_YAW_MODE 4 counts here. Who has not reached it within `patience` s is lost. At the time
+    `until` [s] it is over, whatever came of it.
     """
 
     kind: int
@@ -43,6 +44,7 @@ class Order(NamedTuple):
     may_turn_first: bool = False
     follows_home: bool = True
     patience: float = math.inf
+    until: float = math.inf
 
 
 class Law(NamedTuple):

@@ -113,7 +113,9 @@ def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool
 
 
 def is_over(state: State, order: Order) -> bool:
-    """Whether the order is done, and the guidance has been told."""
+    """Whether the order is done, and the guidance has been told; or broken off."""
+    if state.time >= order.until:
+        return True
     return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
 
 

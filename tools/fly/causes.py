@@ -1,0 +1,113 @@
+"""What makes a simulated vehicle's failsafes act in flight, each by the cause's name in `Autopilot.failsafes`."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ipoa_mission.vehicles.autopilot import Autopilot
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """A cause, parameters `before` the flight, and what makes it act: parameters, a command, silence, or sticks.
+
+    `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink. `injected`: a
+    PX4's `failure` unit and type.
+    """
+
+    cause: str
+    before: Mapping[str, float] = field(default_factory=dict)
+    then: Mapping[str, float] = field(default_factory=dict)
+    silent: bool = False
+    sticks: bool = False
+    injected: tuple[int, int] | None = None
+
+
+RC = {"SIM_RC_FAIL": 1.0}
+EMPTY = {"SIM_BATT_VOLTAGE": 10.0}
+STATION = {"MAV_GCS_SYSID": 245.0, "FS_GCS_TIMEOUT": 60.0}
+FENCED = {"FENCE_TYPE": 1.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 300.0, "FENCE_MARGIN": 0.5}
+LOW = {"FENCE_ALT_MAX": 5.0}
+ROUND = {"FENCE_TYPE": 2.0, "FENCE_ENABLE": 1.0, "FENCE_RADIUS": 2000.0, "FENCE_MARGIN": 0.5}
+CRITICAL = {"BATT_CRT_VOLT": 10.2, "BATT_LOW_VOLT": 0.0}
+NO_GPS = {"SIM_GPS1_ENABLE": 0.0}
+
+COPTER = (
+    Trigger("radio control lost", {"FS_THR_ENABLE": 1}, RC),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 3}, RC),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 4}, RC),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 5}, RC),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 7}, RC),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 1, "FS_OPTIONS": 1}, RC),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 0}, RC),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 6}, RC),
+    Trigger("low battery", {"BATT_FS_LOW_ACT": 0}, EMPTY),
+    Trigger("low battery", {"BATT_FS_LOW_ACT": 1}, EMPTY),
+    Trigger("low battery", {"BATT_FS_LOW_ACT": 2}, EMPTY),
+    Trigger("low battery", {"BATT_FS_LOW_ACT": 3}, EMPTY),
+    Trigger("low battery", {"BATT_FS_LOW_ACT": 4}, EMPTY),
+    Trigger("low battery", {"BATT_FS_LOW_ACT": 7}, EMPTY),
+    Trigger("critical battery", {**CRITICAL, "BATT_FS_CRT_ACT": 1}, EMPTY),
+    Trigger("critical battery", {**CRITICAL, "BATT_FS_CRT_ACT": 2}, EMPTY),
+    Trigger("critical battery", {"BATT_CRT_VOLT": 10.2, "BATT_FS_LOW_ACT": 2, "BATT_FS_CRT_ACT": 3}, EMPTY),
+    Trigger("ground station lost", {**STATION, "FS_GCS_ENABLE": 1}, silent=True),
+    Trigger("ground station lost", {**STATION, "FS_GCS_ENABLE": 3}, silent=True),
+    Trigger("ground station lost", {**STATION, "FS_GCS_ENABLE": 5}, silent=True),
+    Trigger("ground station lost", {**STATION, "FS_GCS_ENABLE": 7}, silent=True),
+    Trigger("ground station lost", {**STATION, "FS_GCS_ENABLE": 1, "FS_OPTIONS": 2}, silent=True),
+    Trigger("fence breached", {**FENCED, "FENCE_ACTION": 1}, LOW),
+    Trigger("fence breached", {**FENCED, "FENCE_ACTION": 2}, LOW),
+    Trigger("fence breached", {**FENCED, "FENCE_ACTION": 3}, LOW),
+    Trigger("fence breached", {**FENCED, "FENCE_ACTION": 4}, LOW),
+    Trigger("fence breached", {**FENCED, "FENCE_ACTION": 0}, LOW),
+    Trigger("fence breached", {**ROUND, "FENCE_ACTION": 1}, {"FENCE_RADIUS": 30.0}),
+    Trigger("position by dead reckoning", {"FS_DR_ENABLE": 2, "FS_DR_TIMEOUT": 60}, NO_GPS),
+    Trigger("position by dead reckoning", {"FS_DR_ENABLE": 1, "FS_DR_TIMEOUT": 60}, NO_GPS),
+    Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 1}, NO_GPS),
+    Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 3}, NO_GPS),
+    Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 2}, NO_GPS),
+)
+
+GCS = {"COM_DL_LOSS_T": 60}
+JOYSTICK = {"COM_RC_IN_MODE": 1, "COM_RC_LOSS_T": 30.0}
+FENCE_UP = {"GF_MAX_VER_DIST": 5.0}
+FENCE_ROUND = {"GF_MAX_HOR_DIST": 20.0}
+BATTERY = {"SIM_BAT_MIN_PCT": 50.0}
+NEARLY = {"BAT_CRIT_THR": 0.95, "BAT_LOW_THR": 0.99}
+GONE = {"BAT_EMERGEN_THR": 0.94, "BAT_CRIT_THR": 0.95, "BAT_LOW_THR": 0.99}
+GPS, OFF = 4, 1  # FAILURE_UNIT_SENSOR_GPS, FAILURE_TYPE_OFF
+
+PX4 = (
+    Trigger("ground station lost", {**GCS, "NAV_DLL_ACT": 0}, silent=True),
+    Trigger("ground station lost", {**GCS, "NAV_DLL_ACT": 1}, silent=True),
+    Trigger("ground station lost", {**GCS, "NAV_DLL_ACT": 2}, silent=True),
+    Trigger("ground station lost", {**GCS, "NAV_DLL_ACT": 3}, silent=True),
+    Trigger("ground station lost", {**GCS, "NAV_DLL_ACT": 2, "COM_DLL_EXCEPT": 1}, silent=True),
+    Trigger("radio control lost", {**JOYSTICK, "NAV_RCL_ACT": 1}, sticks=True),
+    Trigger("radio control lost", {**JOYSTICK, "NAV_RCL_ACT": 2}, sticks=True),
+    Trigger("radio control lost", {**JOYSTICK, "NAV_RCL_ACT": 3}, sticks=True),
+    Trigger("radio control lost", {**JOYSTICK, "NAV_RCL_ACT": 2, "COM_RCL_EXCEPT": 1}, sticks=True),
+    Trigger("fence breached", {"GF_ACTION": 1}, FENCE_UP),
+    Trigger("fence breached", {"GF_ACTION": 2}, FENCE_UP),
+    Trigger("fence breached", {"GF_ACTION": 3}, FENCE_UP),
+    Trigger("fence breached", {"GF_ACTION": 5}, FENCE_UP),
+    Trigger("fence breached", {"GF_ACTION": 3}, FENCE_ROUND),
+    Trigger("fence breached", {"GF_ACTION": 2}, FENCE_ROUND),
+    Trigger("flown for too long", {"COM_FLT_TIME_MAX": 3000}, {"COM_FLT_TIME_MAX": 1}),
+    Trigger("low battery", BATTERY, {"BAT_LOW_THR": 0.99}),
+    Trigger("critical battery", {**BATTERY, "COM_LOW_BAT_ACT": 0}, NEARLY),
+    Trigger("critical battery", {**BATTERY, "COM_LOW_BAT_ACT": 1}, NEARLY),
+    Trigger("critical battery", {**BATTERY, "COM_LOW_BAT_ACT": 2}, NEARLY),
+    Trigger("critical battery", {**BATTERY, "COM_LOW_BAT_ACT": 3}, NEARLY),
+    Trigger("emergency battery", {**BATTERY, "COM_LOW_BAT_ACT": 3}, GONE),
+    Trigger("emergency battery", {**BATTERY, "COM_LOW_BAT_ACT": 1}, GONE),
+    Trigger("wind too strong", {"COM_WIND_MAX_ACT": 3}, {"COM_WIND_MAX": 0.01}),
+    Trigger("wind too strong", {"COM_WIND_MAX_ACT": 2}, {"COM_WIND_MAX": 0.01}),
+    Trigger("wind too strong", {"COM_WIND_MAX_ACT": 5}, {"COM_WIND_MAX": 0.01}),
+    Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 3}, {"COM_POS_LOW_EPH": 0.01}),
+    Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 2}, {"COM_POS_LOW_EPH": 0.01}),
+    Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 5}, {"COM_POS_LOW_EPH": 0.01}),
+    Trigger("position lost (EKF)", {"SYS_FAILURE_EN": 1}, injected=(GPS, OFF)),
+    Trigger("attitude or motor failure", {"CBRK_FLIGHTTERM": 0}, {"FD_FAIL_R": 1, "FD_FAIL_P": 1}),
+)
+
+TRIGGERS: Mapping[Autopilot, tuple[Trigger, ...]] = {Autopilot.ARDUPILOT: COPTER, Autopilot.PX4: PX4}

@@ -1,0 +1,280 @@
+"""Break off missions on a simulated autopilot at random seconds, by order or by a failsafe, and keep how they ended.
+
+    python -m tools.fly.endings FOLDER --autopilot ardupilot --out DIR --seed 1 --count 60 \
+        --start "COMMAND {latitude} {longitude} {altitude} {folder}" --link tcp:127.0.0.1:5760 [--failsafes 6]
+
+FOLDER has scenarios, NAME.toml, and their planned missions, NAME.plan; `{folder}` is where the simulator keeps its
+logs. What is ordered, on which mission and when follows from the seed alone. A simulator is started for every order,
+and stopped again. DIR/N-MISSION-ENDING gets `order.json`, `flight.json` and `track.csv` (`ended_flight`), which
+`tools.fly.endings_judge` holds against the forecast.
+"""
+
+import argparse
+import json
+import math
+import os
+import random
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission import connect
+from ipoa_mission.errors import MissionError
+from ipoa_mission.flight.procedure import load_mission
+from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.link.codec import Target
+from ipoa_mission.link.conversations import MissionRefused
+from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CommandAck, CommandLong, Heartbeat, Message, ParamSet
+from ipoa_mission.link.orders import spelled_parameter
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.commands import Command, VehicleCommand
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.scenario import read_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.wind import Wind
+from tools.fly.causes import TRIGGERS
+from tools.fly.ended_flight import flight_from
+
+WEIGHTS = {Ending.RTL: 5, Ending.LAND: 3, Ending.SMART_RTL: 2, Ending.HOLD: 2}
+HOLDS_S = 20.0  # a hold is watched for so long
+PATIENCE_S = 500.0  # after the order, by the vehicle's clock
+UNHEARD_S = 90.0  # a silence, or a failsafe that does nothing, is waited for so long
+INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
+BOOTS_S = 60.0
+TRANSFERS = 5
+EVERYWHERE = 1.0  # SIM_WIND_T: as strong near the ground
+INJECT_FAILURE = 420  # MAV_CMD
+
+
+@dataclass(frozen=True)
+class Order:
+    """What happens to a mission after `second` s; of a failsafe its number in `TRIGGERS`."""
+
+    number: int
+    mission: str
+    second: float
+    ending: str
+    trigger: int | None = None
+
+    @property
+    def name(self) -> str:
+        """Of its folder."""
+        what = self.ending if self.trigger is None else f"failsafe{self.trigger}"
+        return f"{self.number:04d}-{self.mission}-{what}"
+
+
+class Over(Exception):
+    """Enough was seen of a flight that does not end by itself."""
+
+
+def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: argparse.Namespace) -> Iterator[Order]:
+    """By the seed: to each mission as many as to any other."""
+    flown = dict(WEIGHTS) if "SMART_RTL" in autopilot.modes.names.values() else WEIGHTS | {Ending.SMART_RTL: 0}
+    names = sorted(spans)
+    for number in range(given.first, given.first + given.count):
+        chance = random.Random(f"{given.seed}-{number}")
+        begin, end = spans[mission := names[number % len(names)]]
+        ending = chance.choices(list(flown), list(flown.values()))[0]
+        second = round(chance.uniform(begin, end), 1)
+        fails = given.failsafes > 0 and number % given.failsafes == given.failsafes - 1
+        trigger = number // given.failsafes % len(TRIGGERS[autopilot]) if fails else None
+        if trigger is not None and TRIGGERS[autopilot][trigger].silent:
+            second = round(begin, 1)  # it takes a minute to be noticed
+        yield Order(number, mission, second, "" if fails else str(ending), trigger)
+
+
+class Breaker:
+    """Hears all that a vehicle says, and at one second of its flight orders what is to be ordered."""
+
+    def __init__(self, vehicle: Vehicle, order: Order) -> None:
+        self.vehicle, self.order = vehicle, order
+        self.trigger = None if order.trigger is None else TRIGGERS[vehicle.autopilot][order.trigger]
+        self.clock, self.armed_s, self.done_s = 0.0, math.inf, math.inf
+        self.wall_s = 0.0
+
+    def hear(self, message: Message) -> None:
+        """A message of the vehicle."""
+        self.clock = max(self.clock, getattr(message, "time_s", 0.0) or 0.0)
+        is_armed = isinstance(message, Heartbeat) and message.armed
+        arming = isinstance(message, CommandAck) and message.command == Command.COMPONENT_ARM_DISARM
+        if (is_armed or (arming and message.result == 0)) and self.armed_s == math.inf:  # type: ignore[attr-defined]
+            self.armed_s = self.clock
+        if self.trigger is not None and self.trigger.sticks and self.done_s == math.inf:
+            self._move_sticks()
+        since = self.clock - self.armed_s
+        if since >= self.order.second and self.done_s == math.inf:
+            self.done_s = self.clock
+            self._order()
+        elif self.clock - self.done_s > self._patience():
+            raise Over
+
+    def _patience(self) -> float:
+        holding = self.vehicle.state.custom_mode == self.vehicle.autopilot.modes.hold
+        flying_on = self.vehicle.state.custom_mode == self.vehicle.autopilot.modes.mission
+        if self.order.ending == Ending.HOLD:
+            return HOLDS_S
+        if flying_on or (holding and self.trigger is not None):
+            return UNHEARD_S + HOLDS_S
+        return PATIENCE_S
+
+    def _order(self) -> None:
+        modes, trigger = self.vehicle.autopilot.modes, self.trigger
+        if trigger is None:
+            own = {name: number for number, name in modes.names.items()}
+            mode = {
+                Ending.RTL: modes.returning,
+                Ending.LAND: min(modes.lands),
+                Ending.HOLD: modes.hold,
+                Ending.SMART_RTL: own.get("SMART_RTL", 0),
+            }[Ending(self.order.ending)]
+            numbers = (1.0, *map(float, modes.numbers(mode)), 0.0, 0.0, 0.0, 0.0, 0.0)[:7]
+            self._say(CommandLong(VehicleCommand.DO_SET_MODE, numbers))  # type: ignore[arg-type]
+            return
+        if trigger.silent:
+            self.vehicle.line._next_heartbeat = math.inf  # type: ignore[attr-defined]
+        if trigger.injected:
+            self._say(CommandLong(INJECT_FAILURE, (*map(float, trigger.injected), 0.0, 0.0, 0.0, 0.0, 0.0)))
+        for name, value in trigger.then.items():
+            kind = INT32 if isinstance(value, int) else REAL32
+            self._say(ParamSet(name, spelled_parameter(float(value), kind, self.vehicle.autopilot), kind))
+
+    def _move_sticks(self) -> None:
+        from pymavlink.dialects.v20 import common
+
+        if time.monotonic() - self.wall_s > 0.05:
+            self.wall_s = time.monotonic()
+            self.vehicle.send(common.MAVLink_manual_control_message(self.vehicle.system, 0, 0, 500, 0, 0))
+
+    def _say(self, message: Message) -> None:
+        self.vehicle.line.send(message, Target(self.vehicle.system, AUTOPILOT_COMPONENT))
+
+
+@contextmanager
+def simulation(words: str, folder: Path, silent: bool = False) -> Iterator[None]:
+    """A simulator while it is used, its own words beside its logs."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder.parent / f"{folder.name}.out").open("w") as out:
+        running = subprocess.Popen(shlex.split(words), start_new_session=True, stdout=out, stderr=out)
+        try:
+            yield
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(running.pid, signal.SIGTERM)
+            try:
+                running.wait(timeout=10.0)
+            except subprocess.TimeoutExpired:
+                os.killpg(running.pid, signal.SIGKILL)
+                running.wait(timeout=10.0)
+
+
+def connected(link: str) -> Vehicle:
+    """A simulator that has just been started is waited for."""
+    until = time.monotonic() + BOOTS_S
+    while True:
+        try:
+            return connect(link)
+        except MissionError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.3)
+
+
+def set_up(vehicle: Vehicle, wind: Wind) -> dict[str, float]:
+    """What the simulation is told before: its wind, and to have in its log when it was armed."""
+    if vehicle.autopilot is Autopilot.PX4:
+        return {}
+    air = {"SIM_WIND_SPD": wind.speed, "SIM_WIND_DIR": wind.from_deg % 360.0, "SIM_WIND_T": EVERYWHERE}
+    return {"LOG_DISARMED": 1.0, **(air if wind.speed > 0.0 else {})}
+
+
+def load(vehicle: Vehicle, forecast: Forecast) -> None:
+    """Upload it; a simulator many times as fast as real may give up a transfer in between."""
+    for _ in range(TRANSFERS - 1):
+        with suppress(MissionRefused, NoAnswer):
+            load_mission(vehicle, forecast, set_params=True, anyway=True)
+            return
+    load_mission(vehicle, forecast, set_params=True, anyway=True)
+
+
+def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str, Any]:
+    """One flight; what was ordered, and what the vehicle is."""
+    folder = given.work / "sim"
+    shutil.rmtree(folder, ignore_errors=True)
+    home = forecast.mission.home
+    words = given.start.format(
+        latitude=home.latitude_deg, longitude=home.longitude_deg, altitude=home.altitude, folder=folder
+    )
+    with simulation(words, folder), connected(given.link) as vehicle:
+        breaker = Breaker(vehicle, order)
+        while not ((at := vehicle.home()) and at.latitude_deg):
+            time.sleep(0.2)
+        for name, value in set_up(vehicle, forecast.wind).items():
+            vehicle.set_parameter(name, value)
+        load(vehicle, forecast)
+        for name, value in (breaker.trigger.before if breaker.trigger else {}).items():
+            vehicle.set_parameter(name, value)
+        vehicle.overhearing = breaker.hear
+        vehicle.prepare(0, permit=lambda there: None)
+        vehicle.start()
+        with suppress(Over):
+            vehicle.watch()
+        time.sleep(0.5)
+        told = {**asdict(order), "version": str(vehicle.firmware_version())}
+    if breaker.trigger:
+        told |= {"cause": breaker.trigger.cause, "before": dict(breaker.trigger.before)}
+    told["ordered_s"] = breaker.done_s - breaker.armed_s
+    logs = sorted((*folder.rglob("*.BIN"), *folder.rglob("*.ulg")), key=lambda log: log.stat().st_mtime)
+    out = given.out / order.name
+    out.mkdir(parents=True, exist_ok=True)
+    flight_from(logs[-1], forecast.mission.home).write(out)
+    (out / "order.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    return told
+
+
+def main(arguments: list[str]) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--autopilot", required=True, choices=["px4", "ardupilot"])
+    parser.add_argument("--start", required=True)
+    parser.add_argument("--link", required=True)
+    parser.add_argument("--out", required=True, type=Path)
+    parser.add_argument("--work", required=True, type=Path, help="where the simulator runs; emptied for each")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--count", type=int, default=10)
+    parser.add_argument("--failsafes", type=int, default=0, help="every so many orders it is a failsafe")
+    given = parser.parse_args(arguments)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that its simulator ends with it
+    autopilot = autopilot_named(given.autopilot)
+    forecasts: dict[str, Forecast] = {}
+    for path in sorted(given.folder.glob("*.plan")):
+        scenario = read_scenario(path.with_suffix(".toml"))
+        if scenario.vehicle.autopilot is autopilot:
+            forecasts[path.stem] = Forecast(read_mission(path, autopilot), scenario)
+    spans = {}
+    for name, forecast in forecasts.items():
+        spans[name] = Endings(forecast).ways.in_air
+    for order in orders(spans, autopilot, given):
+        if (given.out / order.name / "order.json").exists():
+            continue
+        began = time.monotonic()
+        try:
+            told = fly(order, forecasts[order.mission], given)
+            print(f"{order.name}: ordered at {told['ordered_s']:.1f} s; {time.monotonic() - began:.0f} s", flush=True)
+        except (MissionError, OSError, IndexError, KeyError, subprocess.SubprocessError) as error:
+            print(f"{order.name}: {type(error).__name__}: {error} {getattr(error, 'hint', '')}", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

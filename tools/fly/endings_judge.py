@@ -1,0 +1,286 @@
+"""Hold missions that were broken off (`tools.fly.endings`) against what was forecast of every second of them.
+
+    python -m tools.fly.endings_judge MISSIONS OUT [--csv FILE]
+
+What was flown is judged by the simulator's true position and by a geometry of shapely's, from the order to when the
+motors stopped. The simulators' ground is level, as high as home: where a scenario's is not, times and landing places
+count only of what ends at home. One line an order; a summary on the standard output.
+"""
+
+import argparse
+import csv
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.forecast.endings import EndingRow, Endings
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.itinerary import itinerary
+from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.world.ground import LEVEL
+from ipoa_mission.world.obstacles.cylinder import Cylinder
+from ipoa_mission.world.obstacles.prism import Prism
+from ipoa_mission.world.obstacles.sphere import Sphere
+from tools.fly.causes import TRIGGERS
+from tools.fly.ended_flight import EndedFlight
+
+STEP = 0.15  # between the points at which a flight is looked at [m]
+AROUND_S = 12.0  # so many seconds from where it is by the clock, the forecast is searched for its place
+LONG_ENOUGH = 10.0  # shares are counted of longer endings only [s]
+FAR_OUTSIDE, FAR_M = "100 m outside it lands", 100.0
+NOTICED_S = 15.0  # longer than a failsafe takes to act [s]
+SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none."""
+
+    autopilot: str
+    version: str
+    mission: str
+    ending: str
+    trigger: str
+    second: float
+    clear: bool
+    least: float
+    to: str
+    required: float
+    goal: str
+    low_s: float
+    high_s: float
+    expected_s: float
+    did: str
+    flown_least: float
+    flown_to: str
+    flown_s: float
+    goal_off: float
+    track_off: float
+    level: bool
+
+
+def distances(points: Points, scenario: Scenario) -> tuple[float, str]:
+    """The least distance of points (n, 3) to the scenario's obstacles, less than 0 inside, and to which.
+
+    Points below the scenario's ground, to which only the simulator's lower one lets it sink, do not count.
+    """
+    points = points[points[:, 2] >= np.minimum(scenario.airspace.ground(points), points[:1, 2])]
+    found = [(float(_to(one, points).min()), str(one.name)) for one in scenario.airspace.obstacles]
+    return min(found, default=(math.inf, ""))
+
+
+def _to(one: Any, points: Points) -> Any:
+    if isinstance(one, Sphere):
+        return np.linalg.norm(points - np.array(one.center), axis=1) - one.radius
+    if isinstance(one, Cylinder):
+        level = np.hypot(points[:, 0] - one.east, points[:, 1] - one.north) - one.radius
+    elif isinstance(one, Prism):
+        shape = shapely.Polygon(one.outer, one.holes)
+        at = shapely.points(points[:, :2])
+        outside = shapely.distance(shape, at)
+        level = np.where(outside > 0.0, outside, -shapely.distance(shape.boundary, at))
+    else:
+        raise TypeError(type(one).__name__)
+    upright = np.maximum(one.base - points[:, 2], points[:, 2] - one.top)
+    return np.where((level > 0.0) & (upright > 0.0), np.hypot(level, upright), np.maximum(level, upright))
+
+
+def dense(track: Points) -> Points:
+    """Points (n, 3) along a track (m, 4), no two of them farther apart than `STEP`."""
+    pieces = [track[:1, 1:]]
+    for one, other in zip(track[:-1, 1:], track[1:, 1:], strict=True):
+        count = max(1, math.ceil(float(np.linalg.norm(other - one)) / STEP))
+        pieces.append(one + (other - one) * np.linspace(0.0, 1.0, count + 1)[1:, None])
+    return np.concatenate(pieces)
+
+
+class Foretold:
+    """What was forecast of one mission."""
+
+    def __init__(self, path: Path, others: Mapping[str, float]) -> None:
+        """`others`: parameters that were changed for an order."""
+        self.scenario = read_scenario(path.with_suffix(".toml"))
+        autopilot = self.scenario.vehicle.autopilot
+        mission = read_mission(path, autopilot).with_parameters(others)
+        self.endings = Endings(Forecast(mission, self.scenario))
+        self.level = bool(self.scenario.ground.is_level)
+        self.over_level_ground = itinerary(self.endings.mission, LEVEL)
+
+    def row(self, ending: Ending, time: float) -> EndingRow:
+        """What was forecast of that second."""
+        return self.endings.at(ending, float(np.clip(time, *self.endings.ways.in_air)), timed=False)
+
+    def timed(self, ending: Ending, time: float) -> tuple[float, float, float]:
+        """How long the ending was to last from that time, over level ground: low, mean, high; NaN: not told."""
+        forecast = self.endings.forecast
+        model = forecast.mission.autopilot.part(FlightModel)
+        order = BrokenOff(float(np.clip(time, *self.endings.ways.in_air)), ending)
+        if ending not in (Ending.RTL, Ending.LAND):
+            return math.nan, math.nan, math.nan
+        found = model.broken_off(self.over_level_ground, forecast.mission, forecast.wind, None, order)
+        low, mean, high = (float(end[-1]) - order.time for end in (found.low, found.done, found.high))
+        return low, mean, high
+
+    def time_at(self, place: Points, time: float) -> float:
+        """When it was forecast to be where it was."""
+        times = self.endings.ways.stops().times
+        near = np.abs(times - time) <= AROUND_S
+        if not near.any():
+            return time
+        return float(times[near][np.linalg.norm(self.endings.ways.stops().places[near] - place, axis=1).argmin()])
+
+
+def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> Judged:
+    """One order."""
+    mission = foretold.endings.mission
+    left = flight.left_mission()
+    second = left if not math.isnan(left) else float(order["ordered_s"])
+    ended = flight.track[-1, 0] if math.isnan(flight.ended_s) else flight.ended_s
+    ending, trigger = order["ending"], ""
+    if order["trigger"] is not None:
+        before: Mapping[str, float] = order["before"]
+        said = mission.autopilot.failsafes({**mission.parameters, **before}, mission.firmware_version)
+        route = next(one for one in said if one.cause == order["cause"]).route
+        ending = str(route.ending)
+        if ending == Ending.LAND_START:  # none of these missions has one
+            ending = str(route.otherwise[0])
+        then = TRIGGERS[mission.autopilot][order["trigger"]].then
+        outside = np.hypot(*flight.place(second)[:2]) - then.get("FENCE_RADIUS", math.inf)
+        if FAR_OUTSIDE in route.words and outside > FAR_M:
+            ending = str(Ending.LAND)
+        trigger = f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
+    common = {
+        "autopilot": str(mission.autopilot),
+        "version": order["version"],
+        "mission": order["mission"],
+        "ending": ending,
+        "trigger": trigger,
+        "second": second,
+        "did": " ".join(flight.did()),
+        "level": foretold.level,
+    }
+    after = flight.track[(flight.track[:, 0] >= second) & (flight.track[:, 0] <= ended)]
+    least, to = distances(dense(after), foretold.scenario)
+    nothing = {f.name: math.nan for f in fields(Judged) if f.name not in common}
+    flown = {"flown_least": least, "flown_to": to, "flown_s": flight.ended_s - second}
+    if ending not in (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD):
+        return Judged(**{**nothing, **common, **flown, "clear": True, "to": "", "goal": ""})
+    kind = Ending(ending)
+    row = foretold.row(kind, second)
+    place = flight.place(second)
+    placed = foretold.time_at(place, second)
+    stops = foretold.endings.ways.stops(kind)
+    stand = stops.at(np.clip([placed], *stops.times[[0, -1]]))[1][0]
+    end = flight.track[-1, 1:] if math.isnan(flight.ended_s) else flight.place(flight.ended_s)
+    lands = stand[:2] if row.lands is None else np.array(row.lands)
+    low, expected, high = foretold.timed(kind, second)
+    return Judged(
+        **common,
+        **flown,
+        clear=row.clear,
+        least=row.least_m,
+        to=row.to,
+        required=row.required_m,
+        goal=row.goal,
+        low_s=low,
+        high_s=high,
+        expected_s=expected,
+        goal_off=float(np.linalg.norm(end[:2] - lands)),
+        track_off=float(np.linalg.norm(stops.at(np.clip([second], *stops.times[[0, -1]]))[0][0] - place)),
+    )
+
+
+def changed(order: Mapping[str, Any], autopilot: Autopilot) -> dict[str, float]:
+    """What an order changes of the vehicle's own fence, by which ArduPilot returns lower."""
+    if order["trigger"] is None:
+        return {}
+    told = {**order["before"], **TRIGGERS[autopilot][order["trigger"]].then}
+    return {name: float(value) for name, value in told.items() if name.startswith("FENCE")}
+
+
+def spoiled(order: Mapping[str, Any], flight: EndedFlight) -> str:
+    """Why a flight says nothing; nothing where it does."""
+    ordered, left = float(order["ordered_s"]), flight.left_mission()
+    if not math.isfinite(ordered) or left < ordered - 0.5:
+        return "left its mission before the order: the simulation was stalled, and its sensors timed out"
+    if order["trigger"] is None and math.isnan(left):
+        return "the order was not heard before it stood"
+    ends = flight.ended_s if math.isfinite(flight.ended_s) else math.inf
+    noticed = SILENCE_S if "ground station lost" in str(order.get("cause", "")) else NOTICED_S
+    if math.isnan(left) and ends - ordered < noticed:
+        return "it stood before the cause could be noticed"
+    return ""
+
+
+def rounded(row: Judged) -> dict[str, Any]:
+    """A line of the table."""
+    told = asdict(row)
+    return {name: round(value, 2) if isinstance(value, float) else value for name, value in told.items()}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("missions", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--csv", type=Path)
+    given = parser.parse_args()
+    foretold: dict[tuple[str, str], Foretold] = {}
+    judged = []
+    for told in sorted(given.out.glob("*/order.json")):
+        order: dict[str, Any] = json.loads(told.read_text(encoding="utf-8"))
+        flight, name = EndedFlight.read(told.parent), order["mission"]
+        others = changed(order, autopilot_named(name.rsplit("-", 1)[1]))
+        if (key := (name, json.dumps(others))) not in foretold:
+            foretold[key] = Foretold(given.missions / f"{name}.plan", others)
+        if why := spoiled(order, flight):
+            print(f"{told.parent.name}: {why}")
+            continue
+        judged.append(judge(order, flight, foretold[key]))
+        print(told.parent.name, json.dumps(rounded(judged[-1])), flush=True)
+    if given.csv and judged:
+        with given.csv.open("w", newline="", encoding="utf-8") as out:
+            lines = csv.DictWriter(out, [f.name for f in fields(Judged)], lineterminator="\n")
+            lines.writeheader()
+            lines.writerows(map(rounded, judged))
+    for line in summary(judged):
+        print(line)
+
+
+def summary(judged: list[Judged]) -> Iterator[str]:
+    """Counts, and the shares by which times were off."""
+    known = [one for one in judged if math.isfinite(one.least) and one.to != "the ground"]
+    nearer = [one for one in known if one.flown_least < one.required]
+    alarms = [one for one in known if not one.clear]
+    missed = [one for one in nearer if one.clear]
+    false = [one for one in alarms if one.flown_least >= one.required]
+    yield f"{len(judged)} orders, {len(known)} of them with obstacles; nearer than required {len(nearer)}"
+    yield f"of these not foretold: {len(missed)}; alarms {len(alarms)}, of these false {len(false)}"
+    planned = [one for one in known if one.mission.startswith("p") and one.ending == Ending.RTL]
+    yield f"RTL of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
+    for name in ("rtl", "land"):
+        timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]
+        off = np.array([one.expected_s / one.flown_s - 1.0 for one in timed if one.flown_s > LONG_ENOUGH])
+        if len(off := off[np.isfinite(off)]):
+            quantiles = ", ".join(f"{np.quantile(np.abs(off), share):.1%}" for share in (0.5, 0.9, 0.95, 1.0))
+            yield f"{name}: {len(off)}, median {np.median(off):+.1%}, sizes (50, 90, 95, 100 %) {quantiles}"
+    fails = [one for one in judged if one.trigger]
+    as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.ending]
+    yield f"failsafes {len(fails)} of {len({one.trigger for one in fails})} kinds, as said {len(as_said)}"
+    yield from (f"otherwise: {rounded(one)}" for one in fails if one not in as_said)
+    yield from (f"not foretold: {rounded(one)}" for one in missed)
+    yield from (f"false: {rounded(one)}" for one in false)
+
+
+if __name__ == "__main__":
+    main()
