@@ -99,9 +99,14 @@ def tree(path: Path) -> ast.Module:
 
 
 @cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(tree(path)))
+
+
+@cache
 def imports(path: Path) -> set[str]:
     found = set()
-    for node in ast.walk(tree(path)):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -147,7 +152,7 @@ def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
     callers = {
         path.relative_to(PACKAGE).as_posix()
         for path in FILES
-        for node in ast.walk(tree(path))
+        for node in nodes(path)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == name
     }
     assert callers == {"forecast/forecast.py"}
@@ -177,7 +182,7 @@ def code_of(path: Path) -> list[str]:
     """The lines of a file without its strings that are documentation and without comments."""
     whole = path.read_text(encoding="utf-8")
     lines = whole.splitlines()
-    for node in ast.walk(tree(path)):
+    for node in nodes(path):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
             for number in range(node.lineno - 1, node.end_lineno or node.lineno):
                 lines[number] = ""
@@ -243,7 +248,7 @@ OF_A_VERB = 12  # options, or groups of them, that a verb of the command line ta
 def functions(files: list[Path]) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
     """Every function by file and name."""
     for path in files:
-        for node in ast.walk(tree(path)):
+        for node in nodes(path):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 yield f"{path.relative_to(REPOSITORY).as_posix()}:{node.name}", node
 

@@ -63,6 +63,9 @@ def mock(
 ) -> None:
     """Be an autopilot: answer and fly as PX4 or as ArduPilot until Ctrl-C, for any ground station.
 
+    However fast it is, it goes at real speed while a list is under way or it stands armed, and says no more than 2000
+    messages a second, which a busy ground station still reads.
+
     With `--json` one line says who is where, before anybody is answered.
 
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`

@@ -129,6 +129,11 @@ class BuiltInAutopilot(Commander):
         flying = self._now + FLYING_STEP_S if self.flight.armed else math.inf
         return min(flying, self._schedule.deadline, self.transfers.deadline)
 
+    @property
+    def awaits_somebody(self) -> bool:
+        """Whether it waits, and not for ever, for what somebody else is to do: a list under way; armed, to take off."""
+        return self.transfers.deadline < math.inf or self._will_stop_motors
+
     def _listed(self, kind: int) -> None:
         """A list has been replaced or cleared."""
         if kind == MissionType.RALLY:

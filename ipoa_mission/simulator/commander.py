@@ -66,10 +66,13 @@ class Commander(Reporting):
             if self.habits.words_of_flight and self.flight.mission_state is MissionState.COMPLETE:
                 self._text(INFO, "Mission finished, landed\t")
             self._stop_motors(self.habits.arm_words[2])
-        elif self._is_standing():
-            delay = self._parameters[self.habits.disarm_delay]
-            if 0.0 < delay <= self._now - self._armed_s:
-                self._stop_motors(self.habits.arm_words[3])
+        elif self._will_stop_motors and self._parameters[self.habits.disarm_delay] <= self._now - self._armed_s:
+            self._stop_motors(self.habits.arm_words[3])
+
+    @property
+    def _will_stop_motors(self) -> bool:
+        """Whether it stands armed, and will not for ever."""
+        return self._is_standing() and self._parameters[self.habits.disarm_delay] > 0.0
 
     def _notice_height(self) -> None:
         """PX4 has taken off to where it was told to, and holds."""

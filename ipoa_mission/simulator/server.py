@@ -14,6 +14,8 @@ from ipoa_mission.simulator.station import Station
 PERFECT = Faults()
 LONGEST_WAIT_S = 0.1
 MOST_LATE_S = 1.0  # by which the autopilot's clock may be beyond what it should have done
+MOST_FRAMES_HZ = 2000.0  # to one peer: more of them overrun what a ground station's socket holds while it is busy
+MOST_AT_ONCE = 100  # frames, of the 277 small ones that Linux keeps by default for a socket that nobody reads
 WORTH_A_WORD_S = 10.0
 log = logging.getLogger(__name__)
 MOST_PIPES = 32
@@ -45,7 +47,11 @@ def serve(
 
 
 class Server:
-    """One station behind one channel; its clock runs `speedup` times as fast as the channel's."""
+    """One station behind one channel; its clock runs `speedup` times as fast as the channel's, where it can.
+
+    It goes no faster than real while the autopilot waits for somebody: people, their programs and their machines are
+    not hurried with it. Nor does it hurry where more would be said than a ground station reads.
+    """
 
     def __init__(
         self, channel: Channel, station: Station, speedup: float = 1.0, faults: Faults = PERFECT, seed: int = 0
@@ -55,7 +61,9 @@ class Server:
         self._speedup = speedup
         self._faults = faults
         self._seed = seed
-        self._epoch = channel.now()
+        self._real_s = channel.now()
+        self._virtual_s = 0.0
+        self._unread = 0.0  # frames that were sent faster than they may be
         self._lost_s = 0.0
         self._inward: dict[Peer, BadPipe] = {}
         self._outward: dict[Peer | None, BadPipe] = {}
@@ -67,35 +75,50 @@ class Server:
 
     def step(self) -> None:
         """Wait for bytes or for the next deadline, and act."""
-        wake = min(self._real(self._station.deadline), *self._pipes_wake(), self._channel.now() + LONGEST_WAIT_S)
+        hurry = self._hurry
+        due = self._real_s + max(self._station.deadline - self._virtual_s, 0.0) / hurry
+        rested = self._real_s + (self._unread - MOST_AT_ONCE) / MOST_FRAMES_HZ if self._is_ahead else math.inf
+        wake = min(due, rested, *self._pipes_wake(), self._channel.now() + LONGEST_WAIT_S)
         for data, peer in self._channel.receive(wake):
             self._pipe(self._inward, peer, 1).push(data, self._channel.now())
         now = self._channel.now()
-        self._slow_down(now)
+        self._go_on(now, hurry)
         for peer, pipe in self._inward.items():
             for data in pipe.pop(now):
-                self._station.receive(data, peer, self._virtual(now))
-        self._station.tick(self._virtual(now))
+                self._station.receive(data, peer, self._virtual_s)
+        self._station.tick(self._virtual_s)
         for data, to in self._station.outgoing():
             self._pipe(self._outward, to, 2).push(data, now)
+        most = 0
         for to, pipe in self._outward.items():
-            for data in pipe.pop(now):
+            through = pipe.pop(now)
+            for data in through:
                 self._channel.send(data, to)
+            most = max(most, len(through))
+        self._unread += most
 
-    def _slow_down(self, now: float) -> None:
-        """Let the clock fall behind rather than jump, where the machine is too busy for so many times as fast."""
-        late_s = self._virtual(now) - self._station.deadline - MOST_LATE_S
+    @property
+    def _hurry(self) -> float:
+        """How many times as fast as real the clock runs now."""
+        return min(self._speedup, 1.0) if self._is_ahead or self._station.awaits_somebody else self._speedup
+
+    @property
+    def _is_ahead(self) -> bool:
+        """Whether more has been said than a ground station may have read by now."""
+        return self._unread > MOST_AT_ONCE
+
+    def _go_on(self, now: float, hurry: float) -> None:
+        """Let the clock run on, or fall behind rather than jump, where the machine is too busy for so many times."""
+        passed_s = now - self._real_s
+        self._real_s = now
+        self._unread = max(self._unread - passed_s * MOST_FRAMES_HZ, 0.0)
+        self._virtual_s += passed_s * hurry
+        late_s = self._virtual_s - self._station.deadline - MOST_LATE_S
         if late_s > 0:
-            self._epoch += late_s / self._speedup
+            self._virtual_s -= late_s
             if self._lost_s <= WORTH_A_WORD_S < self._lost_s + late_s:
                 log.warning("the machine cannot keep up with %g times as fast: the clock is slowed", self._speedup)
             self._lost_s += late_s
-
-    def _virtual(self, real: float) -> float:
-        return (real - self._epoch) * self._speedup
-
-    def _real(self, virtual: float) -> float:
-        return self._epoch + virtual / self._speedup
 
     def _pipe(self, pipes: dict[Peer, BadPipe] | dict[Peer | None, BadPipe], peer: Peer, way: int) -> BadPipe:
         if peer not in pipes:

@@ -68,3 +68,8 @@ class Station:
     def deadline(self) -> float:
         """When `tick` is next needed."""
         return self.autopilot.deadline
+
+    @property
+    def awaits_somebody(self) -> bool:
+        """Whether the autopilot waits, and not for ever, for what somebody else is to do."""
+        return self.autopilot.awaits_somebody

@@ -2,6 +2,7 @@
 
 import ctypes
 import importlib.util
+import json
 import os
 import shutil
 import subprocess
@@ -100,3 +101,33 @@ def test_where_no_machine_code_can_be_made_the_wheel_is_any_system_s_and_asks_fo
         (metadata,) = (wheel.read(file).decode() for file in files if file.endswith("/METADATA"))
     assert "Requires-Dist: numba>=0.60\n" in metadata
     assert not [file for file in files if "kernels-" in file]
+
+
+def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from tools.machine_code import __main__ as maker
+
+    def compile_there(command: list[str], **_: object) -> None:
+        folder, cpu = Path(command[-2]), command[-1]
+        (folder / maker.file_name(cpu)).write_bytes(b"machine code")
+        index = {"sources": maker.sources_digest(), "made_by": maker.makers_digest(), "kernels": {}}
+        (folder / maker.INDEX).write_text(json.dumps(index))
+
+    def build(name: str) -> str:
+        """Make the library into a folder of this name, as from a fresh copy of the sources; what is said."""
+        (tmp_path / name).mkdir()
+        monkeypatch.setattr(sys, "argv", ["machine_code", str(tmp_path / name), "x86-64"])
+        maker.main()
+        assert (tmp_path / name / maker.file_name("x86-64")).read_bytes() == b"machine code"
+        return capsys.readouterr().out
+
+    monkeypatch.setattr(maker, "HERE", tmp_path / "nothing is made here")
+    monkeypatch.setattr(subprocess, "run", compile_there)
+    monkeypatch.delenv(maker.KEPT, raising=False)
+    assert build("unkept") == "compiling the kernels for x86-64\n"
+    monkeypatch.setenv(maker.KEPT, str(tmp_path / "kept"))
+    assert build("first") == "compiling the kernels for x86-64\n"
+    assert build("second") == ""
+    monkeypatch.setattr(maker, "makers_digest", lambda: "another numba")
+    assert build("third") == "compiling the kernels for x86-64\n"

@@ -53,7 +53,7 @@ class Console:
         self._process.stdin.write(command + "\n")
         self._process.stdin.flush()
 
-    def expect(self, words: str, seconds: float = 15.0) -> str:
+    def expect(self, words: str, seconds: float = 120.0) -> str:
         until = time.monotonic() + seconds
         while time.monotonic() < until:
             try:

@@ -37,7 +37,7 @@ def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, ru
             cwd=REPOSITORY,
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=300,
             check=False,
         )
     line = next((line for line in done.stdout.splitlines() if "RESULT " in line), None)

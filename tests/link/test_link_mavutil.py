@@ -27,7 +27,7 @@ def test_mavutil_and_mavwp_complete_a_session(run_mock: Callable[..., object], t
             [sys.executable, str(client), str(running.port), str(path), str(rally)],
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=300,
             check=False,
         )
         assert done.returncode == 0, done.stdout + done.stderr

@@ -1,15 +1,18 @@
-"""The built-in autopilot behind a port, on a machine that cannot keep up."""
+"""The built-in autopilot behind a port: how its clock goes, for a busy machine and for those whom it waits for."""
 
 import logging
 import time
 
 import pytest
 
-from ipoa_mission.link.channel import open_channel
+from ipoa_mission.link.channel import Peer, open_channel
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.messages import CommandLong, Count, Heartbeat, MavAutopilot, Message, MissionType
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.server import Server
+from ipoa_mission.simulator.server import MOST_AT_ONCE, MOST_FRAMES_HZ, Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -42,3 +45,85 @@ def test_the_clock_of_a_busy_machine_is_slowed_and_said(caplog: pytest.LogCaptur
     assert [record.message for record in caplog.records] == [
         "the machine cannot keep up with 1000 times as fast: the clock is slowed"
     ]
+
+
+STATION, VEHICLE = Target(255, 190), Target(1, 1)
+
+
+class Beside:
+    """A channel to one ground station on a clock of its own, which a look at it moves by a microsecond at least."""
+
+    datagrams = True
+
+    def __init__(self) -> None:
+        self.sent = 0
+        self._now = 0.0
+        self._coming: list[tuple[bytes, Peer]] = []
+        self._codec = Codec(*STATION)
+
+    def now(self) -> float:
+        return self._now
+
+    def unix_s(self) -> float:
+        return 1_767_225_600.0 + self._now
+
+    def say(self, message: Message) -> None:
+        self._coming.append((self._codec.encode(message, VEHICLE, self.unix_s()), "station"))
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        coming, self._coming = self._coming, []
+        self._now = self._now if coming else max(self._now + 1e-6, until)
+        return coming
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        self.sent += 1
+
+    def close(self) -> None:
+        return None
+
+
+def beside(family: Autopilot, speedup: float) -> tuple[Beside, BuiltInAutopilot, Server]:
+    """An autopilot that a station is heard by, many times as fast as real."""
+    channel, autopilot = Beside(), BuiltInAutopilot(family, HOME)
+    server = Server(channel, Station(autopilot), speedup)
+    channel.say(Heartbeat(6, MavAutopilot.INVALID))
+    server.step()
+    return channel, autopilot, server
+
+
+def run(server: Server, channel: Beside, until: float) -> None:
+    while channel.now() < until:
+        server.step()
+
+
+@pytest.mark.parametrize("family", registered())
+def test_whoever_sends_a_list_has_as_long_as_beside_a_real_one(family: Autopilot) -> None:
+    channel, autopilot, server = beside(family, 100.0)
+    channel.say(Count(3, MissionType.MISSION))
+    begun = channel.now()
+    run(server, channel, begun + 4.0)
+    assert autopilot.transfers_with(STATION)
+    run(server, channel, begun + 9.0)
+    assert not autopilot.transfers_with(STATION)
+    told = channel.sent
+    run(server, channel, begun + 10.0)
+    assert channel.sent > told + 50  # and hurries again: of the least that an autopilot tells, a hundred seconds' worth
+
+
+@pytest.mark.parametrize("family", registered())
+def test_whoever_arms_it_has_as_long_to_begin_as_beside_a_real_one(family: Autopilot) -> None:
+    channel, autopilot, server = beside(family, 100.0)
+    channel.say(CommandLong(Command.COMPONENT_ARM_DISARM, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    begun = channel.now()
+    run(server, channel, begun + 8.0)
+    assert autopilot.flight.armed
+    run(server, channel, begun + 12.0)
+    assert not autopilot.flight.armed
+
+
+def test_no_more_is_said_than_a_busy_station_reads() -> None:
+    channel, _, server = beside(Autopilot.PX4, 1000.0)
+    begun, told = channel.now(), channel.sent
+    run(server, channel, begun + 3.0)
+    at_once = 12  # its streams, when all are due
+    assert 0.8 * 3.0 * MOST_FRAMES_HZ < channel.sent - told <= 3.0 * MOST_FRAMES_HZ + MOST_AT_ONCE + at_once

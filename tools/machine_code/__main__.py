@@ -3,7 +3,8 @@
     python -m tools.machine_code FOLDER [CPU ...]
 
 `CPU`: which of `ipoa_mission.compiled.library.CPUS`, one library each. Each is made in a process of its own, in which
-numba is told to compile for it. What an editable install has made of the same sources, in the same way, is copied.
+numba is told to compile for it. What an editable install has made of the same sources, in the same way, is copied;
+so is what lies in the folder `IPOA_MISSION_MADE`, where that is set, and what was compiled is then left there.
 """
 
 import gc
@@ -21,6 +22,7 @@ from pathlib import Path
 from ipoa_mission.compiled.library import INDEX, NUMBA, PACKAGE, file_name, sources_digest, these_cpus
 
 HERE = PACKAGE / "compiled"
+KEPT = "IPOA_MISSION_MADE"  # a folder, for those who build often, each time from a fresh copy of the sources
 
 
 def make(folder: Path, cpu: str) -> None:
@@ -44,17 +46,29 @@ def makers_digest() -> str:
 
 
 def copy_made(folder: Path, cpu: str) -> bool:
-    """Copy the library and the index that lie beside the sources; whether they are there and as they would be made."""
-    library, index = HERE / file_name(cpu), HERE / INDEX
+    """Copy the library and the index from where they are as they would be made; whether they are there."""
+    return any(_copy_from(here, folder, cpu) for here in (HERE, *_kept()))
+
+
+def _kept() -> list[Path]:
+    return [Path(os.environ[KEPT])] if os.environ.get(KEPT) else []
+
+
+def _copy_from(here: Path, folder: Path, cpu: str) -> bool:
+    library, index = here / file_name(cpu), here / INDEX
     if not (library.is_file() and index.is_file()):
         return False
     made = json.loads(index.read_text(encoding="utf-8"))
     if (made["sources"], made.get("made_by")) != (sources_digest(), makers_digest()):
         return False
-    for file in (library, index):
+    _copy((library, index), folder)
+    return True
+
+
+def _copy(files: tuple[Path, Path], folder: Path) -> None:
+    for file in files:
         if not (folder / file.name).exists() or not file.samefile(folder / file.name):
             shutil.copy(file, folder)
-    return True
 
 
 def main() -> None:
@@ -70,6 +84,9 @@ def main() -> None:
             told = {NUMBA: "1", "NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": cache}
             command = [sys.executable, "-m", "tools.machine_code", str(folder), cpu]
             subprocess.run(command, check=True, env=os.environ | told)
+        for kept in _kept():
+            kept.mkdir(parents=True, exist_ok=True)
+            _copy((folder / file_name(cpu), folder / INDEX), kept)
 
 
 if __name__ == "__main__":
