@@ -15,8 +15,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.way_home import HEIGHT_STEP
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.stops import Stops, stops_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths
