@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from ipoa_mission.checks.check import Finding as Finding
-from ipoa_mission.checks.check import Severity as Severity
 from ipoa_mission.checks.check import check_mission as check_mission
 from ipoa_mission.checks.start import NotAtStart as NotAtStart
 from ipoa_mission.checks.unsafe import Unsafe as Unsafe
 from ipoa_mission.errors import BadInput as BadInput
 from ipoa_mission.errors import MissionError as MissionError
+from ipoa_mission.finding import Finding as Finding
+from ipoa_mission.finding import Severity as Severity
 from ipoa_mission.flight.boarding import FarFromHome as FarFromHome
 from ipoa_mission.flight.boarding import FastLanding as FastLanding
 from ipoa_mission.flight.boarding import OutsideOwnFence as OutsideOwnFence

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.checks.finding import Finding, Severity, error, warning
+from ipoa_mission.checks.finding import item_of
 from ipoa_mission.checks.way_home import remedy
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase
 from ipoa_mission.planning.proof import Check, prove
@@ -45,17 +46,12 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("home-differs", Severity.WARNING, 0, message)
     for leg in forecast.legs:
         for broken in _broken(leg, scenario):
-            item, message = mission.items[leg.seq - 1], f"{NAMES[leg.phase]}: {broken.words()}"
+            item, message = item_of(mission, leg.seq), f"{NAMES[leg.phase]}: {broken.words()}"
             if leg.phase is not Phase.CRUISE and not _touches(broken, scenario):
-                yield warning("leg-too-near", leg.seq, item, message)
+                yield item.warning("leg-too-near", message)
             else:
-                yield error(
-                    "leg-too-near",
-                    leg.seq,
-                    item,
-                    message,
-                    remedy(forecast) if leg.phase is Phase.RETURN else None,
-                )
+                hint = remedy(forecast) if leg.phase is Phase.RETURN else None
+                yield item.error("leg-too-near", message, hint)
 
 
 def _broken(leg: Leg, scenario: Scenario) -> list[Check]:

@@ -7,10 +7,10 @@ one checks first.
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.firmware import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, refusals
 from ipoa_mission.checks.sound import sound_part
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.vehicles.kinds import NO_AIRCRAFT
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.tube.promise import Promise
     from ipoa_mission.scenario import Scenario
-
-__all__ = ["Finding", "Severity", "check", "check_mission"]
 
 
 def check_mission(
@@ -71,7 +69,10 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
-        findings += _check_fence(flown)
+        if flown.mission.fence:
+            from ipoa_mission.checks.fence import check_fence
+
+            findings += check_fence(flown)
         if scenario is not None:  # what looks at a world is imported where there is one
             from ipoa_mission.checks.failsafe_return import check_failsafe_return
 
@@ -81,13 +82,6 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
                 findings += check_failsafe_return(flown)
     findings = [finding for finding in findings if finding.code not in ignored]
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
-
-
-def _check_fence(forecast: "Forecast") -> Iterator[Finding]:
-    if forecast.mission.fence:
-        from ipoa_mission.checks.fence import check_fence
-
-        yield from check_fence(forecast)
 
 
 def _check_world(forecast: "Forecast", promise: "Promise | None") -> Iterator[Finding]:

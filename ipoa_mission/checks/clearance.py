@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from ipoa_mission.checks.finding import Finding, Severity, error, warning
+from ipoa_mission.checks.finding import item_of
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.tube.measured import not_measured
 from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.mission.items import Mission
@@ -22,10 +23,10 @@ def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
     if promise.confidence is not None and (why := mission.autopilot.not_measured(mission.firmware_version)):
         yield Finding("version-not-measured", Severity.WARNING, None, why)
     for kept in promise.broken:
-        item = mission.items[kept.item - 1]
+        item = item_of(mission, kept.item)
         touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius
-        says = error if kept.forbids or touches else warning
-        yield says("flights-too-near", kept.item, item, f"{_where(kept)}: {kept.words(promise.confidence)}")
+        says = item.error if kept.forbids or touches else item.warning
+        yield says("flights-too-near", f"{_where(kept)}: {kept.words(promise.confidence)}")
 
 
 def _where(kept: Kept) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ipoa_mission.checks.finding import Finding, Severity
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, RETURNS, EndingLooks, EndingWays
 from ipoa_mission.forecast.shortfalls import HIGHEST, at_another_height, shortfalls

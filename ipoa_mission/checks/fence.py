@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from ipoa_mission.checks.finding import Finding, Severity, error
+from ipoa_mission.checks.finding import item_of
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Phase
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
@@ -80,4 +81,4 @@ def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
         else:
             continue
         reported.add(leg.seq)
-        yield error("outside-fence", leg.seq, forecast.mission.items[leg.seq - 1], message)
+        yield item_of(forecast.mission, leg.seq).error("outside-fence", message)

@@ -1,17 +1,35 @@
-"""What a check has to say about an item."""
+"""What a check has to say about an item of a mission."""
+
+from typing import NamedTuple
 
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import command_name
-from ipoa_mission.mission.items import Item
-
-__all__ = ["Finding", "Severity", "error", "warning"]
+from ipoa_mission.mission.items import Item, Mission
 
 
-def error(code: str, seq: int, item: Item, message: str, hint: str | None = None) -> Finding:
-    """An error about an item."""
-    return Finding(code, Severity.ERROR, seq, f"item {seq} ({command_name(item.command)}): {message}", hint)
+class Numbered(NamedTuple):
+    """An item and its number, as in mission files."""
+
+    seq: int
+    item: Item
+
+    def __str__(self) -> str:
+        return f"item {self.seq} ({command_name(self.item.command)})"
+
+    def error(self, code: str, message: str, hint: str | None = None) -> Finding:
+        """An error about it."""
+        return Finding(code, Severity.ERROR, self.seq, f"{self}: {message}", hint)
+
+    def warning(self, code: str, message: str, hint: str | None = None) -> Finding:
+        """A warning about it."""
+        return Finding(code, Severity.WARNING, self.seq, f"{self}: {message}", hint)
 
 
-def warning(code: str, seq: int, item: Item, message: str) -> Finding:
-    """A warning about an item."""
-    return Finding(code, Severity.WARNING, seq, f"item {seq} ({command_name(item.command)}): {message}")
+def numbered(mission: Mission) -> list[Numbered]:
+    """The items of a mission, the first one under number 1."""
+    return [Numbered(seq, item) for seq, item in enumerate(mission.items, start=1)]
+
+
+def item_of(mission: Mission, seq: int) -> Numbered:
+    """The item with this number."""
+    return Numbered(seq, mission.items[seq - 1])

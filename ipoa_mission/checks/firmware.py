@@ -3,8 +3,9 @@
 import math
 from collections.abc import Iterator
 
-from ipoa_mission.checks.finding import Finding, Severity, error, warning
+from ipoa_mission.checks.finding import Numbered, numbered
 from ipoa_mission.checks.positions import out_of_range
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import (
     ENDINGS,
     FLOWN_TO,
@@ -34,11 +35,11 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     firmware = mission.autopilot.firmware(mission.firmware_version)
     is_development = mission.firmware_version is not None and mission.firmware_version.stage == DEVELOPMENT
     yield from _limits(mission, firmware)
-    for seq, item in enumerate(mission.items, start=1):
-        yield from _command_and_frame(seq, item, mission.autopilot, firmware, is_development)
-        yield from _params(seq, item, firmware)
-        if item.command == Command.DO_JUMP:
-            yield from _jump(seq, item, len(mission.items))
+    for at in numbered(mission):
+        yield from _command_and_frame(at, mission.autopilot, firmware, is_development)
+        yield from _params(at, firmware)
+        if at.item.command == Command.DO_JUMP:
+            yield from _jump(at, len(mission.items))
     yield from _refused(mission, firmware)
     if mission.vehicle_type not in NO_AIRCRAFT:
         yield from _takeoff(mission)
@@ -66,38 +67,27 @@ def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
 
 
 def _command_and_frame(
-    seq: int, item: Item, autopilot: Autopilot, firmware: Firmware, is_development: bool
+    at: Numbered, autopilot: Autopilot, firmware: Firmware, is_development: bool
 ) -> Iterator[Finding]:
+    item, name = at.item, command_name(at.item.command)
     placed, plain = item.command in firmware.placed, item.command in firmware.plain
     if not placed and not plain:
         where = " in a mission: it belongs into the fence or rally list" if _is_fence(item, firmware) else ""
-        words = f"{firmware} does not take {command_name(item.command)}{where}"
-        yield error("command-not-taken", seq, item, words, _taken_later(item, autopilot, firmware))
+        words = f"{firmware} does not take {name}{where}"
+        yield at.error("command-not-taken", words, _taken_later(item, autopilot, firmware))
     elif item.command in firmware.never_flown:
-        yield error(
-            "command-never-flown",
-            seq,
-            item,
-            f"{firmware} keeps {command_name(item.command)}, and flies no mission that holds it",
-        )
+        yield at.error("command-never-flown", f"{firmware} keeps {name}, and flies no mission that holds it")
     elif is_development and not _before(autopilot, firmware).takes(item.command):
-        yield warning(
-            "command-of-development",
-            seq,
-            item,
-            f"not every development version of {firmware} takes {command_name(item.command)}",
-        )
+        yield at.warning("command-of-development", f"not every development version of {firmware} takes {name}")
     elif placed and item.frame not in firmware.frames:
         what = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
-        yield error(
-            "frame-not-taken", seq, item, f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}"
-        )
+        yield at.error("frame-not-taken", f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}")
     elif placed and not plain and item.frame == Frame.MISSION:
         message = "expected a frame with a position, not frame 2"
         if firmware.frame_2_is_amsl:
-            yield warning("frame-without-place", seq, item, f"{message}, which {firmware.name} takes for AMSL")
+            yield at.warning("frame-without-place", f"{message}, which {firmware.name} takes for AMSL")
         else:
-            yield error("frame-without-place", seq, item, message)
+            yield at.error("frame-without-place", message)
 
 
 def _before(autopilot: Autopilot, firmware: Firmware) -> Firmware:
@@ -118,111 +108,90 @@ def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
     """Values that the firmware refuses at upload: of what a place may be `check_positions` says."""
     wire = to_wire(mission)
     first = len(wire) - len(mission.items)
-    for seq, (item, spoken) in enumerate(zip(mission.items, wire[first:], strict=True), start=1):
+    for at, spoken in zip(numbered(mission), wire[first:], strict=True):
         wrong = mission.autopilot.refused(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
             continue  # unknown commands and frames, and jumps, have words of their own
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
         is_height = wrong.param == 7 and spoken.command in FLOWN_TO
-        if item.frame == Frame.MISSION or not (is_place or is_height):
-            yield error(
-                "param-refused", seq, item, f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission"
-            )
+        if at.item.frame == Frame.MISSION or not (is_place or is_height):
+            words = f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission"
+            yield at.error("param-refused", words)
     for seq, item in enumerate(fence_to_wire(mission.fence)):
         wrong = mission.autopilot.refused_in_fence(firmware, item.command, item.frame, values_of(item))
         if wrong is not None and wrong.words and wrong.result != "ERROR":  # of too few vertices `_fence` speaks
-            yield Finding(
-                "fence-refused", Severity.ERROR, None, f"fence item {seq}: {wrong.words}: {firmware} refuses the fence"
-            )
+            words = f"fence item {seq}: {wrong.words}: {firmware} refuses the fence"
+            yield Finding("fence-refused", Severity.ERROR, None, words)
 
 
 def _is_fence(item: Item, firmware: Firmware) -> bool:
     return item.command in firmware.fence or item.command in firmware.rally
 
 
-def _params(seq: int, item: Item, firmware: Firmware) -> Iterator[Finding]:
+def _params(at: Numbered, firmware: Firmware) -> Iterator[Finding]:
+    item = at.item
     for n, value in enumerate(item.params, start=1):
         if abs(value) > SINGLE_MAX:
-            yield error(
-                "param-too-large",
-                seq,
-                item,
-                f"param{n}: expected a number that fits in single precision, not {value:g}",
-            )
+            words = f"param{n}: expected a number that fits in single precision, not {value:g}"
+            yield at.error("param-too-large", words)
     hold = item.params[0]
     if item.command in HOLDING and math.isfinite(hold):
         if hold < 0:
-            yield error("hold", seq, item, f"param1: expected a hold of zero seconds or more, not {hold:g}")
+            yield at.error("hold", f"param1: expected a hold of zero seconds or more, not {hold:g}")
         elif hold > firmware.longest_hold:
-            yield error(
-                "hold", seq, item, f"param1: expected a hold of at most {firmware.longest_hold:.0f} s, not {hold:g}"
-            )
+            yield at.error("hold", f"param1: expected a hold of at most {firmware.longest_hold:.0f} s, not {hold:g}")
         elif firmware.holds_whole_seconds and not hold.is_integer():
-            yield warning(
-                "hold-rounded",
-                seq,
-                item,
-                f"param1: {firmware.name} holds for whole seconds: {int(hold)} s, not {hold:g}",
-            )
+            words = f"param1: {firmware.name} holds for whole seconds: {int(hold)} s, not {hold:g}"
+            yield at.warning("hold-rounded", words)
     if item.command in HOLDING and math.isnan(hold) and firmware.nan_holds:
-        words = f"param1: expected a hold in seconds, not NaN, at which {firmware.name} stays for ever"
-        yield error("hold", seq, item, words)
+        yield at.error("hold", f"param1: expected a hold in seconds, not NaN, at which {firmware.name} stays for ever")
     if item.command == Command.DO_CHANGE_SPEED and not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
-        yield error("speed", seq, item, f"param2: expected a speed above zero, not {item.params[1]:g}")
+        yield at.error("speed", f"param2: expected a speed above zero, not {item.params[1]:g}")
 
 
-def _jump(seq: int, item: Item, count: int) -> Iterator[Finding]:
-    target, repeats = item.params[:2]
+def _jump(at: Numbered, count: int) -> Iterator[Finding]:
+    target, repeats = at.item.params[:2]
     if not (math.isfinite(target) and target.is_integer() and 1 <= target <= count):
-        yield error("jump-target", seq, item, f"param1: expected the number of an item, 1 to {count}, not {target:g}")
-    elif target == seq:
-        yield error("jump-target", seq, item, "param1: expected another item, not the jump itself")
+        yield at.error("jump-target", f"param1: expected the number of an item, 1 to {count}, not {target:g}")
+    elif target == at.seq:
+        yield at.error("jump-target", "param1: expected another item, not the jump itself")
     if not repeats >= 0:
-        yield warning(
-            "jump-without-end",
-            seq,
-            item,
-            f"param2: {repeats:g} repeats never end: the mission flies until someone ends it",
-        )
+        words = f"param2: {repeats:g} repeats never end: the mission flies until someone ends it"
+        yield at.warning("jump-without-end", words)
 
 
 def _takeoff(mission: Mission) -> Iterator[Finding]:
-    moving = [
-        (seq, item)
-        for seq, item in enumerate(mission.items, start=1)
-        if item.command < Command.CONDITION_DELAY and item.command not in MAY_PRECEDE_TAKEOFF
-    ]
+    moving = [at for at in _flown(mission) if at.item.command not in MAY_PRECEDE_TAKEOFF]
     if not moving:
         return
-    (seq, first), guidance = moving[0], mission.autopilot.guidance
-    if first.command not in TAKEOFFS:
-        later = any(item.command in TAKEOFFS for _, item in moving)
+    first, guidance = moving[0], mission.autopilot.guidance
+    if first.item.command not in TAKEOFFS:
+        later = any(at.item.command in TAKEOFFS for at in moving)
         if guidance.needs_takeoff or later:
-            yield error(
-                "takeoff-not-first", seq, first, f"expected the take-off first, not {command_name(first.command)}"
-            )
+            words = f"expected the take-off first, not {command_name(first.item.command)}"
+            yield first.error("takeoff-not-first", words)
         else:
-            yield warning(
-                "takeoff-missing", seq, first, "the mission has no take-off: it serves a vehicle that already flies"
-            )
-    yield from _waits_armed(mission, seq)
+            words = "the mission has no take-off: it serves a vehicle that already flies"
+            yield first.warning("takeoff-missing", words)
+    yield from _waits_armed(mission, first.seq)
     least = 0.0
     if guidance.least_takeoff is not None:
         name, more = guidance.least_takeoff
         least = mission.autopilot.book.moving[name] + more
-    for seq, item in moving:
-        height = mission.altitude_above_home(item)
-        if item.command in TAKEOFFS and height <= least:
+    for at in moving:
+        height = mission.altitude_above_home(at.item)
+        if at.item.command in TAKEOFFS and height <= least:
             if guidance.own_takeoff > 0.0:
                 climbs = f"{mission.autopilot.model} climbs {guidance.own_takeoff:g} m all the same"
-                yield warning("takeoff-low", seq, item, f"a take-off to {height:g} m above home: {climbs}")
+                yield at.warning("takeoff-low", f"a take-off to {height:g} m above home: {climbs}")
             else:  # it finds such a mission infeasible
-                yield error(
-                    "takeoff-low",
-                    seq,
-                    item,
-                    f"expected a take-off to more than {least:g} m above home, not to {height:g} m",
-                )
+                words = f"expected a take-off to more than {least:g} m above home, not to {height:g} m"
+                yield at.error("takeoff-low", words)
+
+
+def _flown(mission: Mission) -> list[Numbered]:
+    """The items that move the vehicle."""
+    return [at for at in numbered(mission) if at.item.command < Command.CONDITION_DELAY]
 
 
 def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
@@ -231,10 +200,10 @@ def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
     if not name:
         return
     stands = {**mission.autopilot.book.moving, **mission.parameters}[name]
-    for seq, item in enumerate(mission.items[: takeoff - 1], start=1):
-        if item.command == Command.NAV_DELAY and 0.0 < stands <= item.params[0]:
+    for at in numbered(mission)[: takeoff - 1]:
+        if at.item.command == Command.NAV_DELAY and 0.0 < stands <= at.item.params[0]:
             words = f"on the ground {mission.autopilot.model} disarms after {stands:g} s ({name}; 0: never)"
-            yield warning("disarms-waiting", seq, item, words)
+            yield at.warning("disarms-waiting", words)
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:
@@ -250,7 +219,6 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
 
 
 def _ending(mission: Mission) -> Iterator[Finding]:
-    flown = [(seq, item) for seq, item in enumerate(mission.items, 1) if item.command < Command.CONDITION_DELAY]
-    if flown and flown[-1][1].command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
-        seq, last = flown[-1]
-        yield warning("ends-in-the-air", seq, last, "the mission ends in the air, where the vehicle stays")
+    flown = _flown(mission)
+    if flown and flown[-1].item.command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
+        yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, where the vehicle stays")

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipoa_mission.checks.finding import Finding, Severity
+from ipoa_mission.checks.finding import Numbered, item_of
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.legs import Phase
-from ipoa_mission.mission.commands import Command, command_name
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.slow_landing import SlowStretch
 
@@ -21,13 +22,12 @@ HOME_AGREES = 0.5  # ground at home may differ from home's altitude by so much [
 
 @dataclass(frozen=True)
 class Landing:
-    """Where item `seq` comes down: east and north of home, how high above home the ground is, all in m.
+    """Where an item comes down: east and north of home, how high above home the ground is, all in m.
 
     `counted`: as high as the autopilot takes the ground to be at worst, had it no sensor.
     """
 
-    seq: int
-    command: int
+    item: Numbered
     east: float
     north: float
     height: float
@@ -36,10 +36,12 @@ class Landing:
     @property
     def words(self) -> str:
         """Which item, where, and how high."""
-        return (
-            f"item {self.seq} ({command_name(self.command)}): at east {self.east:.1f}, north {self.north:.1f} "
-            f"the ground is {_apart(self.height)} home"
-        )
+        return f"{self.item}: {self.where}"
+
+    @property
+    def where(self) -> str:
+        """Where, and how high."""
+        return f"at east {self.east:.1f}, north {self.north:.1f} the ground is {_apart(self.height)} home"
 
 
 def landings(forecast: "Forecast") -> Iterator[Landing]:
@@ -51,12 +53,13 @@ def landings(forecast: "Forecast") -> Iterator[Landing]:
         height = forecast.frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
         if (leg.seq, round(height, 1)) not in reported:
             reported.add((leg.seq, round(height, 1)))
-            item = mission.items[leg.seq - 1]
+            numbered = item_of(mission, leg.seq)
+            item = numbered.item
             lands_at = item.command == Command.NAV_LAND and item.has_position
             below = min(item.height(mission.home), 0.0) if lands_at else 0.0  # ArduCopter 4.7 counts from there
             counted = height - (below if mission.autopilot.guidance.lands_below_item else 0.0)
             east, north = (float(value) for value in leg.points[-1, :2])
-            yield Landing(leg.seq, item.command, east, north, height, counted)
+            yield Landing(numbered, east, north, height, counted)
 
 
 def check_ground(forecast: "Forecast") -> Iterator[Finding]:
@@ -79,22 +82,14 @@ def check_ground(forecast: "Forecast") -> Iterator[Finding]:
         if stretch.is_fast(landing.counted):
             wanted = in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
             hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
-            yield Finding(
-                "fast-touchdown",
-                Severity.WARNING,
-                landing.seq,
-                f"{landing.words}: {touches_down(stretch, landing)}",
-                hint,
-            )
+            message = f"{landing.where}: {touches_down(stretch, landing)}"
+            yield landing.item.warning("fast-touchdown", message, hint)
         elif landing.height < -DEEP:
             way = stretch.ends - landing.height
-            words = (
-                f"the last {way:.0f} m are flown at {stretch.landing:.1f} m/s and take {way / stretch.landing:.0f} s"
-            )
+            slowly = f"flown at {stretch.landing:.1f} m/s and take {way / stretch.landing:.0f} s"
+            message = f"{landing.where}: without a rangefinder the last {way:.0f} m are {slowly}"
             hint = "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
-            yield Finding(
-                "slow-landing", Severity.WARNING, landing.seq, f"{landing.words}: without a rangefinder {words}", hint
-            )
+            yield landing.item.warning("slow-landing", message, hint)
 
 
 def touches_down(stretch: SlowStretch, landing: Landing) -> str:

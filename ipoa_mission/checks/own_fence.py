@@ -5,11 +5,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ipoa_mission.checks.finding import item_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase
 from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.geometry import Vector
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.world.frame import Geodetic
@@ -53,7 +53,6 @@ def _beyond(
     leg, value = max(reached, key=lambda one: sign * one[1], default=(None, 0.0))
     if leg is None or sign * (value + stray - limit.value) < 0.0:
         return
-    item = f"item {leg.seq} ({command_name(mission.items[leg.seq - 1].command)})"
     allowed = f"{limit.value:.1f} m at {'least' if sign < 0.0 else 'most'} ({limit.name})"
     flown = f"{value:.1f} m {where} ({value + stray:.1f} m as flights stray)"
-    yield f"{item}: {flown}, and the vehicle's own fence allows {allowed}"
+    yield f"{item_of(mission, leg.seq)}: {flown}, and the vehicle's own fence allows {allowed}"

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from ipoa_mission.checks.finding import Finding, error
+from ipoa_mission.checks.finding import item_of
+from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 
 
@@ -29,4 +30,4 @@ def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
             others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
             where = f"passes {aside:.1f} m from" if aside > 0 else "crosses"
             words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
-            yield error("map-not-understood", leg.seq, forecast.mission.items[leg.seq - 1], words, first.remedy)
+            yield item_of(forecast.mission, leg.seq).error("map-not-understood", words, first.remedy)

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 from pyproj import Geod
 
-from ipoa_mission.checks.finding import Finding, Severity, error, warning
+from ipoa_mission.checks.finding import Numbered, numbered
 from ipoa_mission.errors import BadInput
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.program import is_as_high_as_now, is_here
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
@@ -25,16 +26,14 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     elsewhere = home_elsewhere(mission)
     if elsewhere:
         yield Finding("home-elsewhere", Severity.WARNING, 0, elsewhere)
-    for seq, item in enumerate(mission.items, start=1):
-        if (
-            item.command in FLOWN_TO | mission.autopilot.firmware(mission.firmware_version).placed.keys()
-            and item.frame != Frame.MISSION
-        ):
-            findings = list(_position(seq, item, mission))
+    placed = FLOWN_TO | mission.autopilot.firmware(mission.firmware_version).placed.keys()
+    for at in numbered(mission):
+        if at.item.command in placed and at.item.frame != Frame.MISSION:
+            findings = list(_position(at, mission))
             yield from findings
             if not findings and not elsewhere:
-                yield from _far(seq, item, mission.home)
-            yield from _height(seq, item, mission)
+                yield from _far(at, mission.home)
+            yield from _height(at, mission)
     yield from _fence(mission)
     for n, place in enumerate(mission.rally):
         if wrong := _wrong_corner(mission.home, place.latitude_deg, place.longitude_deg):
@@ -72,11 +71,9 @@ def home_elsewhere(mission: Mission) -> str | None:
     placed = [item for item in mission.items if item.has_position and item.command != Command.NAV_TAKEOFF]
     places = [(item.latitude_deg, item.longitude_deg) for item in placed]
     home = (mission.home.latitude_deg, mission.home.longitude_deg)
-    if (
-        not places
-        or not mission.autopilot.guidance.home_is_where_armed
-        or any(out_of_range(*p) for p in (home, *places))
-    ):
+    if not places or not mission.autopilot.guidance.home_is_where_armed:
+        return None
+    if any(out_of_range(*place) for place in (home, *places)):
         return None
     nearest = min(distance(mission.home, *place) for place in places)
     if nearest <= TOO_FAR or any(distance(Geodetic(*places[0]), *place) > TOO_FAR for place in places):
@@ -122,27 +119,18 @@ def out_of_range(latitude_deg: float, longitude_deg: float) -> str | None:
     return None
 
 
-def _position(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
+def _position(at: Numbered, mission: Mission) -> Iterator[Finding]:
+    item, model = at.item, mission.autopilot.model
     if wrong := out_of_range(item.latitude_deg, item.longitude_deg):
-        yield error("position-out-of-range", seq, item, wrong)
+        yield at.error("position-out-of-range", wrong)
     elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
         if is_here(item, mission.autopilot):
             if item.command not in MAY_BE_HERE:
-                yield warning(
-                    "position-here",
-                    seq,
-                    item,
-                    f"latitude 0, longitude 0: {mission.autopilot.model} does it where it is",
-                )
+                yield at.warning("position-here", f"latitude 0, longitude 0: {model} does it where it is")
         elif item.command not in MAY_BE_HERE:
-            yield error("position-missing", seq, item, "expected a position, not latitude 0, longitude 0")
+            yield at.error("position-missing", "expected a position, not latitude 0, longitude 0")
         elif not mission.autopilot.guidance.zero_is_here:
-            yield error(
-                "position-missing",
-                seq,
-                item,
-                f"expected a position: {mission.autopilot.model} would fly to latitude 0, longitude 0",
-            )
+            yield at.error("position-missing", f"expected a position: {model} would fly to latitude 0, longitude 0")
 
 
 def distance(home: Geodetic, latitude_deg: float, longitude_deg: float) -> float:
@@ -151,41 +139,41 @@ def distance(home: Geodetic, latitude_deg: float, longitude_deg: float) -> float
     return float(metres)
 
 
-def _far(seq: int, item: Item, home: Geodetic) -> Iterator[Finding]:
+def _far(at: Numbered, home: Geodetic) -> Iterator[Finding]:
+    item = at.item
     if not item.has_position or out_of_range(home.latitude_deg, home.longitude_deg):
         return
     km = distance(home, item.latitude_deg, item.longitude_deg) / 1000
     if km > TOO_FAR / 1000:
-        yield error("too-far", seq, item, f"expected a position within {TOO_FAR / 1000:g} km of home, not {km:.0f} km")
+        yield at.error("too-far", f"expected a position within {TOO_FAR / 1000:g} km of home, not {km:.0f} km")
     elif km > FAR / 1000:
-        yield warning("far", seq, item, f"lies {km:.1f} km from home")
+        yield at.warning("far", f"lies {km:.1f} km from home")
 
 
-def _height(seq: int, item: Item, mission: Mission) -> Iterator[Finding]:
+def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
+    item = at.item
     if item.command not in FLOWN_TO:
         return
     if not math.isfinite(item.altitude):
-        yield error("altitude-missing", seq, item, f"expected an altitude in metres, not {item.altitude}")
+        yield at.error("altitude-missing", f"expected an altitude in metres, not {item.altitude}")
         return
     if is_as_high_as_now(item, mission.autopilot):
         if item.command != Command.NAV_PAYLOAD_PLACE:
-            yield warning("altitude-kept", seq, item, "altitude 0: ArduCopter stays as high as it is")
+            yield at.warning("altitude-kept", "altitude 0: ArduCopter stays as high as it is")
         return
     if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
         if not (item.altitude > 0 or item.command == Command.NAV_LAND) or abs(item.altitude) > HIGHEST:
-            yield error(
-                "height-over-terrain", seq, item, f"expected a height above the terrain, not {item.altitude:g} m"
-            )
+            yield at.error("height-over-terrain", f"expected a height above the terrain, not {item.altitude:g} m")
         return
     height = mission.altitude_above_home(item)
     if math.isnan(height):
         return  # a frame that no firmware takes: `check_firmware` says so
     if not LOWEST <= height <= HIGHEST:
         message = f"expected a height from {LOWEST:g} to {HIGHEST:g} m above home, not {height:g} m"
-        yield error("height-absurd", seq, item, message + _doubt(item, mission))
+        yield at.error("height-absurd", message + _doubt(item, mission))
     elif height <= 0 and item.command not in MAY_BE_HERE:
         words = f"lies {-height:g} m below home" if height else "flies at the height of home: has it no altitude?"
-        yield warning("below-home", seq, item, words + _doubt(item, mission))
+        yield at.warning("below-home", words + _doubt(item, mission))
 
 
 def _doubt(item: Item, mission: Mission) -> str:

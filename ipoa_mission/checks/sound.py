@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.checks.positions import home_elsewhere
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import TAKEOFFS, Command, Frame
 from ipoa_mission.mission.items import Item

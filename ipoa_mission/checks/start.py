@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ipoa_mission.checks.finding import Severity
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, takeoff

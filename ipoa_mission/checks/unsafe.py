@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from ipoa_mission.checks.finding import Finding, Severity
 from ipoa_mission.errors import MissionError
+from ipoa_mission.finding import Finding, Severity
 
 
 class Unsafe(MissionError):

@@ -5,7 +5,7 @@ RTL_RETURN_ALT are least heights), so a mission can see to a clear way home what
 parameters are.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import takewhile
 
 from ipoa_mission.forecast.forecast import Forecast
@@ -27,10 +27,10 @@ def remedy(forecast: Forecast) -> str:
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     mission, scenario = forecast.mission, forecast.world
     by = mission.autopilot.book.return_height
-    roomy = with_room(scenario, TIGHT_PLACES)
+    is_clear = clear_in(scenario)
     for altitude in heights_to_try(scenario):
         name, value = by.name, by.spelled(altitude)
-        if is_clear(Forecast(mission.with_parameters({name: value}), scenario).ways_home, roomy):
+        if is_clear(Forecast(mission.with_parameters({name: value}), scenario).ways_home):
             return f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
     return others
 
@@ -45,11 +45,16 @@ def heights_above(above: float) -> Iterator[float]:
     return (float(height) for height in range(HEIGHT_STEP, HIGHEST + 1, HEIGHT_STEP) if height > above)
 
 
-def is_clear(legs: Iterable[Leg], roomy: Scenario) -> bool:
-    """Whether these ways keep what is required of them, with room for the tube."""
-    spare, required = 0.0 if roomy.safety.chance is None else SAG, roomy.limits.obstacle_distance
-    return all(
-        roomy.airspace.obstacle_clearance(leg.points).distance >= required + spare
-        and all(check.slack >= spare for check in prove_heights(leg.points, roomy) if check.limit == "ground")
-        for leg in legs
-    )
+def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
+    """What tells of ways whether they keep what is required of them, with room for the tube."""
+    roomy, required = with_room(scenario, TIGHT_PLACES), scenario.limits.obstacle_distance
+    spare = 0.0 if scenario.safety.chance is None else SAG
+
+    def is_clear(legs: Iterable[Leg]) -> bool:
+        return all(
+            roomy.airspace.obstacle_clearance(leg.points).distance >= required + spare
+            and all(check.slack >= spare for check in prove_heights(leg.points, roomy) if check.limit == "ground")
+            for leg in legs
+        )
+
+    return is_clear

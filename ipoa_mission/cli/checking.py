@@ -37,12 +37,12 @@ def check(
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
-    from ipoa_mission.checks.check import Severity
     from ipoa_mission.checks.check import check as check_forecast
     from ipoa_mission.checks.firmware import is_too_long
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.sarif import sarif as sarif_log
     from ipoa_mission.cli.reading import read_given, read_world
+    from ipoa_mission.finding import Severity
     from ipoa_mission.forecast.forecast import Forecast
 
     given, air = read_given(file, flown_by), flown_by.air
@@ -101,10 +101,10 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
-    from ipoa_mission.checks.finding import Severity
     from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_given, read_world
+    from ipoa_mission.finding import Severity
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.commands import short_name
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.finding import Finding
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
+from ipoa_mission.finding import Finding
 from ipoa_mission.flight.summary import (
     clearance_as_json,
     limits_as_json,
@@ -36,7 +36,7 @@ from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.assemble import Option
+from ipoa_mission.routing.assemble import Option, weigh_routes
 from ipoa_mission.routing.endings import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.routing.seek import plan_with_room
@@ -212,7 +212,9 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
-    plan, options, forecast = plan_with_room(scenario, seed, progress)
+    found = plan_with_room(scenario, seed, progress)
+    plan, forecast = found.plan.judged_by(scenario), found.forecast
+    options = weigh_routes(plan, scenario, found.route)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     findings = refuse_errors(check(forecast))

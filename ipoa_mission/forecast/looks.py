@@ -18,8 +18,8 @@ from ipoa_mission.forecast.stops import Stops, stops_of
 from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
+from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import prove_heights
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.airspace import Clearance
@@ -100,7 +100,7 @@ class EndingWays:
         return other
 
     @cached_property
-    def roomy(self) -> Scenario:
+    def roomy(self) -> PathTask:
         """The scenario with room for the tube."""
         return with_room(self.forecast.world, TIGHT_PLACES)
 

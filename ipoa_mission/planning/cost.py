@@ -12,7 +12,6 @@ from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, tur
 from ipoa_mission.planning.chart import LEAST, STEEP, Rules
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario.limits import Limits
 
 FINE = 0.05  # the step at which a plan's cost is integrated [m]
 FULL_TURN_DEG = 360.0
@@ -100,12 +99,12 @@ def node_weights(nodes: Points, per_node: bool) -> Vector:
     return np.asarray((np.append(0.0, legs) + np.append(legs, 0.0)) / 2)
 
 
-def rules_of(task: PathTask, limits: Limits) -> Rules:
+def rules_of(task: PathTask) -> Rules:
     """Limits and weights as the kernels take them.
 
     Breaking a limit costs ten times the way, and more with depth: a search can still climb out.
     """
-    cost, direct = task.cost, float(np.linalg.norm(task.places[-1] - task.places[0]))
+    cost, limits, direct = task.cost, task.limits, float(np.linalg.norm(task.places[-1] - task.places[0]))
     length, turning, threat = cost.omega
     return Rules(
         clearance=limits.obstacle_distance,

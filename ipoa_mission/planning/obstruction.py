@@ -11,6 +11,7 @@ from ipoa_mission.planning.lattice import Lattice, lay
 from ipoa_mission.planning.plan_view import closure
 from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.planning.proof import Check, Proof
+from ipoa_mission.scenario.limits import place_names
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDING, NUDGE, SAME = 1e-6, 1e-4, 0.1  # [m]
@@ -38,8 +39,7 @@ def refuse_places(problem: PreparedProblem) -> None:
     stops = task.places
     if np.linalg.norm(np.diff(stops, axis=0), axis=1).max() < SAME:
         raise BadInput("goal: expected a place other than the start, or via points on the way")
-    names = ["start", *(f"via[{i}]" for i in range(len(stops) - 2)), "goal"]
-    for name, stop in zip(names, stops, strict=True):
+    for name, stop in zip(place_names(stops), stops, strict=True):
         spot = np.array([stop, stop])
         height = airspace.terrain_clearance(spot)
         checks = [
@@ -63,16 +63,10 @@ def refuse_closed(problem: PreparedProblem) -> None:
         if (barrier := closure(problem, a, b)) is not None:
             where = f"at east {barrier.place[0]:.1f}, north {barrier.place[1]:.1f} m"
             if barrier.needed == 0:
-                few = ", ".join(barrier.names[:3]) + (
-                    f" and {more} more" if (more := len(barrier.names) - 3) > 0 else ""
-                )
+                more = len(barrier.names) - 3
+                few = ", ".join(barrier.names[:3]) + (f" and {more} more" if more > 0 else "")
                 raise NoPath(f"every way is walled off: by {few}, {where}")
             raise _too_narrow(barrier.names, where, barrier.width, barrier.needed)
-
-
-def explain(problem: PreparedProblem, proof: Proof) -> NoPath:
-    """The error that tells why no path was found; `proof` is that of the best one."""
-    return blockage(problem) or not_found(proof)
 
 
 def not_found(proof: Proof) -> NotFound:
@@ -146,7 +140,10 @@ def _closed(problem: PreparedProblem, gate: Vector) -> NoPath | None:
         return NoPath(f"every way is walled off: even where it is easiest to pass, {first.name} closes it, {where}")
     opposite = [wall for wall in walls[1:] if wall.away @ first.away < -0.5]
     if not opposite:
-        return NoPath(f"the widest way comes within {first.distance:.2f} m of {first.name} {where}, {_needs(first)}")
+        return NoPath(
+            f"the widest way comes within {first.distance:.2f} m of {first.name} {where}, "
+            f"at least {first.required:.2f} m required"
+        )
     width, needed = _gap(first, opposite[0], gate), first.required + opposite[0].required
     if width > needed:
         return None
@@ -159,10 +156,6 @@ def _too_narrow(names: tuple[str, ...], where: str, width: float, needed: float)
         f"at least {needed:.2f} m required",
         hint="reduce safety_distance or the vehicle's radius, or leave a wider way",
     )
-
-
-def _needs(wall: _Wall) -> str:
-    return f"at least {wall.required:.2f} m required"
 
 
 def _walls(problem: PreparedProblem, gate: Vector) -> list[_Wall]:

@@ -1,54 +1,15 @@
 """What the planner is asked: an airspace, limits, places to pass, and how a path is judged; no file is needed."""
 
-from dataclasses import dataclass, field
-from typing import Protocol
+from dataclasses import dataclass, field, fields, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario.limits import Limits
-from ipoa_mission.scenario.model import CostSection, OptimizerSection, PlanningSection
+from ipoa_mission.scenario.model import CostSection, OptimizerSection, PlanningSection, Scenario
 from ipoa_mission.world.airspace import Airspace
-
-
-class PathTask(Protocol):
-    """What the planner looks at: a `PathProblem`, or a `Scenario`, which has the same and more."""
-
-    @property
-    def airspace(self) -> Airspace:
-        """Bounds, terrain and obstacles."""
-        ...
-
-    @property
-    def limits(self) -> Limits:
-        """What the path must keep."""
-        ...
-
-    @property
-    def places(self) -> Points:
-        """Start, places to pass, goal, (k, 3) [m]."""
-        ...
-
-    @property
-    def radius(self) -> float:
-        """Radius of the vehicle's hull [m]."""
-        ...
-
-    @property
-    def cost(self) -> CostSection:
-        """How a path is judged."""
-        ...
-
-    @property
-    def planning(self) -> PlanningSection:
-        """How the path is sought."""
-        ...
-
-    @property
-    def optimizer(self) -> OptimizerSection:
-        """The search algorithm."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,3 +59,21 @@ class PathProblem:
         if places.ndim != 2 or places.shape[1] != 3 or len(places) < 2 or not np.isfinite(places).all():
             raise BadInput("places: expected two or more points (east, north, up), finite numbers, as an array (k, 3)")
         object.__setattr__(self, "places", places)
+
+    def tightened(self, above: float, below: float = 0.0, airspace: Airspace | None = None) -> "PathProblem":
+        """The same for a path that keeps `above` [m] more above the ground and `below` more under the ceiling.
+
+        It lies in another `airspace`, if one is given, over the same terrain.
+        """
+        limits = self.limits.tightened(above, below, self.places, self.airspace)
+        return replace(self, limits=limits, airspace=airspace or self.airspace)
+
+
+#: What the planner looks at: a scenario has all of a problem, and more.
+PathTask: TypeAlias = PathProblem | Scenario
+
+
+def problem_of(task: PathTask) -> PathProblem:
+    """What of a scenario its path is planned from."""
+    given = {one.name: getattr(task, one.name) for one in fields(PathProblem)}
+    return PathProblem(**given)

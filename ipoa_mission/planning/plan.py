@@ -1,13 +1,14 @@
 """What planning comes to: a curve, what it costs, and the proof that it may be flown."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.cost import CostTerms
-from ipoa_mission.planning.proof import Proof
+from ipoa_mission.planning.cost import CostTerms, curve_cost
+from ipoa_mission.planning.path_problem import PathTask
+from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 
 
@@ -34,6 +35,10 @@ class Plan:
     evaluations: NDArray[np.int64]
     history: NDArray[np.float64]
     via_at: Vector = field(default_factory=lambda: np.zeros(0))
+
+    def judged_by(self, task: PathTask) -> "Plan":
+        """The same path with its cost and its proof by another `task`, as by one that asks for less room."""
+        return replace(self, cost=curve_cost(self.curve, task), proof=prove_curve(self.curve, task))
 
     def __repr__(self) -> str:
         cost, count = float(self.history[-1]), int(self.evaluations[-1])

@@ -6,7 +6,6 @@ with twice the control points, are searched again piece by piece, and a long one
 polished until their proof holds; and the best of these once more, with twice the control points again.
 """
 
-from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -16,13 +15,14 @@ from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
 from ipoa_mission.planning.kick import kicked
 from ipoa_mission.planning.lattice import guesses
-from ipoa_mission.planning.obstruction import NoPath, blockage, explain, not_found, refuse_closed, refuse_places
+from ipoa_mission.planning.obstruction import NoPath, blockage, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM, ROUGH, polish, settle
 from ipoa_mission.planning.problem import UNSAFE, PreparedProblem, Trail, follow, pose, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.search import Searcher, optimizer_of
+from ipoa_mission.planning.spline import Spline
 from ipoa_mission.planning.strategy import SearchStrategy, strategy_for
 from ipoa_mission.progress import Progress, silent
 
@@ -75,14 +75,14 @@ def plan_path(
     safe = [proved for proved in curves if proved[1].holds]
     if not safe:
         nearest = max((proof for _, proof, _ in curves), key=lambda proof: proof.worst.slack)
-        raise explain(problem, nearest) if as_printed else not_found(nearest)
+        raise (blockage(problem) if as_printed else None) or not_found(nearest)
     trail, proof, cost = min(safe, key=lambda proved: proved[2].total)
     name = task.optimizer.name if optimizer is None else type(optimizer).__name__
     return Plan(trail.curve, cost, proof, name, seed, *searcher.history(), trail.via_at)
 
 
-def move_aside(plan: Plan, task: PathTask) -> Plan | None:
-    """The plan's curve moved to where it keeps the limits of another task, one that asks for more room.
+def move_aside(plan: Plan, task: PathTask) -> Spline | None:
+    """The plan's curve, moved to where it keeps the limits of another task, one that asks for more room.
 
     None if it cannot where it is: another way round may.
     """
@@ -90,9 +90,7 @@ def move_aside(plan: Plan, task: PathTask) -> Plan | None:
     with threadpool_limits(1, "blas"):
         near = polish(Trail(plan.curve, plan.via_at), problem, FIRM)
         trail, proof = settle(near, problem, enough=1e-5, finer=1, attempts=2)
-    if not proof.holds:
-        return None
-    return replace(plan, curve=trail.curve, cost=curve_cost(trail.curve, task), proof=proof)
+    return trail.curve if proof.holds else None
 
 
 def _search_once(searcher: Searcher, progress: Progress) -> Settled:

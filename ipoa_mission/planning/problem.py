@@ -121,10 +121,9 @@ class PreparedProblem:
 
 def pose(task: PathTask) -> PreparedProblem:
     """The problem that a task poses, made ready."""
-    limits = task.limits
-    rules = rules_of(task, limits)
+    limits, rules = task.limits, rules_of(task)
     reach = max(limits.obstacle_distance, rules.d_safe + rules.radius) + 0.5
-    return PreparedProblem(task, limits, chart_of(task.airspace, limits, reach), rules, _nodes(task, limits))
+    return PreparedProblem(task, limits, chart_of(task.airspace, limits, reach), rules, _nodes(task))
 
 
 def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = None) -> Trail:
@@ -247,8 +246,8 @@ def corners(guide: Points, via: Points) -> list[int]:
     return corners
 
 
-def _nodes(task: PathTask, limits: Limits) -> int:
+def _nodes(task: PathTask) -> int:
     direct = float(np.linalg.norm(task.places[-1] - task.places[0]))
     if task.planning.planner == "paper":
         return task.planning.samples
-    return int(np.clip(direct / max(2 * limits.obstacle_distance, 2.0), task.planning.samples, 600))
+    return int(np.clip(direct / max(2 * task.limits.obstacle_distance, 2.0), task.planning.samples, 600))

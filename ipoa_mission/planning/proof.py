@@ -14,7 +14,7 @@ from ipoa_mission.geometry import Points, Vector, climb_angles
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario.limits import Limits
-from ipoa_mission.world.airspace import Airspace, Clearance
+from ipoa_mission.world.airspace import Clearance
 
 CHORD = 5e-4  # how far a curve may be from the chords that stand for it [m]
 TOUCHING = 1e-3  # a millimetre: what a bound may be short of the truth
@@ -96,34 +96,26 @@ def prove(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.in
     Where a clearance is `spare` [m] more than required no more is found than that: to ask whether limits hold is quick.
     """
     angles = climb_angles(legs)
-    return _prove(legs, task.airspace, task.limits, (angles, -angles), stray, spare)
+    return _prove(legs, task, (angles, -angles), stray, spare)
 
 
 def prove_curve(curve: Spline, task: PathTask) -> Proof:
     """What a curve keeps of the task's limits: never more than it has, and less by two millimetres at most."""
-    airspace = task.airspace
-    tolerance = CHORD / (1 + airspace.terrain.steepness)
+    tolerance = CHORD / (1 + task.airspace.terrain.steepness)
     u = curve.chords(tolerance)
-    return _prove(curve.points(u), airspace, task.limits, _steepness(curve, u), tolerance, np.inf)
+    return _prove(curve.points(u), task, _steepness(curve, u), tolerance, np.inf)
 
 
-def _prove(
-    legs: Points,
-    airspace: Airspace,
-    limits: Limits,
-    steepness: tuple[Vector, Vector],
-    stray: float,
-    spare: float,
-) -> Proof:
+def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float) -> Proof:
     """`steepness`: angles of climb and of descent on each leg, (n-1,) each [rad]; `stray`: how far the path may be
     from its legs [m].
     """
-    checks = list[Check]()
+    checks, airspace, limits = list[Check](), task.airspace, task.limits
     if airspace.obstacles:
         clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
         checks.append(Check("obstacles", _less(clearance, stray), limits.obstacle_distance))
     checks.append(Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0))
-    checks += _prove_heights(legs, airspace, limits, stray, spare)
+    checks += prove_heights(legs, task, stray, spare)
     for limit, angles, most in zip(
         ("climb", "descent"), steepness, (limits.climb_angle, limits.descent_angle), strict=True
     ):
@@ -135,13 +127,12 @@ def _prove(
     return Proof(tuple(checks))
 
 
-def prove_heights(legs: Points, task: PathTask) -> tuple[Check, ...]:
-    """What straight legs (n, 3) keep of ground and ceiling, exactly."""
-    return tuple(_prove_heights(legs, task.airspace, task.limits, 0.0, np.inf))
+def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
+    """What straight legs (n, 3) keep of ground and ceiling, exactly; `stray` and `spare` as for `prove`.
 
-
-def _prove_heights(legs: Points, airspace: Airspace, limits: Limits, stray: float, spare: float) -> Iterator[Check]:
-    """Over sloping ground what strays from its legs is farther from them in height."""
+    Over sloping ground what strays from its legs is farther from them in height.
+    """
+    airspace, limits = task.airspace, task.limits
     vertical = stray * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):

@@ -9,17 +9,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.route import kinematics
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.routing.build import build_mission, draft_mission
+from ipoa_mission.routing.attempt import Attempt, Flown
+from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.fastest import SEARCH, fastest_route
-from ipoa_mission.routing.prove_route import prove_route
 from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
-from ipoa_mission.routing.trial import Flown, flies_safely, fly
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
 
@@ -69,40 +67,42 @@ def assemble(plan: Plan, scenario: Scenario) -> Mission:
         >>> Command(mission.items[0].command).name
         'NAV_TAKEOFF'
     """
-    return build_mission(choose_route(plan, scenario, scenario.route.mode), scenario)
+    return build_mission(choose_route(plan, scenario, scenario.route.mode).route, scenario)
 
 
-def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Route:
+def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     """The waypoints that one mode chooses; their legs, and the path that is predicted, keep the required clearance.
 
     Raises:
         NoRoute: none that were tried do; it has the widest and a narrow one.
     """
     if mode == "fastest":
-        return fastest_route(plan.curve, scenario, lambda: choose_route(plan, scenario, "corridor"))
+        return fastest_route(plan, scenario, lambda: choose_route(plan, scenario, "corridor"))
     choose, width = _chooser(plan, scenario, mode)
-    tried = list[Route]()
+    tried = list[Attempt]()
     for _ in range(HALVINGS):
-        tried.append(choose(width))
-        proof = prove_route(tried[-1], scenario, spare=0.0)
-        if proof.holds and flies_safely(tried[-1], plan.curve, scenario):
-            return tried[-1]
+        tried.append(attempt := choose(width))
+        if attempt.proof.holds and attempt.sketched.keeps_limits:
+            return attempt
         width /= 2
+    proof = attempt.proof
     why = "flights would come too close too often" if proof.holds else proof.words()
     raise NoRoute(
         f"the legs between waypoints come too close: {why}",
         hint="plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing",
-        tried=(tried[0], tried[NARROW]),
+        tried=(tried[0].route, tried[NARROW].route),
     )
 
 
-def near_routes(plan: Plan, scenario: Scenario, mode: str) -> tuple[Route, ...]:
-    """A few routes of a mode, chosen quickly; nobody looked whether they keep anything."""
+def near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
+    """A few routes of the scenario's mode, chosen quickly; nobody looked whether they keep anything."""
+    mode = scenario.route.mode
     choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
     wide, narrow = choose(width), choose(width / 2**NARROW)
     if mode != "fastest":
         return wide, narrow
-    late = (replace(narrow, radius=TURNED_LATE),) if scenario.vehicle.autopilot.guidance.takes_radius else ()
+    takes_radius = scenario.vehicle.autopilot.guidance.takes_radius
+    late = (replace(narrow, route=replace(narrow.route, radius=TURNED_LATE)),) if takes_radius else ()
     return wide, narrow, *late, choose(width / 2 ** (2 * NARROW))
 
 
@@ -127,47 +127,43 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) ->
         >>> "fastest" in [option.mode for option in weigh_routes(plan_path(scenario, seed=7), scenario)]
         True
     """
-    needed, flights = scenario.route.mode, list[tuple[str, Route, Flown, bool]]()
+    needed, attempts = scenario.route.mode, dict[str, tuple[Attempt, bool]]()
     for mode in sorted(MODES, key=lambda mode: mode != needed):
         try:
-            known = chosen is not None and mode == needed
-            route = chosen if known else choose_route(plan, scenario, mode)
+            if known := mode == needed and chosen is not None:
+                attempt = Attempt(plan, chosen, scenario)
+            else:
+                attempt = choose_route(plan, scenario, mode)
         except (BadInput, NoRoute):
             if mode == needed:
                 raise
             continue
-        assert route is not None
-        flights.append((mode, route, fly(route, plan.curve, scenario), known or is_promised(route, scenario)))
-    least = min([_least_time(plan, scenario), *(round(flown.seconds, 3) for _, _, flown, _ in flights)])
-    options = []
-    for mode, route, flown, is_clear in flights:
-        seconds, away = round(flown.seconds, 3), round(flown.deviation, 3)
-        is_quicker = needed == "fastest" and flown.seconds < flights[0][2].seconds
-        why = _passed_over(route, flown, flights[0][2], is_clear, scenario) if is_quicker else ""
-        options.append(Option(mode, route, seconds, away, is_clear, round(seconds / least, 4), why))
+        attempts[mode] = attempt, known or not attempt.draft.promise.forbidding
+    least = min([_least_time(plan, scenario), *(round(attempt.flown.seconds, 3) for attempt, _ in attempts.values())])
+    options, of_needed = [], attempts[needed][0].flown
+    for mode, (attempt, is_clear) in attempts.items():
+        seconds, away = round(attempt.flown.seconds, 3), round(attempt.flown.deviation, 3)
+        is_quicker = needed == "fastest" and attempt.flown.seconds < of_needed.seconds
+        why = _passed_over(attempt, of_needed, is_clear) if is_quicker else ""
+        options.append(Option(mode, attempt.route, seconds, away, is_clear, round(seconds / least, 4), why))
     return tuple(sorted(options, key=lambda option: (option.seconds, option.mode != "fastest")))
 
 
-def _passed_over(route: Route, flown: Flown, chosen: Flown, is_clear: bool, scenario: Scenario) -> str:
+def _passed_over(attempt: Attempt, chosen: Flown, is_clear: bool) -> str:
     """Why a route is not the fastest, though it is quicker than the `chosen` one."""
+    flown, tolerance = attempt.flown, attempt.scenario.route.tolerance
     if not is_clear:
         return "not clear"
-    if flown.deviation > scenario.route.tolerance:
-        return f"more than {scenario.route.tolerance:g} m off the curve"
+    if flown.deviation > tolerance:
+        return f"more than {tolerance:g} m off the curve"
     if flown.overrun > SEARCH.most_overrun:
         return "would brake beyond the goal"
     if flown.seconds + flown.late > (1 - SEARCH.equal_share) * (chosen.seconds + chosen.late):
         return "hardly quicker"
     try:
-        whole = Forecast(build_mission(route, scenario), scenario)
+        return "not sought" if attempt.holds else "its ending is not clear"
     except MissionError as error:
         return str(error)
-    return "its ending is not clear" if any(kept.forbids for kept in whole.promise.limits) else "not sought"
-
-
-def is_promised(route: Route, scenario: Scenario) -> bool:
-    """Whether enough flights keep every limit on the way, looked at from the arming on."""
-    return not any(kept.forbids for kept in Forecast(draft_mission(route, scenario), scenario).promise.limits)
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:
@@ -183,13 +179,13 @@ def expect_mode(mode: str, autopilot: Autopilot) -> None:
         raise BadInput("route.mode: expected even, corridor or fastest: only ArduPilot flies spline waypoints")
 
 
-def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Route], float]:
+def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Attempt], float]:
     """How a mode chooses waypoints by a width, moved clear, and the width that the scenario asks for [m]."""
     expect_mode(mode, scenario.vehicle.autopilot)
     via = scenario.via_points
 
-    def choose(width: float) -> Route:
+    def choose(width: float) -> Attempt:
         points = corridor(plan.curve, width, via=via) if mode == "corridor" else every(plan.curve, width, via)
-        return Route(push_clear(points, scenario), spline=mode == "spline")
+        return Attempt(plan, Route(push_clear(points, scenario), spline=mode == "spline"), scenario)
 
     return choose, scenario.route.tolerance if mode == "corridor" else scenario.route.spacing

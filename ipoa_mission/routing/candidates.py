@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from ipoa_mission.forecast.timing.route import kinematics
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing.relax import relaxed, stations
-from ipoa_mission.routing.resample import ON_THE_CURVE, corridor
+from ipoa_mission.routing.relax import relaxed
+from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, stations
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 

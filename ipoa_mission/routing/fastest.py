@@ -6,19 +6,19 @@ is out. The best are then improved waypoint by waypoint.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 import numpy as np
 
 from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.geometry import Points, leg_lengths
-from ipoa_mission.planning.spline import Spline
+from ipoa_mission.planning.path_problem import PathTask
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import VISITED
 from ipoa_mission.routing.candidates import NEAREST, candidates
-from ipoa_mission.routing.prove_route import prove_route
-from ipoa_mission.routing.route import Route, push_clear
-from ipoa_mission.routing.trial import Flown, fly, sketch
+from ipoa_mission.routing.route import push_clear
 from ipoa_mission.scenario import Scenario
 
 
@@ -41,81 +41,79 @@ SEARCH = RouteSearch()
 TIGHT = 0.5  # of tight places, that waypoints are given room at where none would fit without
 
 
-def fastest_route(curve: Spline, scenario: Scenario, fallback: Callable[[], Route]) -> Route:
+def fastest_route(plan: Plan, scenario: Scenario, fallback: Callable[[], Attempt]) -> Attempt:
     """The quickest route found whose predicted path stays within `route.tolerance` of the curve and keeps every limit.
 
     Quick is what is quick in its mean and in the time that nine flights in ten keep. Of routes that are as good as
     equally quick it is the one that misses the fewest waypoints, and of those the one that keeps away farthest.
     Where none does both, their waypoints are moved clear with room for the tube; at last `fallback` is asked.
     """
-    drawn = [(route, sketch(route, curve, scenario)) for route in candidates(curve, scenario)]
-    quickest = _quickest(drawn, scenario, scenario) or _quickest(drawn, scenario, with_room(scenario, TIGHT))
-    improved = list(dict.fromkeys(ready for way in quickest for ready in (way[0], _improve(*way, scenario))))
+    drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
+    quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(scenario, TIGHT))
+    improved = list(dict.fromkeys(ready for attempt in quickest for ready in (attempt, _improve(attempt))))
     if len(improved) < 2:
         return improved[0] if improved else fallback()
-    ends = [fly(route, curve, scenario) for route in improved]
+    ends = [attempt.flown for attempt in improved]
     equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
-    ranks = [
-        (end.seconds + end.late > equal, round(end.missed, 2), -end.slack(scenario), n) for n, end in enumerate(ends)
-    ]
+    ranks = [(end.seconds + end.late > equal, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]
     return improved[min(ranks)[-1]]
 
 
-def _quickest(drawn: list[tuple[Route, Flown]], scenario: Scenario, roomy: Scenario) -> list[tuple[Route, Flown]]:
+def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
     """The quickest fit routes of those drawn, of different numbers of waypoints, moved clear in `roomy`.
 
     To move a route clear takes longer than to fly it, so that is put off until no other is quicker as it is drawn.
     """
-    waiting = [(flown.seconds, n, False, route, flown) for n, (route, flown) in enumerate(drawn)]
+    waiting = [(attempt.sketched.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
     heapify(waiting)
-    cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], tuple[Route, Flown]]()
+    cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], Attempt]()
     while waiting and len(fit) < SEARCH.starts:
-        seconds, n, is_clear, route, flown = heappop(waiting)
-        if fit and seconds > SEARCH.most_behind * min(other.seconds for _, other in fit.values()):
+        seconds, n, is_clear, attempt = heappop(waiting)
+        if fit and seconds > SEARCH.most_behind * min(other.sketched.seconds for other in fit.values()):
             break
-        kind, place = (len(route.points), route.spline), route.points.tobytes()
+        points = attempt.route.points
+        kind, place = (len(points), attempt.route.spline), points.tobytes()
         if kind in fit:
             continue
         if is_clear:
-            if _is_fit(route, flown, scenario):
-                fit[kind] = route, flown
+            if _is_fit(attempt):
+                fit[kind] = attempt
             continue
         if place not in cleared:
-            cleared[place] = push_clear(route.points, roomy)
-        clear = replace(route, points=cleared[place])
-        if leg_lengths(clear.points).min() >= NEAREST:
-            again = flown if (clear.points == route.points).all() else sketch(clear, flown.curve, scenario)
-            heappush(waiting, (again.seconds, n, True, clear, again))
+            cleared[place] = push_clear(points, roomy)
+        if leg_lengths(cleared[place]).min() >= NEAREST:
+            clear = attempt if (cleared[place] == points).all() else attempt.along(cleared[place])
+            heappush(waiting, (clear.sketched.seconds, n, True, clear))
     return list(fit.values())
 
 
-def _is_fit(route: Route, flown: Flown, scenario: Scenario) -> bool:
+def _is_fit(attempt: Attempt) -> bool:
     """Whether the route and its predicted path keep to the corridor and to the limits, and it stops at the goal."""
+    flown = attempt.sketched
     return (
         flown.overrun <= SEARCH.most_overrun
-        and flown.deviation <= scenario.route.tolerance
-        and prove_route(route, scenario, spare=0.0).holds
-        and flown.keeps_limits(scenario)
+        and flown.deviation <= attempt.scenario.route.tolerance
+        and attempt.proof.holds
+        and flown.keeps_limits
     )
 
 
-def _improve(route: Route, flown: Flown, scenario: Scenario) -> Route:
+def _improve(attempt: Attempt) -> Attempt:
     """Leave waypoints out and move them, as long as that saves time."""
-    curve, seconds, tried = flown.curve, flown.seconds, set[bytes]()
-    trials = min(SEARCH.trials, SEARCH.legs // len(route.points))
+    scenario, tried = attempt.scenario, set[bytes]()
+    trials = min(SEARCH.trials, SEARCH.legs // len(attempt.route.points))
     for share in SEARCH.step_shares:
         step, at, in_vain = share * scenario.route.tolerance, 0, 0
-        changes = [*_changes(route.points, step, scenario.via_points, tried)]
+        changes = [*_changes(attempt.route.points, step, scenario.via_points, tried)]
         while len(tried) < trials and in_vain < min(SEARCH.patience, len(changes)):
-            candidate = replace(route, points=changes[at % len(changes)])
-            tried.add(candidate.points.tobytes())
-            flown = sketch(candidate, curve, scenario)
-            if flown.seconds < seconds - SEARCH.least_gain_s and _is_fit(candidate, flown, scenario):
-                route, seconds, in_vain = candidate, flown.seconds, 0
-                changes = [*_changes(route.points, step, scenario.via_points, tried)]
+            candidate = attempt.along(changes[at % len(changes)])
+            tried.add(candidate.route.points.tobytes())
+            if candidate.sketched.seconds < attempt.sketched.seconds - SEARCH.least_gain_s and _is_fit(candidate):
+                attempt, in_vain = candidate, 0
+                changes = [*_changes(attempt.route.points, step, scenario.via_points, tried)]
             else:
                 at, in_vain = at + 1, in_vain + 1
-    return route
+    return attempt
 
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.tube.limits import Rim, raised
-from ipoa_mission.forecast.tube.room import LEAST_GROWTH, keep_gaps_open, lowered, shrunk
+from ipoa_mission.forecast.tube.limits import Rim
+from ipoa_mission.forecast.tube.room import grown, shrunk
 from ipoa_mission.geometry import Vector
+from ipoa_mission.planning.path_problem import PathProblem, PathTask, problem_of
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
@@ -17,6 +17,7 @@ MORE = 1.15  # times what is missing
 A_LITTLE = 0.03  # and so much [m]
 AS_NEAR = 0.3  # an obstacle is moved away from that is farther than the nearest by what is missing and so much [m]
 LOOK_EVERY = 0.5  # along a curve [m]
+EVEN = Rim(1.0, 1.0, 1.0)  # as far up and down as to the sides
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,36 +55,21 @@ class Needs:
             self.inside + short.get("bounds", 0.0),
         )
 
-    def room(self, roomy: Scenario, scenario: Scenario, gaps: bool) -> Scenario:
+    def room(self, roomy: PathTask, scenario: Scenario, gaps: bool) -> PathProblem:
         """The scenario with the room that `roomy` has and what is needed beside; with `gaps` it closes no gap.
 
         Nothing closes in on a place that the scenario gives.
         """
-        spare = np.array([body.distance(scenario.places).min() for body in scenario.airspace.obstacles])
-        growth = np.clip(spare - scenario.limits.obstacle_distance - LEAST_GROWTH, 0.0, self.growth)
-        if gaps and len(growth) > 1:
-            keep_gaps_open(growth, scenario.airspace.obstacles, scenario.limits.obstacle_distance, float(growth.max()))
+        air = roomy.airspace
         bodies = tuple(
-            _room_below(roomy.airspace, wide, column)
-            if column >= 0.0
-            else body.grown(by, by, by)
-            if by > LEAST_GROWTH
-            else wide
-            for body, wide, by, column in zip(
-                scenario.airspace.obstacles,
-                roomy.airspace.obstacles,
-                growth.tolist(),
-                self.columns.tolist(),
-                strict=True,
+            _room_below(air, wide, column) if column >= 0.0 else body
+            for body, wide, column in zip(
+                grown(roomy, scenario, self.growth, EVEN, gaps), air.obstacles, self.columns.tolist(), strict=True
             )
         )
-        inside, air = Rim(self.inside, self.inside, self.inside), roomy.airspace
-        try:
-            bounds = shrunk(air.bounds, scenario, inside) if self.inside else air.bounds
-        except BadInput:
-            bounds = air.bounds
-        wider = lowered(raised(roomy, self.above) if self.above else roomy, self.below)
-        return wider.in_airspace(Airspace(bounds, air.terrain, bodies))
+        inside = Rim(self.inside, self.inside, self.inside)
+        bounds = shrunk(air.bounds, scenario.places, inside) if self.inside else air.bounds
+        return problem_of(roomy).tightened(self.above, self.below, Airspace(bounds, air.terrain, bodies))
 
 
 def _room_below(air: Airspace, body: Obstacle, wider: float) -> Obstacle:

@@ -13,6 +13,7 @@ from ipoa_mission.forecast.tube.places import tight_places
 from ipoa_mission.planning.plan_view import CLOSE, Closure, closure
 from ipoa_mission.planning.problem import pose
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.limits import place_names
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def expect_wide(scenario: Scenario) -> None:
         return  # round these less is promised
     more = least_reach(law, chance)
     wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
-    names = ["start", *(f"via[{n}]" for n in range(len(scenario.via_points))), "goal"]
+    names = place_names(scenario.places)
     problem = pose(wider)
     for places, (a, b) in zip(pairwise(names), pairwise(scenario.places), strict=True):
         gap = closure(problem, a, b)

@@ -3,38 +3,43 @@
 import numpy as np
 
 from ipoa_mission.centimeters import down, up
-from ipoa_mission.forecast.tube.promise import Kept, Promise
+from ipoa_mission.forecast.tube.promise import Kept
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import Looks
 from ipoa_mission.routing.endings import why_not_planned
 from ipoa_mission.routing.narrow import Narrow
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.limits import place_names
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Obstacle
 
 GIVE_UP = 'or [safety] returns = "warn", to be warned only'
 OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of a gap, at most
 
 
-def refusal(nearest: Attempt, scenario: Scenario, looks: Looks) -> NoPath:
+def refusal(nearest: Attempt, looks: Looks) -> NoPath:
     """The error for the attempt that came nearest to keeping the limits; `looks` tries changed scenarios."""
     promise = nearest.promise
     if nearest.short:
         helps, hint = _what_helps("", looks)
         return NoPath(f"a path is there, but {why_not_planned(nearest.forecast)}; {helps}", hint=f"{hint}; {GIVE_UP}")
-    tightest = min((kept for kept in promise.limits if kept.forbids), key=lambda kept: kept.slack)
+    tightest = min(promise.forbidding, key=lambda kept: kept.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
-    words = _gap(tightest, scenario) if tightest.limit == "obstacles" else _limit(tightest, promise)
-    return _with_help(f"{words}, {where}", ", or a via point that leads round", scenario, looks)
+    if tightest.limit == "obstacles":
+        words = _gap(tightest, nearest.scenario.airspace)
+    else:
+        words = f"{tightest.to}, where {tightest.words(promise.confidence)}"
+    return _with_help(f"{words}, {where}", ", or a via point that leads round", looks)
 
 
-def narrow_refusal(narrow: Narrow, scenario: Scenario, looks: Looks) -> NoPath:
+def narrow_refusal(narrow: Narrow, looks: Looks) -> NoPath:
     """The error for a gap that is too narrow for any flight."""
-    return _with_help(narrow.words(), "", scenario, looks)
+    return _with_help(narrow.words(), "", looks)
 
 
-def _with_help(words: str, round_it: str, scenario: Scenario, looks: Looks) -> NoPath:
-    who, chance = f"on {scenario.vehicle.autopilot}", scenario.safety.chance
+def _with_help(words: str, round_it: str, looks: Looks) -> NoPath:
+    who, chance = f"on {looks.scenario.vehicle.autopilot}", looks.scenario.safety.chance
     if chance is None:
         why = f"a path is there, but {who} it would not be kept to"
     else:
@@ -50,48 +55,41 @@ def _leg(nearest: Attempt, tightest: Kept) -> str:
         return ""
     along = np.linspace(0.0, 1.0, 2000)
     here = along[np.argmin(np.linalg.norm(curve.points(along) - np.array(tightest.place), axis=1))]
-    names = ["start", *(f"via[{n}]" for n in range(len(at))), "goal"]
+    names = place_names(nearest.scenario.places)
     leg = int(np.searchsorted(at, here))
     return f", on the leg from {names[leg]} to {names[leg + 1]}"
 
 
-def _limit(tightest: Kept, promise: Promise) -> str:
-    return f"{tightest.to}, where {tightest.words(promise.confidence)}"
-
-
-def _gap(tightest: Kept, scenario: Scenario) -> str:
+def _gap(tightest: Kept, airspace: Airspace) -> str:
     """What is too near at a place, and what is needed there; where it is a gap, between what, and how wide it is."""
     spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.kept
-    apart, other = _across(spot, tightest.to, needed, scenario)
+    apart, other = _across(spot, tightest.to, needed, airspace)
     if other is not None and apart < 2 * needed:
         names = f"{tightest.to} and {other}"
         return f"the gap between {names} is {down(apart):.2f} m wide, and it needs {up(2 * needed):.2f} m"
     return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it needs {up(needed):.2f} m"
 
 
-def _across(spot: np.ndarray, name: str, needed: float, scenario: Scenario) -> tuple[float, str | None]:
+def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
     """What stands opposite to an obstacle beside a place, level, and the width between them [m]; None: nothing."""
     import shapely
 
     point = shapely.Point(spot[:2])
-    bodies = [body for body, _, _ in scenario.airspace.near(spot[None], 4 * needed)]
+    bodies = [body for body, _, _ in airspace.near(spot[None], 4 * needed)]
     first = next((body for body in bodies if body.name == name), None)
     if first is None:
         return np.inf, None
 
-    def towards(body: object) -> np.ndarray:
-        line = shapely.shortest_line(point, body.plan)  # type: ignore[attr-defined]
+    def towards(body: Obstacle) -> np.ndarray:
+        line = shapely.shortest_line(point, body.plan)
         return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
 
     ahead, best, found = towards(first), np.inf, None
     for body in bodies:
         aside = towards(body)
         cosine = float(aside @ ahead) / max(float(np.linalg.norm(aside) * np.linalg.norm(ahead)), 1e-9)
-        if (
-            body is not first
-            and cosine <= OPPOSITE
-            and (width := float(shapely.distance(body.plan, first.plan))) < best
-        ):
+        width = float(shapely.distance(body.plan, first.plan))
+        if body is not first and cosine <= OPPOSITE and width < best:
             best, found = width, body.name
     return best, found
 

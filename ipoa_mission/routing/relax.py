@@ -8,8 +8,7 @@ import math
 
 import numpy as np
 
-from ipoa_mission.forecast.timing import cubic
-from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.resample import lefts, through
 
@@ -60,15 +59,3 @@ def _least_squares(system: Points, wanted: Vector, room: float) -> Vector:
             break
         x, cost = trial, less
     return x
-
-
-def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
-    """Waypoints on a line (n, 3), evenly and at most `spacing` [m] apart, but the last leg is `last` [m] long, (k, 3).
-
-    The nearest to each via point (m, 3) stand on it.
-    """
-    traveled = arc_lengths(line)
-    before = traveled[-1] - last
-    count = max(1 + len(via), math.ceil(before / spacing))
-    stops = np.append(np.linspace(0.0, before, count + 1), traveled[-1])
-    return through(cubic.values(traveled, line, stops), via)[0]

@@ -5,10 +5,9 @@ from dataclasses import replace
 
 from ipoa_mission.checks.ground import in_words, landings, touches_down
 from ipoa_mission.checks.unsafe import Unsafe
-from ipoa_mission.checks.way_home import TIGHT_PLACES, heights_above, is_clear
+from ipoa_mission.checks.way_home import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Phase
-from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, waypoint
 from ipoa_mission.planning.proof import prove
@@ -68,8 +67,8 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
-    roomy = with_room(scenario, TIGHT_PLACES)
-    if is_clear(Forecast(mission, scenario).ways_home, roomy):
+    is_clear = clear_in(scenario)
+    if is_clear(Forecast(mission, scenario).ways_home):
         return mission
     last = mission.items[-2]
     stopped = replace(last, params=(1.0, *last.params[1:])) if last.command == Command.NAV_SPLINE_WAYPOINT else last
@@ -81,7 +80,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
         way_up, *ways = (leg for leg in legs if leg.seq == len(mission.items) or leg.phase is Phase.RETURN)
         if any(check.slack < 0 for check in prove(way_up.points, scenario).checks if check.limit != "climb"):
             return mission
-        if is_clear(ways, roomy):
+        if is_clear(ways):
             return raised
     return mission
 

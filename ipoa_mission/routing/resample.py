@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ipoa_mission.forecast.timing import cubic
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.planning.spline import Spline
 
@@ -26,6 +27,18 @@ def every(curve: Spline, spacing: float, via: Points = NOWHERE) -> Points:
     The nearest to each via point (m, 3) stand on it.
     """
     return through(curve.sample(max(2 + len(via), math.ceil(curve.length / spacing) + 1)), via)[0]
+
+
+def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
+    """Waypoints on a line (n, 3), evenly and at most `spacing` [m] apart, but the last leg is `last` [m] long, (k, 3).
+
+    The nearest to each via point (m, 3) stand on it.
+    """
+    traveled = arc_lengths(line)
+    before = traveled[-1] - last
+    count = max(1 + len(via), math.ceil(before / spacing))
+    stops = np.append(np.linspace(0.0, before, count + 1), traveled[-1])
+    return through(cubic.values(traveled, line, stops), via)[0]
 
 
 def corridor(

@@ -10,8 +10,8 @@ import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 
 PUSHES = 30  # rounds of moving waypoints aside
@@ -54,7 +54,7 @@ class Route:
         return [leg for leg in range(self.legs) if (leg in self.slow) != (leg - 1 in self.slow)]
 
 
-def push_clear(waypoints: Points, scenario: Scenario) -> Points:
+def push_clear(waypoints: Points, task: PathTask) -> Points:
     """Waypoints (k, 3) moved aside where a leg between them keeps too little clearance; the ends stay.
 
     A curve bends round what it avoids, so its chords cut in on that side: each breach pushes the ends of its leg
@@ -62,7 +62,7 @@ def push_clear(waypoints: Points, scenario: Scenario) -> Points:
     and the proof that follows says so.
     """
     moved = waypoints.copy()
-    if not _broken(moved, scenario):
+    if not _broken(moved, task):
         return moved
     moved_legs = set(range(len(moved) - 1))  # since they were last proved
     for _ in range(PUSHES):
@@ -71,8 +71,8 @@ def push_clear(waypoints: Points, scenario: Scenario) -> Points:
                 continue
             moved_legs.remove(leg)
             ends = moved[leg : leg + 2].copy()
-            for check in _broken(ends, scenario):
-                _push(moved, leg, check, scenario.airspace)
+            for check in _broken(ends, task):
+                _push(moved, leg, check, task.airspace)
             first, last = (moved[leg : leg + 2] != ends).any(axis=1)
             moved_legs |= {leg - 1, leg} if first else set()
             moved_legs |= {leg, leg + 1} if last else set()
@@ -81,9 +81,9 @@ def push_clear(waypoints: Points, scenario: Scenario) -> Points:
     return moved
 
 
-def _broken(legs: Points, scenario: Scenario) -> list[Check]:
+def _broken(legs: Points, task: PathTask) -> list[Check]:
     """The limits that straight legs break and that moving them aside may mend."""
-    checks = prove(legs, scenario, spare=0.0).checks
+    checks = prove(legs, task, spare=0.0).checks
     return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 
 

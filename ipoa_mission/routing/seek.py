@@ -4,21 +4,18 @@ Where the flights along a path would come too near all the same, the path is mov
 cannot be, another way round is sought, and by another seed.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import NamedTuple
 
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.room import with_room
-from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.obstruction import NotFound
+from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath, move_aside, plan_path
-from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.assemble import Option, choose_route, expect_mode, near_routes, weigh_routes
-from ipoa_mission.routing.attempt import Attempt, attempted
+from ipoa_mission.routing.assemble import choose_route, expect_mode, near_routes
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import Looks
 from ipoa_mission.routing.more_room import Needs, a_little, nothing
 from ipoa_mission.routing.narrow import TooNarrow, expect_wide
@@ -40,14 +37,6 @@ AGAIN = 1  # so often of these where the one before was too near, with more room
 SEEDS = 2  # and with so many seeds
 
 
-class Routed(NamedTuple):
-    """A plan, what each mode would come to on it, quickest first, and the forecast of the mission that is asked for."""
-
-    plan: Plan
-    options: tuple[Option, ...]
-    forecast: Forecast
-
-
 class TooNear(NoPath):
     """Paths are there, but too few flights would keep the limits on any; `nearest` comes nearest to it."""
 
@@ -56,8 +45,8 @@ class TooNear(NoPath):
         self.nearest = nearest
 
 
-def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
-    """A plan whose flights keep what is required, and its mission.
+def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
+    """A route along a plan whose flights keep what is required.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place; the autopilot
@@ -69,16 +58,13 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Routed:
     expect_mode(scenario.route.mode, scenario.vehicle.autopilot)
     looks = Looks(scenario, lambda changed: _planned(changed, seed))
     try:
-        found = seek(scenario, seed, progress)
+        return seek(scenario, seed, progress)
     except TooNear as error:
-        slowed = slowed_where_needed(error.nearest, scenario, looks)
-        if slowed is None:
-            raise refusal(error.nearest, scenario, looks) from None
-        found = slowed
+        if (slowed := slowed_where_needed(error.nearest, looks)) is not None:
+            return slowed
+        raise refusal(error.nearest, looks) from None
     except TooNarrow as error:
-        raise narrow_refusal(error.narrow, scenario, looks) from None
-    options = weigh_routes(found.plan, scenario, found.route)
-    return Routed(found.plan, options, found.forecast)
+        raise narrow_refusal(error.narrow, looks) from None
 
 
 def _planned(scenario: Scenario, seed: int) -> Attempt | None:
@@ -120,9 +106,9 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = PLANS) 
 
 @dataclass
 class _Room:
-    """A scenario with more room, and what was needed of it; `closed` once no path was found in it."""
+    """A scenario's path with more room, and what was needed of it; `closed` once no path was found in it."""
 
-    world: Scenario
+    world: PathTask
     needs: Needs
     closed: bool = False
 
@@ -173,65 +159,55 @@ def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     A first look at each is by a few quick routes of the scenario's mode: only what they promise is asked of it all.
     What was needed is noted of the room.
     """
-    latest = best = _looked_at(_judged(plan, scenario), scenario, FAR_OFF)
+    latest = best = _looked_at(plan, scenario, FAR_OFF)
     in_vain = 0
     for _ in range(0 if _as_printed(scenario) else ROUNDS):
         if best.holds or in_vain == IN_VAIN:
             break
         room.needs = room.needs.more(latest, scenario)
-        moved = None
-        for gaps in (False, True):
-            if moved is None:
-                moved = move_aside(latest.plan, room.needs.room(room.world, scenario, gaps))
+        wider = (room.needs.room(room.world, scenario, gaps) for gaps in (False, True))
+        moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
-        latest = _looked_at(_judged(moved, scenario), scenario, max(FAR_OFF, best.slack + LEAST_GAIN))
+        latest = _looked_at(replace(latest.plan, curve=moved), scenario, max(FAR_OFF, best.slack + LEAST_GAIN))
         in_vain = 0 if latest.slack > best.slack + LEAST_GAIN else in_vain + 1
         best = max(best, latest, key=_merit)
     return best
 
 
 def _looked_at(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
-    """A quick attempt, and a whole one where that is short of a limit by less than `promising` [m]."""
-    quick = _quick_attempt(plan, scenario)
-    if quick.slack < promising:
+    """The best of the quick routes, and of all where that is short of a limit by less than `promising` [m]."""
+    quick = _first_promised(near_routes(plan, scenario))
+    if not quick.is_promised and quick.slack < promising:
         return quick
-    whole = _attempt(plan, scenario)
-    return whole if whole.holds or whole.short else max(quick, whole, key=_merit)
+    whole = _first_promised(_routes(plan, scenario))  # another path makes endings clear, and no slower route
+    return whole if whole.is_promised else max(quick, whole, key=_merit)
 
 
 def _merit(attempt: Attempt) -> tuple[bool, float]:
     return attempt.holds, attempt.slack
 
 
-def _judged(plan: Plan, scenario: Scenario) -> Plan:
-    """The plan as the scenario itself judges it, not one with more room."""
-    return replace(plan, cost=curve_cost(plan.curve, scenario), proof=prove_curve(plan.curve, scenario))
+def _first_promised(attempts: Iterable[Attempt]) -> Attempt:
+    """The first of them that is, or else the one that comes nearest to it."""
+    seen = list[Attempt]()
+    for attempt in attempts:
+        seen.append(attempt)
+        if attempt.is_promised:
+            return attempt
+    return max(seen, key=lambda attempt: attempt.slack)
 
 
-def _attempt(plan: Plan, scenario: Scenario) -> Attempt:
-    """The route of the scenario's mode; of the fastest, whichever is promised where the fastest is not."""
+def _routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
+    """The route of the scenario's mode; where the fastest is not promised, those of other modes."""
     modes = [scenario.route.mode]
     if modes == ["fastest"]:
         modes += ["corridor", "even"]
-    attempts = list[Attempt]()
     while modes:
         mode = modes.pop(0)
         try:
-            attempts.append(attempted(plan, choose_route(plan, scenario, mode), scenario))
+            yield choose_route(plan, scenario, mode)
         except NoRoute as error:
-            attempts += [attempted(plan, route, scenario) for route in error.tried]
+            yield from (Attempt(plan, route, scenario) for route in error.tried)
             if mode == "fastest":
                 modes.remove("corridor")  # that was its last resort
-        if attempts and (attempts[-1].holds or attempts[-1].short):  # another path makes endings clear, no slower route
-            return attempts[-1]
-    return max(attempts, key=lambda attempt: attempt.slack)
-
-
-def _quick_attempt(plan: Plan, scenario: Scenario) -> Attempt:
-    attempts = list[Attempt]()
-    for route in near_routes(plan, scenario, scenario.route.mode):
-        attempts.append(attempted(plan, route, scenario, quick=True))
-        if attempts[-1].holds:
-            return attempts[-1]
-    return max(attempts, key=lambda attempt: attempt.slack)

@@ -14,38 +14,38 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.routing.attempt import Attempt, attempted
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import items_of_waypoints
 from ipoa_mission.routing.changes import Looks, slower
-from ipoa_mission.scenario import Scenario
 
 ROUNDS = 20  # so often legs are added to those that are flown slower, at most
 
 
-def slowed_where_needed(nearest: Attempt, scenario: Scenario, looks: Looks) -> Attempt | None:
+def slowed_where_needed(nearest: Attempt, looks: Looks) -> Attempt | None:
     """An attempt that holds, with some legs flown slower if need be: of the nearest one, or of one at a lower speed."""
-    speeds = [changed.vehicle.cruise_speed for _, changed in slower(scenario)]
-    speeds = [speed for speed in speeds if speed < scenario.vehicle.cruise_speed]
-    for attempt in chain([nearest], (looks.at(change) for change, _ in slower(scenario))):
-        if attempt is not None:
-            slowed = [found for speed in speeds if (found := _slowed(attempt, scenario, speed)) is not None]
+    changes = dict(slower(looks.scenario))
+    speeds = [changed.vehicle.cruise_speed for changed in changes.values()]
+    speeds = [speed for speed in speeds if speed < looks.scenario.vehicle.cruise_speed]
+    for found in chain([nearest], map(looks.at, changes)):
+        if found is not None:
+            here = replace(found, scenario=looks.scenario)
+            slowed = [attempt for speed in speeds if (attempt := _slowed(here, speed)) is not None]
             if slowed:
-                return min(slowed, key=lambda found: found.forecast.estimate.total_s)
+                return min(slowed, key=lambda attempt: attempt.forecast.estimate.total_s)
     return None
 
 
-def _slowed(attempt: Attempt, scenario: Scenario, speed: float) -> Attempt | None:
+def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
     """The attempt with those legs at this speed [m/s] that must be, if that holds and others may be flown faster."""
-    route = replace(attempt.route, slow=frozenset(), slow_speed=speed)
-    every = frozenset(range(route.legs))
+    every = frozenset(range(attempt.route.legs))
 
     def at(slow: frozenset[int]) -> Attempt:
-        return attempted(attempt.plan, replace(route, slow=slow), scenario)
+        return replace(attempt, route=replace(attempt.route, slow=slow, slow_speed=speed))
 
     try:
         if not at(every).holds:
             return None
-        latest = at(route.slow)
+        latest = at(frozenset())
         for _ in range(ROUNDS):
             if latest.holds:
                 break
@@ -56,17 +56,16 @@ def _slowed(attempt: Attempt, scenario: Scenario, speed: float) -> Attempt | Non
         for leg in sorted(latest.route.slow, reverse=True):  # a bend asks for the leg before it, seldom for that after
             if latest.holds and (without := at(latest.route.slow - {leg})).holds:
                 latest = without
+        return latest if latest.holds else None
     except MissionError:
         return None
-    return latest if latest.holds else None
 
 
 def _too_near(attempt: Attempt) -> Iterator[int]:
     """The legs on which something comes too near."""
     ends = np.array(items_of_waypoints(attempt.route)[1:]) + 1
-    for kept in attempt.promise.limits:
-        if kept.forbids:
-            yield min(int(np.searchsorted(ends, kept.item)), len(ends) - 1)
+    for kept in attempt.promise.forbidding:
+        yield min(int(np.searchsorted(ends, kept.item)), len(ends) - 1)
     flight = attempt.promise.flight
     for one in attempt.short:
         then = min(int(np.searchsorted(flight.prediction.done, one.time)), len(flight.route.visits) - 1)
@@ -88,7 +87,7 @@ def slowed_stretches(forecast: Forecast) -> Iterator[str]:
     asked = [item.command != Command.DO_CHANGE_SPEED or item.params[1] == cruise for item in mission.items]
     fast = replace(mission, items=tuple(item for item, stays in zip(mission.items, asked, strict=True) if stays))
     promise = Forecast(fast, forecast.world).promise
-    worst = min((kept for kept in promise.limits if kept.forbids), key=lambda kept: kept.slack, default=None)
+    worst = min(promise.forbidding, key=lambda kept: kept.slack, default=None)
     why = "" if worst is None else f": at {cruise:g} m/s, {worst.to}: {worst.words(promise.confidence)}"
     which = ", ".join(f"{first} to {last}" if last > first else f"{first}" for first, last, _ in stretches)
     yield f"items {which} are flown at {stretches[0][-1]:g} m/s{why}"

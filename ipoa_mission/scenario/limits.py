@@ -5,7 +5,7 @@ vehicle takes off and lands vertically. Round such a place the requirement is re
 a circle wide enough to climb out of at 1 in 2 (or at the climb limit, if that is flatter).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,6 +60,19 @@ class Limits:
             required[within] = np.minimum(required[within], zone.height)
         return required
 
+    def tightened(self, above: float, below: float, places: Points, airspace: Airspace) -> "Limits":
+        """The same with `above` [m] more above the ground of an `airspace`, and a ceiling that is lower by `below`.
+
+        The given `places` (k, 3) stay where they are; no ceiling comes lower than the least height.
+        """
+        least, ceiling = self.height_above_ground + above, self.ceiling_above_ground
+        return replace(
+            self,
+            height_above_ground=least,
+            ceiling_above_ground=max(ceiling - below, min(ceiling, least)),
+            low_zones=low_zones(places, airspace, least, min(self.climb_angle, self.descent_angle)),
+        )
+
 
 def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
     """Start, via points and goal, in this order, (k, 3); a via point where the way already is counts once."""
@@ -70,6 +83,11 @@ def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
     if len(stops) > 1 and np.linalg.norm(goal - stops[-1]) <= SAME:
         stops.pop()
     return np.vstack([*stops, goal])
+
+
+def place_names(places: Points) -> list[str]:
+    """What start, via points and goal (k, 3) are called in a scenario."""
+    return ["start", *(f"via[{n}]" for n in range(len(places) - 2)), "goal"]
 
 
 def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:

@@ -4,13 +4,13 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
 from ipoa_mission.maps.read import read_features
-from ipoa_mission.scenario.section import NotNegative, Positive, Section
+from ipoa_mission.scenario.section import NotNegative, Positive, Section, beside
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.terrain import Grid
 
@@ -18,14 +18,9 @@ from ipoa_mission.world.terrain import Grid
 class MapFile(Section):
     """A table that names a file of shapes."""
 
-    file: Path
+    file: Annotated[Path, beside("a map")]
     """A GeoJSON or CityJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), Shapefile (`.shp`), FlatGeobuf (`.fgb`) or
     GeoPackage (`.gpkg`) file, relative to the scenario file."""
-
-    @field_validator("file")
-    @classmethod
-    def _beside_the_scenario(cls, value: Path, info: ValidationInfo) -> Path:
-        return beside_the_scenario(value, info, "a map")
 
 
 class BuildingsMap(MapFile):
@@ -113,11 +108,11 @@ class ElevationTerrain(Section):
     """An elevation model: GeoTIFF, SRTM `.hgt`, or another raster that GDAL reads (needs rasterio)."""
 
     kind: Literal["elevation"]
-    file: Path
+    file: Annotated[Path, beside("an elevation model")]
     """The model, relative to the scenario file; in any coordinate system, if it names it."""
     heights: Literal["amsl", "ellipsoidal"] | None = None
     """What its heights are above: mean sea level (SRTM), or the WGS 84 ellipsoid; left out, what the file says."""
-    geoid: float | Path | None = None
+    geoid: Annotated[float | Path | None, beside("a number or a grid")] = None
     """For ellipsoidal heights: the geoid's height above the ellipsoid [m], or a PROJ grid; left out, PROJ's own."""
     spacing: Positive | None = None
     """Distance between the nodes of the local grid [m]; left out, that of the model's posts."""
@@ -128,16 +123,6 @@ class ElevationTerrain(Section):
     level_at_home: bool = False
     """Move the model up or down so that its ground at home is at home's altitude: only differences count then."""
 
-    @field_validator("file")
-    @classmethod
-    def _beside_the_scenario(cls, value: Path, info: ValidationInfo) -> Path:
-        return beside_the_scenario(value, info, "an elevation model")
-
-    @field_validator("geoid")
-    @classmethod
-    def _grid_beside_the_scenario(cls, value: float | Path | None, info: ValidationInfo) -> float | Path | None:
-        return beside_the_scenario(value, info, "a number or a grid") if isinstance(value, Path) else value
-
     def read(
         self, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
     ) -> tuple[Grid, tuple[str, ...]]:
@@ -146,15 +131,3 @@ class ElevationTerrain(Section):
 
         rules = ElevationRules(**self.model_dump(include={field.name for field in fields(ElevationRules)}))
         return local_grid(self.file, rules, frame, lower, upper)
-
-
-def beside_the_scenario(value: Path, info: ValidationInfo, what: str) -> Path:
-    """The path of a file that the scenario names, from the scenario's own folder.
-
-    Raises:
-        ValueError: there is no such file.
-    """
-    path = Path((info.context or {}).get("folder", ".")) / value
-    if not path.is_file():
-        raise ValueError(f"expected {what}, but there is no file {path}")
-    return path

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geometry import Vector
 from ipoa_mission.scenario.maps import ElevationTerrain
-from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section
+from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, beside
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
@@ -168,23 +168,19 @@ class GridTerrain(Section):
     """Distance between neighboring heights, along east and north [m]."""
     heights: Annotated[tuple[tuple[float, ...], ...], Field(min_length=2)] | None = None
     """Heights [m above home], the southernmost row first."""
-    file: Path | None = None
+    file: Annotated[Path | None, beside("a file of heights")] = None
     """A CSV file of heights in place of `heights`, relative to the scenario file."""
 
     @field_validator("file")
     @classmethod
-    def _beside_the_scenario(cls, value: Path | None, info: ValidationInfo) -> Path | None:
-        if value is None:
-            return None
-        path = Path((info.context or {}).get("folder", ".")) / value
-        if not path.is_file():
-            raise ValueError(f"expected a file of heights, but there is none at {path}")
-        try:
-            heights = np.loadtxt(path, delimiter=",", ndmin=2)
-        except ValueError as error:
-            raise ValueError(f"expected rows of numbers with commas between in {path}: {error}") from error
-        if min(heights.shape) < 2 or not np.isfinite(heights).all():
-            raise ValueError(f"expected at least two rows and two columns of finite numbers in {path}")
+    def _of_numbers(cls, path: Path | None) -> Path | None:
+        if path is not None:
+            try:
+                heights = np.loadtxt(path, delimiter=",", ndmin=2)
+            except ValueError as error:
+                raise ValueError(f"expected rows of numbers with commas between in {path}: {error}") from error
+            if min(heights.shape) < 2 or not np.isfinite(heights).all():
+                raise ValueError(f"expected at least two rows and two columns of finite numbers in {path}")
         return path
 
     @model_validator(mode="after")

@@ -4,10 +4,11 @@ import ast
 import inspect
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
+from pathlib import Path
 from textwrap import dedent
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, GetJsonSchemaHandler, ValidationInfo
 
 
 class Section(BaseModel):
@@ -49,6 +50,20 @@ def _no_truth(value: Any) -> Any:
     if isinstance(value, bool):
         raise ValueError(f"expected a number, not {str(value).lower()}")
     return value
+
+
+def beside(what: str) -> AfterValidator:
+    """For the path of a file that a scenario names, from its own folder; where there is none `what` was expected."""
+
+    def found(value: Any, info: ValidationInfo) -> Any:
+        if not isinstance(value, Path):
+            return value
+        path = Path((info.context or {}).get("folder", ".")) / value
+        if not path.is_file():
+            raise ValueError(f"expected {what}, but there is no file {path}")
+        return path
+
+    return AfterValidator(found)
 
 
 NUMBER = BeforeValidator(_no_truth)  # behind the limits, so that the schema keeps them

@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput
+from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.report.exports import forecast_text

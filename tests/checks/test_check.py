@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import (

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.checks.check import Severity, check_mission
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports.table import mission_table

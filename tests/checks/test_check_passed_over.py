@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.checks.check import Finding, Severity, check_mission
+from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.unsafe import Unsafe
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario, read_scenario

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.finding import Severity
+from ipoa_mission.finding import Severity
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.firmware import to_wire

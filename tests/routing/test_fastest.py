@@ -16,8 +16,8 @@ from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.assemble import choose_route, weigh_routes
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission
-from ipoa_mission.routing.trial import fly
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly as fly_here
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
@@ -78,10 +78,10 @@ def test_modes_are_told_quickest_first_and_that_is_at_or_under_the_best_that_was
     assert modes == {"even", "corridor", "fastest"} | ({"spline"} if autopilot is Autopilot.ARDUPILOT else set())
     even = next(option for option in options if option.mode == "even")
     assert even.seconds > 1.5 * options[0].seconds  # dense straight waypoints make the vehicle crawl
-    flown = fly(options[0].route, curve, scenario)
+    flown = Attempt(as_plan(curve, scenario), options[0].route, scenario).flown
     assert flown.seconds <= BEST_FLOWN[autopilot]
     assert flown.deviation <= WITHIN
-    assert flown.keeps_limits(scenario)
+    assert flown.keeps_limits
     assert prove(options[0].route.points, scenario).holds
 
 
@@ -103,7 +103,7 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
         for n, (e, north) in enumerate(centers)
     )
     scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
-    flown = fly(choose_route(as_plan(curve, scenario), scenario, "fastest"), curve, scenario)
+    flown = choose_route(as_plan(curve, scenario), scenario, "fastest").flown
     required = scenario.vehicle.radius + scenario.safety_distance
     legs = np.linspace(flown.path[:-1], flown.path[1:], 8).reshape(-1, 3)[:, None, :2]
     assert np.linalg.norm(legs - centers[None], axis=2).min() - 2.0 > required - 0.05
@@ -123,11 +123,11 @@ def test_the_built_in_autopilot_flies_the_quickest_route_beside_the_curve_clear_
         for n, (e, north) in enumerate(at)
     )
     scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
-    route = choose_route(as_plan(curve, scenario), scenario, "fastest")
+    chosen = choose_route(as_plan(curve, scenario), scenario, "fastest")
+    route, predicted = chosen.route, chosen.flown
     assert prove(route.points, scenario).holds
     assert prove(route.points, scenario).clearance.what in {"tower 0", "tower 1"}
-    predicted = fly(route, curve, scenario)
-    assert predicted.keeps_limits(scenario)
+    assert predicted.keeps_limits
     flight = fly_here(build_mission(route, scenario))
     names = ("latitude_deg", "longitude_deg", "altitude")
     path = scenario.frame.to_local(*(np.array([getattr(sample, name) for sample in flight.path]) for name in names))
@@ -168,7 +168,7 @@ def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
     options = weigh_routes(plan, scenario)
     for option in options:
         assert np.linalg.norm(option.route.points - (60.0, 0.0, 20.0), axis=1).min() < 0.1
-        path = fly(option.route, plan.curve, scenario).path
+        path = Attempt(plan, option.route, scenario).flown.path
         assert np.linalg.norm(path - (60.0, 0.0, 20.0), axis=1).min() < 3.0
     (fastest,) = (option for option in options if option.mode == "fastest")
     assert fastest.seconds == options[0].seconds
@@ -203,6 +203,6 @@ def test_over_a_hill_no_waypoint_every_few_meters_is_needed() -> None:
     at = np.linspace(0.0, 1.0, 1500)
     points = np.column_stack([300 * at, 0 * at, 12.7 + over])
     curve = Spline(np.asarray(np.linalg.lstsq(basis(60, at), points, rcond=None)[0], float))
-    route = choose_route(as_plan(curve, scenario), scenario, "fastest")
-    assert len(route.points) <= 8
-    assert fly(route, curve, scenario).keeps_limits(scenario)
+    chosen = choose_route(as_plan(curve, scenario), scenario, "fastest")
+    assert len(chosen.route.points) <= 8
+    assert chosen.flown.keeps_limits

@@ -98,6 +98,14 @@ def test_only_what_is_certain_is_refused_without_a_search(scene: dict[str, Any])
     expect_wide(Scenario.model_validate(scene))
 
 
+def test_the_legs_of_a_gap_are_counted_without_a_via_point_at_which_the_way_is_already() -> None:
+    scene = gate(5.6, "px4") | {"via": [{"east": 0.0, "north": 0.0, "up": 10.0}]}
+    with pytest.raises(TooNarrow) as refused:
+        expect_wide(Scenario.model_validate(scene))
+    assert "on the leg" not in str(refused.value)
+    expect_wide(Scenario.model_validate(scene | {"obstacles": gate(7.2, "px4")["obstacles"]}))
+
+
 def test_a_gap_a_little_too_narrow_is_certain() -> None:
     with pytest.raises(TooNarrow, match=r"7\.10 m wide, and it needs 7\.14 m at least"):
         expect_wide(Scenario.model_validate(gate(7.1, "px4")))

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.finding import Severity
 from ipoa_mission.errors import MissionError
+from ipoa_mission.finding import Severity
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.flight.summary import clearance_as_json
 from ipoa_mission.forecast.forecast import Forecast

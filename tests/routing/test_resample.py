@@ -10,8 +10,8 @@ from scipy.optimize import lsq_linear
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing._corridor import fewest_legs
 from ipoa_mission.routing._hausdorff import farthest
-from ipoa_mission.routing.relax import _least_squares, relaxed, stations
-from ipoa_mission.routing.resample import NOWHERE, corridor, deviation, every
+from ipoa_mission.routing.relax import _least_squares, relaxed
+from ipoa_mission.routing.resample import NOWHERE, corridor, deviation, every, stations
 
 RNG = np.random.default_rng(4)
 CURVES = [Spline(np.cumsum(RNG.normal((12, 5, 0.5), (6, 9, 2), (n, 3)), axis=0)) for n in (4, 7, 10, 14, 20)]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.finding import Severity
+from ipoa_mission.finding import Severity
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.plan_file import plan_text
@@ -15,7 +15,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline, basis
-from ipoa_mission.routing.attempt import Attempt, attempted
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.route import Route
 from ipoa_mission.routing.seek import TooNear
 from ipoa_mission.scenario import Scenario
@@ -54,7 +54,7 @@ def along(route: Route, scenario: Scenario) -> Attempt:
     curve = Spline(np.asarray(np.linalg.lstsq(basis(24, at), points, rcond=None)[0], float))
     none = np.zeros(1)
     cost, proof = curve_cost(curve, scenario), prove_curve(curve, scenario)
-    return attempted(Plan(curve, cost, proof, "none", 0, none.astype(int), none), route, scenario)
+    return Attempt(Plan(curve, cost, proof, "none", 0, none.astype(int), none), route, scenario)
 
 
 def found_only(route: Route, patch: pytest.MonkeyPatch) -> None:

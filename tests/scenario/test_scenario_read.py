@@ -48,7 +48,7 @@ BROKEN = {
     "vehicle = { autopilot = 'betaflight' }": "vehicle.autopilot: expected 'px4' or 'ardupilot', not 'betaflight'",
     "terrain = { kind = 'grid', east = 0, north = 0, spacing = 1 }": "terrain: expected either heights or file",
     "terrain = { kind = 'grid', east = 0, north = 0, spacing = 1, file = 'no.csv' }": (
-        "terrain.file: expected a file of heights, but there is none at no.csv"
+        "terrain.file: expected a file of heights, but there is no file no.csv"
     ),
     "planning = { control_points = 2.5 }": "planning.control_points: expected a whole number, not 2.5",
 }

@@ -13,6 +13,7 @@ import shapely
 
 from ipoa_mission.forecast.tube.law import DeviationLaw
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.planning.path_problem import problem_of
 from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
@@ -55,16 +56,9 @@ def limits_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:
         yield bounds
 
 
-def raised(scenario: Scenario, by: float) -> Scenario:
-    """The scenario with a greater least height above ground [m]."""
-    least = scenario.limits.height_above_ground + by
-    planning = scenario.planning.model_copy(update={"min_height_above_ground": least})
-    return scenario.model_copy(update={"planning": planning})
-
-
 def _heights_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:
     """Round a place that lies lower than the tube allows, its own height is what the predicted path must keep."""
-    higher, least = raised(scenario, rim.down), scenario.limits.height_above_ground
+    higher, least = problem_of(scenario).tightened(rim.down), scenario.limits.height_above_ground
     sides = _sides(rim.level if scenario.airspace.terrain.steepness > 0 else 0.0)
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
     for check in prove_heights(np.vstack(to_and_fro), higher):

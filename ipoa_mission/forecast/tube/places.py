@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.limits import place_names
 
 WAY_OUT = 2.0  # metres flown for each metre farther away
 TURN = 5.0  # in which a vehicle turns away from what is beside the place [m]
@@ -32,10 +33,9 @@ def tight_places(scenario: Scenario, room: float) -> tuple[TightPlace, ...]:
         return ()
     places = scenario.places
     missing = scenario.limits.obstacle_distance + room - scenario.airspace.obstacle_distance(places)
-    names = ["start", *(f"via[{n}]" for n in range(len(places) - 2)), "goal"]
     return tuple(
         TightPlace(name, place, TURN + WAY_OUT * float(less))
-        for name, place, less in zip(names, places, missing, strict=True)
+        for name, place, less in zip(place_names(places), places, missing, strict=True)
         if less > 0
     )
 

@@ -95,6 +95,11 @@ class Promise:
         return tuple(kept for kept in self.limits if kept.falls_short)
 
     @property
+    def forbidding(self) -> tuple[Kept, ...]:
+        """The limits for which it may not be flown."""
+        return tuple(kept for kept in self.limits if kept.forbids)
+
+    @property
     def clearance(self) -> Kept | None:
         """The promise of the flight: the least that is kept to anything solid on the way, by what is required of it."""
         solid = [k for k in self.limits if k.on_the_way and k.limit in ("obstacles", "ground") and np.isfinite(k.kept)]

@@ -8,9 +8,10 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.tube.limits import Rim, raised, rim_of
+from ipoa_mission.forecast.tube.limits import Rim, rim_of
 from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.planning.path_problem import PathTask, problem_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Obstacle
@@ -19,8 +20,8 @@ from ipoa_mission.world.polygon import Polygon, rings_of
 LEAST_GROWTH = 0.01  # obstacles that would grow by less are left as they are [m]
 
 
-def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: float = 9.0) -> Scenario:
-    """The scenario with room for its autopilot's tube at so many tight places; with `keep_gaps` it closes no gap.
+def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: float = 9.0) -> PathTask:
+    """A scenario's path with room for its autopilot's tube at so many tight places; with `keep_gaps` it closes no gap.
 
     Over steep ground the path is to be higher, by that `share` at most of what the lowest given place has to spare.
     """
@@ -30,26 +31,12 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: 
     law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
     rim, level = rim_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
-    growth = _growth(scenario, level, keep_gaps)
-    bodies = tuple(
-        body.grown(by, by / level * rim.up, by / level * rim.down) if by else body
-        for body, by in zip(airspace.obstacles, growth.tolist(), strict=True)
-    )
+    growth = np.full(len(airspace.obstacles), level)
+    bodies = grown(scenario, scenario, growth, Rim(level, rim.down, rim.up), keep_gaps)
     slope = _usual_slope(airspace) * rim.level
-    roomier = raised(scenario, max(rim.down, min(rim.down + slope, share * _spare_height(scenario))))
-    roomier = lowered(roomier, rim.up + slope)
-    world = Airspace(shrunk(airspace.bounds, scenario, rim), airspace.terrain, bodies)
-    return roomier.in_airspace(world)
-
-
-def lowered(scenario: Scenario, by: float) -> Scenario:
-    """The scenario with a lower greatest height above ground [m], if it has one."""
-    ceiling = scenario.planning.max_height_above_ground
-    if ceiling is None or by == 0.0:
-        return scenario
-    lower = max(ceiling - by, scenario.planning.min_height_above_ground or 0.0)
-    planning = scenario.planning.model_copy(update={"max_height_above_ground": lower})
-    return scenario.model_copy(update={"planning": planning})
+    higher = max(rim.down, min(rim.down + slope, share * _spare_height(scenario)))
+    world = Airspace(shrunk(airspace.bounds, scenario.places, rim), airspace.terrain, bodies)
+    return problem_of(scenario).tightened(higher, rim.up + slope, world)
 
 
 def _spare_height(scenario: Scenario) -> float:
@@ -58,23 +45,26 @@ def _spare_height(scenario: Scenario) -> float:
     return float(heights.min()) - scenario.limits.height_above_ground
 
 
-def _growth(scenario: Scenario, level: float, keep_gaps: bool) -> Vector:
-    """By how much each obstacle grows to its sides, (n,) [m]."""
-    airspace, distance = scenario.airspace, scenario.limits.obstacle_distance
-    fixed = scenario.places
-    growth = np.full(len(airspace.obstacles), level)
-    for n, body in enumerate(airspace.obstacles):
-        spare = float(body.distance(fixed).min()) - distance
-        growth[n] = np.clip(spare - LEAST_GROWTH, 0.0, level)
+def grown(roomy: PathTask, task: PathTask, growth: Vector, shape: Rim, keep_gaps: bool) -> tuple[Obstacle, ...]:
+    """The obstacles of a task, each larger by its `growth` (n,) [m] to the sides; up and down in proportion to `shape`.
+
+    Where one may not grow, it is as in `roomy`.
+    """
+    bodies, distance = task.airspace.obstacles, task.limits.obstacle_distance
+    spare = np.array([body.distance(task.places).min() for body in bodies])
+    growth = np.clip(spare - distance - LEAST_GROWTH, 0.0, growth)
     if keep_gaps and len(growth) > 1:
-        keep_gaps_open(growth, airspace.obstacles, distance, level)
-    return np.where(growth < LEAST_GROWTH, 0.0, growth)
+        _keep_gaps_open(growth, bodies, distance)
+    return tuple(
+        body.grown(by, by / shape.level * shape.up, by / shape.level * shape.down) if by >= LEAST_GROWTH else wide
+        for body, wide, by in zip(bodies, roomy.airspace.obstacles, growth.tolist(), strict=True)
+    )
 
 
-def keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float, level: float) -> None:
+def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float) -> None:
     """Let no two neighbors close, in place, a gap that the required distance on both sides leaves open."""
     outlines = np.array([body.plan for body in bodies])
-    one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + level))
+    one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + float(growth.max())))
     pairs = one < other
     one, other = one[pairs], other[pairs]
     spare = (shapely.distance(outlines[one], outlines[other]) - 2 * distance) / 2 - LEAST_GROWTH
@@ -83,9 +73,8 @@ def keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float
         np.minimum.at(growth, bodies_of, spare[open_])
 
 
-def shrunk(bounds: Bounds, scenario: Scenario, rim: Rim) -> Bounds:
-    """Bounds that leave the tube inside, but for sides that a given place is nearer to."""
-    fixed: Points = scenario.places
+def shrunk(bounds: Bounds, fixed: Points, rim: Rim) -> Bounds:
+    """Bounds that leave the tube inside, but for sides that a given place (k, 3) is nearer to."""
     lower, upper = np.array(bounds.lower), np.array(bounds.upper)
     near = np.array([rim.level, rim.level, rim.down]), np.array([rim.level, rim.level, rim.up])
     lower += np.clip(fixed.min(axis=0) - lower - LEAST_GROWTH, 0.0, near[0])
