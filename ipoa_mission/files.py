@@ -94,6 +94,13 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
 
 
+def packed(mission: str) -> Path:
+    """A file of `missions/` that comes with the program: in a wheel it is inside of the package, else beside it."""
+    package = Path(__file__).parent
+    inside = package / "missions" / mission
+    return inside if inside.is_file() else package.parent / "missions" / mission
+
+
 def copies(part: str) -> Iterator[Path]:
     """A file or folder of this package, like "compiled", in the other copies of it that Python finds.
 

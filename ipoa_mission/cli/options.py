@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import packed
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.vehicles.parameters import SINGLE_MAX
 
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
 
 #: Scenarios that are packed with the program, to be planned by their name.
 NAMES = ("campus",)
-_PACKAGE = Path(__file__).parents[1]
-#: In a wheel they are inside the package, in the repository where all missions are.
-_FOLDERS = (_PACKAGE / "missions", _PACKAGE.parent / "missions")
 #: Options that `--help` gathers under a heading.
 link_option = partial(typer.Option, rich_help_panel="The link")
 bad_link_option = partial(typer.Option, rich_help_panel="A worse link than there is, to see what happens")
@@ -41,10 +39,7 @@ def optimizers_like(beginning: str) -> list[str]:
 
 def or_packed(path: Path) -> Path:
     """The file that was named; where there is none and the name is one of `NAMES`, the scenario of that name."""
-    if str(path) not in NAMES or path.exists():
-        return path
-    files = [folder / f"{path}.toml" for folder in _FOLDERS]
-    return next((file for file in files if file.is_file()), path)
+    return packed(f"{path}.toml") if str(path) in NAMES and not path.exists() else path
 
 
 def expect_scenario(path: Path) -> Path:

@@ -77,7 +77,7 @@ def table_maps_ablation(rows: Sequence[TrialRow]) -> Table:
                 label,
                 f"{mean_over_maps(rows, 'ipoa', settings=settings_text(**wanted)):.1f}",
                 f"{mean_over_maps(rows, 'ipoa', 'feasible', settings_text(**wanted)):.0%}",
-                *_against_the_first(rows, wanted, list(MAPS)),
+                *_against_the_first(rows, wanted, MAPS),
             ]
             for label, wanted in ABLATION.items()
         ],
@@ -126,7 +126,7 @@ def table_maps_beyond(rows: Sequence[TrialRow], paper: Sequence[TrialRow]) -> Ta
     return Table(
         f"Beyond the paper, on the maps: mean cost (place), {runs_of(rows)} runs, absolute coordinates.",
         ["map", *names],
-        [*_with_places(list(MAPS), means), ["collision-free", *(f"{share:.0%}" for share in feasible)]],
+        [*_with_places(MAPS, means), ["collision-free", *(f"{share:.0%}" for share in feasible)]],
         [f"Mean rank: {ranking(names, means, OURS)}.", _sentence(OURS, ours_against_on_maps(everyone), f"{len(MAPS)}")],
     )
 
@@ -143,7 +143,7 @@ def ours_against(rows: Sequence[TrialRow], paper: Sequence[TrialRow]) -> dict[st
 
 def ours_against_on_maps(rows: Sequence[TrialRow]) -> dict[str, list[str]]:
     """The same by cost on the maps; `rows` are those of the paper's six and of the rivals."""
-    return _each_told_apart(lambda name, case: results(rows, case, name), OURS, (*BEYOND[1:], "ipoa"), list(MAPS))
+    return _each_told_apart(lambda name, case: results(rows, case, name), OURS, (*BEYOND[1:], "ipoa"), MAPS)
 
 
 def _each_told_apart(

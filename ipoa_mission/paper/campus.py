@@ -4,8 +4,6 @@ The paper flies on RflySim over a model of Dalian University that is not publish
 campus of our own with start and goal as far apart, at the same 15 m/s, in straight legs between waypoints.
 """
 
-from pathlib import Path
-
 import numpy as np
 
 from ipoa_mission.errors import BadInput
@@ -13,7 +11,7 @@ from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.maps import path_problem
+from ipoa_mission.paper.maps import paper_scenario, path_problem
 from ipoa_mission.paper.problem import Measures, Problem
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
@@ -21,11 +19,8 @@ from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.routing.route import NoRoute
-from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import fly
-
-#: The scenario: in a wheel beside this file, in the repository where all missions are.
-PLACES = (Path(__file__).with_name("campus.toml"), Path(__file__).parents[2] / "missions" / "paper" / "campus.toml")
 
 
 def campus_scenario() -> Scenario:
@@ -34,7 +29,7 @@ def campus_scenario() -> Scenario:
     Raises:
         BadInput: the package was installed without the scenario.
     """
-    scenario = read_scenario(next((place for place in PLACES if place.exists()), PLACES[-1]))
+    scenario = paper_scenario("campus")
     return scenario.model_copy(
         update={
             "planning": scenario.planning.model_copy(update={"planner": "paper"}),

@@ -21,7 +21,7 @@ def mean_over_maps(
     algorithm: str,
     measure: str | None = None,
     settings: str = "{}",
-    cases: Sequence[str] = tuple(MAPS),
+    cases: Sequence[str] = MAPS,
 ) -> float:
     """Mean over the maps of the mean over the runs, of the cost or of a measure."""
     return float(np.mean([results(rows, case, algorithm, measure, settings).mean() for case in cases]))

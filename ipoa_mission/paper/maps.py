@@ -1,94 +1,29 @@
 """The random maps of the paper's Tables 5 to 7, seeded, for it does not publish its own; and paths planned on them.
 
-A map is a scenario like any other: `missions/paper/` has them as files, made of `paper_map`. Paths are sought as the
-paper seeks them: control points in absolute coordinates, its cost summed over nodes, one search and no polish.
+A map is a scenario like any other, in `missions/paper/`. Paths are sought as the paper seeks them: control points in
+absolute coordinates, its cost summed over nodes, one search and no polish.
 """
-
-from typing import Any
 
 import numpy as np
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Optimum
 from ipoa_mission.paper.problem import Measures, Problem
 from ipoa_mission.planning.problem import encode, pose
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import default_autopilot
+from ipoa_mission.scenario import Scenario, read_scenario
 
-#: Obstacles and number of each map: the five of Table 6, the two of Table 7.
-MAPS = {
-    "map-8-1": (8, 1),
-    "map-8-2": (8, 2),
-    "map-8-3": (8, 3),
-    "map-8-4": (8, 4),
-    "map-8-5": (8, 5),
-    "map-6-1": (6, 1),
-    "map-10-1": (10, 1),
-}
+#: The five of Table 6, the two of Table 7, each by how many obstacles it has.
+MAPS = ("map-8-1", "map-8-2", "map-8-3", "map-8-4", "map-8-5", "map-6-1", "map-10-1")
 #: The weights of Table 5's three experiments; the other tables have the first.
 WEIGHTS = {1: (0.7, 0.15, 0.15), 2: (0.15, 0.7, 0.15), 3: (0.15, 0.15, 0.7)}
 #: Inner control points; the paper does not say how many it has.
 INNER = 8
 #: A search has converged when its best cost is within this share of what it ends with.
 CONVERGED = 0.01
-
-
-def paper_map(name: str) -> dict[str, Any]:
-    """The scenario of a map, as its file has it: 100 x 100 x 350 m, six peaks, obstacles drawn from the map's seed."""
-    obstacles, number = MAPS[name]
-    rng = np.random.default_rng([2024, obstacles, number])
-    surface = {"a": 0.1, "b": 0.3, "c": -0.9, "d": 0.5, "e": 0.5, "f": 0.5, "g": 0.3, "base": -5.0}
-    return {
-        "name": name,
-        "safety_distance": 0.5,
-        "safety": {"confidence": "nominal"},
-        "home": {"latitude_deg": 38.87, "longitude_deg": 121.53, "altitude_amsl": 60.0},
-        "start": {"east": 5.0, "north": 5.0, "height_above_ground": 15.0},
-        "goal": {"east": 95.0, "north": 95.0, "height_above_ground": 15.0},
-        "bounds": {"east": [0.0, 100.0], "north": [0.0, 100.0], "up": [-5.0, 350.0]},
-        "vehicle": {"autopilot": str(default_autopilot()), "radius": 1.0, "cruise_speed": 5.0},
-        "cost": {"form": "nodes"},
-        "planning": {"planner": "paper", "control_points": INNER},
-        "terrain": {"kind": "analytic", **surface, "peaks": [_peak(rng) for _ in range(6)]},
-        "obstacles": [_obstacle(rng, k) for k in range(obstacles)],
-    }
-
-
-def _peak(rng: np.random.Generator) -> dict[str, float]:
-    east, north = aside(rng, 25.0)
-    height, a, b = rng.uniform(30, 110), *rng.uniform(8, 15, 2)
-    return _to_a_tenth(height=height, east=east, north=north, a=a, b=b)
-
-
-def _obstacle(rng: np.random.Generator, k: int) -> dict[str, Any]:
-    """Masts and balloons by turns; half of them stand in the way."""
-    east, north = aside(rng, 15.0) if k % 4 > 1 else in_the_way(rng)
-    if k % 2:
-        shape = _to_a_tenth(east=east, north=north, radius=rng.uniform(3, 6), height=rng.uniform(40, 120))
-        return {"kind": "cylinder", "name": f"mast {k + 1}", **shape}
-    shape = _to_a_tenth(east=east, north=north, up=rng.uniform(15, 50), radius=rng.uniform(4, 9))
-    return {"kind": "sphere", "name": f"balloon {k + 1}", **shape}
-
-
-def _to_a_tenth(**lengths: float) -> dict[str, float]:
-    return {name: round(float(length), 1) for name, length in lengths.items()}
-
-
-def aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
-    """A place on the map at least `least` metres from start and goal."""
-    while True:
-        east, north = rng.uniform(8, 92, 2)
-        if min(np.hypot(east - 5, north - 5), np.hypot(east - 95, north - 95)) >= least:
-            return float(east), float(north)
-
-
-def in_the_way(rng: np.random.Generator) -> tuple[float, float]:
-    """A place within ten metres of the straight way: half of the obstacles stand there, lest a map be an empty one."""
-    along, aside = rng.uniform(25, 75), rng.uniform(-7, 7)
-    return float(along + aside), float(along - aside)
 
 
 def map_problem(case: str, dimension: int) -> Problem:
@@ -112,8 +47,17 @@ def map_scenario(case: str) -> Scenario:
     weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
     if name not in MAPS or weights is None:
         raise BadInput(f"case: expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}")
-    scenario = Scenario.model_validate(paper_map(name))
+    scenario = paper_scenario(name)
     return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
+
+
+def paper_scenario(name: str) -> Scenario:
+    """One of `missions/paper/`.
+
+    Raises:
+        BadInput: the package was installed without it.
+    """
+    return read_scenario(packed(f"paper/{name}.toml"))
 
 
 def path_problem(scenario: Scenario) -> Problem:

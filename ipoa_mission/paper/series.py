@@ -94,8 +94,8 @@ CEC_ABLATION = Series("cec2022-d20-ablation", 20, _cec(20, [("ipoa", settings) f
 WEIGHTED = tuple(f"map-8-1/{experiment}" for experiment in WEIGHTS)
 
 MAPS_PAPER = Series("maps", 10, _maps([*WEIGHTED, *MAPS], [(name, {}) for name in ALGORITHMS]))
-MAPS_BEYOND = Series("maps-beyond", 10, _maps(list(MAPS), [(name, {}) for name in BEYOND], BUDGET))
-MAPS_ABLATION = Series("maps-ablation", 10, _maps(list(MAPS), [("ipoa", settings) for settings in ABLATION.values()]))
+MAPS_BEYOND = Series("maps-beyond", 10, _maps(MAPS, [(name, {}) for name in BEYOND], BUDGET))
+MAPS_ABLATION = Series("maps-ablation", 10, _maps(MAPS, [("ipoa", settings) for settings in ABLATION.values()]))
 
 #: The six on the campus, and the variant of ours beside them.
 CAMPUS = Series(

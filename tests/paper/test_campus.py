@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.paper.campus import PLACES
+from ipoa_mission import files
 from ipoa_mission.paper.rows import Trial, settings_text
 from ipoa_mission.paper.runs import run_trial
 
@@ -13,12 +13,19 @@ REPOSITORY = Path(__file__).parents[2]
 SMALL = settings_text(evaluations=15_000)
 
 
-def test_a_wheel_takes_the_campus_along_to_where_it_is_looked_for() -> None:
+@pytest.mark.parametrize("mission", ["campus.toml", "paper"])
+def test_a_wheel_takes_missions_along_to_where_they_are_looked_for(
+    mission: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     build = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]["build"]
-    taken = build["targets"]["wheel"]["force-include"]
-    packed = {REPOSITORY / source: REPOSITORY / target for source, target in taken.items()}
-    assert packed[PLACES[1]] == PLACES[0]
-    assert PLACES[1].exists()
+    name = "paper/campus.toml" if mission == "paper" else mission
+    assert files.packed(name) == REPOSITORY / "missions" / name
+    there = tmp_path / build["targets"]["wheel"]["force-include"][f"missions/{mission}"]
+    installed = there / "campus.toml" if mission == "paper" else there
+    installed.parent.mkdir(parents=True)
+    installed.touch()
+    monkeypatch.setattr(files, "__file__", str(tmp_path / "ipoa_mission" / "files.py"))
+    assert files.packed(name) == installed
 
 
 def test_a_path_that_touches_nothing_is_flown_no_faster_than_15_meters_a_second() -> None:

@@ -15,19 +15,17 @@ from ipoa_mission.paper.maps import (
     map_problem,
     map_scenario,
     measures_of,
-    paper_map,
 )
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario import read_scenario
+from tools.generate.paper_maps import paper_map
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_the_files_in_the_repository_are_the_maps_that_are_run(name: str, missions: Path) -> None:
+def test_the_maps_that_are_run_are_drawn_from_their_seeds(name: str, missions: Path) -> None:
     path = missions / "paper" / f"{name}.toml"
     assert tomllib.loads(path.read_text(encoding="utf-8")) == paper_map(name)
-    scenario = read_scenario(path)
-    assert scenario == map_scenario(name)
-    assert len(scenario.airspace.obstacles) == MAPS[name][0]
+    scenario = map_scenario(name)
+    assert len(scenario.airspace.obstacles) == int(name.split("-")[1])
     ends = np.vstack([scenario.start_point, scenario.goal_point])
     assert np.all(scenario.airspace.clearance(ends) > scenario.vehicle.radius)
 
