@@ -3,7 +3,7 @@
 On CEC2022 and on the maps; each table is a pure function of rows of runs.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,103 +47,101 @@ def table_equal(rows: Sequence[TrialRow]) -> Table:
 
 def table_ablation(rows: Sequence[TrialRow]) -> Table:
     """IPOA on CEC2022 with each strategy off and each other reading, one at a time."""
-    return Table(
+    return _ablation(
+        rows,
         f"Ablation and readings: IPOA on CEC2022, D = 20, {runs_of(rows)} runs.",
-        ["", "mean log10 error", "off the print", "better / same / worse than the first", *FUNCTIONS],
-        [
-            [
-                label,
-                f"{mean_log_error(rows, 'ipoa', settings_text(**wanted)):.2f}",
-                f"{off_the_print(rows, settings=settings_text(**wanted)):.2f}",
-                *_against_the_first(rows, wanted, FUNCTIONS),
-            ]
-            for label, wanted in ABLATION.items()
-        ],
-        [
-            "Better, same, worse: functions on which the rank-sum test with Holm's correction over the twelve says so "
-            "at 0.05. Off the print: mean of |ln(our mean error / the printed one)|; 0 is a perfect match. "
-            "The twelve columns are mean errors."
-        ],
+        FUNCTIONS,
+        {
+            "mean log10 error": lambda settings: f"{mean_log_error(rows, 'ipoa', settings):.2f}",
+            "off the print": lambda settings: f"{off_the_print(rows, settings):.2f}",
+        },
+        "Better, same, worse: functions on which the rank-sum test with Holm's correction over the twelve says so "
+        "at 0.05. Off the print: mean of |ln(our mean error / the printed one)|; 0 is a perfect match. "
+        "The twelve columns are mean errors.",
     )
 
 
 def table_maps_ablation(rows: Sequence[TrialRow]) -> Table:
     """The same on the maps, by cost."""
-    return Table(
+    return _ablation(
+        rows,
         f"Ablation and readings on the maps: mean cost of IPOA, {runs_of(rows)} runs, absolute coordinates.",
-        ["", "mean cost", "collision-free", "better / same / worse than the first", *MAPS],
-        [
-            [
-                label,
-                f"{mean_over_maps(rows, 'ipoa', settings=settings_text(**wanted)):.1f}",
-                f"{mean_over_maps(rows, 'ipoa', 'feasible', settings_text(**wanted)):.0%}",
-                *_against_the_first(rows, wanted, MAPS),
-            ]
-            for label, wanted in ABLATION.items()
-        ],
-        ["Better, same, worse: maps on which the rank-sum test with Holm's correction over the seven says so at 0.05."],
+        MAPS,
+        {
+            "mean cost": lambda settings: f"{mean_over_maps(rows, 'ipoa', settings=settings):.1f}",
+            "collision-free": lambda settings: f"{mean_over_maps(rows, 'ipoa', 'feasible', settings):.0%}",
+        },
+        "Better, same, worse: maps on which the rank-sum test with Holm's correction over the seven says so at 0.05.",
     )
 
 
-def _against_the_first(rows: Sequence[TrialRow], wanted: dict[str, object], cases: Sequence[str]) -> list[str]:
-    """On how many cases IPOA so set is better, the same and worse than by default; then its mean on each."""
-    ours, first = (
-        [results(rows, case, "ipoa", settings=settings) for case in cases]
-        for settings in (settings_text(**wanted), settings_text())
-    )
-    signs = told_apart(list(zip(ours, first, strict=True)))
-    return [counted(signs) if wanted else "-", *(number(costs.mean()) for costs in ours)]
+def _ablation(
+    rows: Sequence[TrialRow],
+    caption: str,
+    cases: Sequence[str],
+    columns: Mapping[str, Callable[[str], str]],
+    note: str,
+) -> Table:
+    """A line for each setting of IPOA: the columns, how it compares with the default, and its mean on each case."""
+    first = [results(rows, case, "ipoa") for case in cases]
+    lines = []
+    for label, wanted in ABLATION.items():
+        settings = settings_text(**wanted)
+        ours = [results(rows, case, "ipoa", settings=settings) for case in cases]
+        compared = counted(told_apart(list(zip(ours, first, strict=True)))) if wanted else "-"
+        measured = [of(settings) for of in columns.values()]
+        lines.append([label, *measured, compared, *(number(costs.mean()) for costs in ours)])
+    return Table(caption, ["", *columns, "better / same / worse than the first", *cases], lines, [note])
 
 
-def table_beyond(rows: Sequence[TrialRow], paper: Sequence[TrialRow]) -> Table:
+def table_beyond(paper: Sequence[TrialRow], rivals: Sequence[TrialRow]) -> Table:
     """Mean error of the rivals beyond the paper, beside the paper's six."""
-    everyone = [*rows, *paper]
-    names = [*BEYOND, *published.ALGORITHMS]
-    means = np.array([[results(everyone, f, name).mean() for name in names] for f in FUNCTIONS])
-    return Table(
-        "Beyond the paper: CEC2022, D = 20.",
-        ["", *names],
-        [
-            *_with_places(FUNCTIONS, means),
-            ["mean log10", *(f"**{mean_log_error(everyone, name):.2f}**" for name in names)],
-        ],
-        [
-            f"Mean error (place), {runs_of(rows)} runs; the last line is log10 of it, errors below 1e-8 counted as "
-            f"1e-8, averaged over the functions. The first {len(BEYOND)} spent 90,060 evaluations a run, the paper's "
-            "six what N = 30 and T = 1000 gives them.",
-            f"Mean rank: {ranking(names, np.maximum(means, FLOOR), OURS)}.",
-            _sentence(OURS, ours_against(rows, paper), f"{len(FUNCTIONS)}"),
-        ],
+    everyone = [*rivals, *paper]
+    return _rivals(
+        everyone,
+        ["Beyond the paper: CEC2022, D = 20.", ""],
+        FUNCTIONS,
+        ("mean log10", lambda name: f"**{mean_log_error(everyone, name):.2f}**"),
+        f"Mean error (place), {runs_of(rivals)} runs; the last line is log10 of it, errors below 1e-8 counted as "
+        f"1e-8, averaged over the functions. The first {len(BEYOND)} spent 90,060 evaluations a run, the paper's "
+        "six what N = 30 and T = 1000 gives them.",
     )
 
 
-def table_maps_beyond(rows: Sequence[TrialRow], paper: Sequence[TrialRow]) -> Table:
+def table_maps_beyond(paper: Sequence[TrialRow], rivals: Sequence[TrialRow]) -> Table:
     """Mean cost on each map: rivals beyond the paper beside the paper's six."""
-    everyone = [*rows, *paper]
+    everyone = [*rivals, *paper]
+    words = f"Beyond the paper, on the maps: mean cost (place), {runs_of(rivals)} runs, absolute coordinates."
+    share = ("collision-free", lambda name: f"{mean_over_maps(everyone, name, 'feasible'):.0%}")
+    return _rivals(everyone, [words, "map"], MAPS, share)
+
+
+def _rivals(
+    rows: Sequence[TrialRow],
+    heading: Sequence[str],
+    cases: Sequence[str],
+    last: tuple[str, Callable[[str], str]],
+    *notes: str,
+) -> Table:
+    """Means of everyone on each case, with their places, under a caption and a corner; the last line is of each."""
     names = [*BEYOND, *published.ALGORITHMS]
-    means = np.array([[results(everyone, case, name).mean() for name in names] for case in MAPS])
-    feasible = [mean_over_maps(everyone, name, "feasible") for name in names]
+    means = np.array([[results(rows, case, name).mean() for name in names] for case in cases])
+
+    def of(name: str, case: str) -> NDArray[np.float64]:
+        return np.maximum(results(rows, case, name), FLOOR)
+
+    signs = _each_told_apart(of, OURS, (*BEYOND[1:], "ipoa"), cases)
+    (caption, corner), (label, words) = heading, last
     return Table(
-        f"Beyond the paper, on the maps: mean cost (place), {runs_of(rows)} runs, absolute coordinates.",
-        ["map", *names],
-        [*_with_places(MAPS, means), ["collision-free", *(f"{share:.0%}" for share in feasible)]],
-        [f"Mean rank: {ranking(names, means, OURS)}.", _sentence(OURS, ours_against_on_maps(everyone), f"{len(MAPS)}")],
+        caption,
+        [corner, *names],
+        [*_with_places(cases, means), [label, *map(words, names)]],
+        [
+            *notes,
+            f"Mean rank: {ranking(names, np.maximum(means, FLOOR), OURS)}.",
+            _sentence(OURS, signs, f"{len(cases)}"),
+        ],
     )
-
-
-def ours_against(rows: Sequence[TrialRow], paper: Sequence[TrialRow]) -> dict[str, list[str]]:
-    """For each rival, function by function: is our variant told to be better (+), worse (-), or neither (=)?"""
-    everyone = [*rows, *paper]
-
-    def of(name: str, function: str) -> NDArray[np.float64]:
-        return np.maximum(results(everyone, function, name), FLOOR)
-
-    return _each_told_apart(of, OURS, (*BEYOND[1:], "ipoa"), FUNCTIONS)
-
-
-def ours_against_on_maps(rows: Sequence[TrialRow]) -> dict[str, list[str]]:
-    """The same by cost on the maps; `rows` are those of the paper's six and of the rivals."""
-    return _each_told_apart(lambda name, case: results(rows, case, name), OURS, (*BEYOND[1:], "ipoa"), MAPS)
 
 
 def _each_told_apart(

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
 from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
@@ -31,14 +30,9 @@ COLORS = {
 }
 
 
-def chaotic_iterates(starts: int) -> NDArray[np.float64]:
-    """300 iterates of the chaotic map, eq. (18), with a = 0.7, from each of so many starts, (300, starts)."""
-    return iterate_chaotic_map(0.7, 300, starts, np.random.default_rng(3))
-
-
 def figure_3() -> str:
-    """The iterates of the chaotic map, and how they are distributed."""
-    z = chaotic_iterates(1)[:, 0]
+    """Iterates of the chaotic map, eq. (18), and how they are distributed."""
+    z = iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
     figure, (left, right) = panels_of(1, 2, 9, 3.2)
     left.plot(np.arange(1, 301), z, ".", ms=3, color=COLORS["ipoa"])
     left.set(xlabel="iteration", ylabel="z", title="300 iterates, a = 0.7")

@@ -6,6 +6,7 @@ The paper does not publish its maps, so no number can agree; what can be compare
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.paper import published
 from ipoa_mission.paper.maps import MAPS, WEIGHTS
@@ -77,7 +78,13 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
         f"(printed {per_cent(float(printed_length['ipoa']), float(printed_length[name]))})"
         for name in published.ALGORITHMS[1:]
     )
-    comparison = "; ".join(f"{rival.upper()} {counted(outcomes)}" for rival, outcomes in on_length(rows, cases).items())
+
+    def lengths(name: str, case: str) -> NDArray[np.float64]:
+        return results(rows, case, name, "distance")
+
+    signs = against(lengths, "ipoa", published.ALGORITHMS[1:], cases)
+    comparison = "; ".join(f"{rival.upper()} {counted(outcomes)}" for rival, outcomes in signs.items())
+    means = np.array([[lengths(name, case).mean() for name in published.ALGORITHMS] for case in cases])
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
         "Each cell: ours (place) · printed, on other maps (place).",
@@ -87,7 +94,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
             f"Length of IPOA's paths against each: {gains}.",
             f"Told to be shorter / not told apart / longer on the maps (rank-sum, Holm over {len(cases)} maps and five "
             f"rivals, 0.05): {comparison}.",
-            *([f"Mean rank by length: {_ranked_by_length(rows, cases)}."] if len(cases) > 2 else []),
+            *([f"Mean rank by length: {ranking(published.ALGORITHMS, means)}."] if len(cases) > 2 else []),
             "Distance is the smooth curve's length. Iterations: when, of a thousand, the best cost was within 1 % of "
             "its last. Turn: mean angle between adjacent legs of the control points, the nodes that the algorithms "
             f"vary (over the hundred nodes of the smooth curve it is {min(smooth):.0f}° to {max(smooth):.0f}°, which "
@@ -97,16 +104,6 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
             "not sampled, touches nothing; the paper does not say how many of its paths do.",
         ],
     )
-
-
-def on_length(rows: Sequence[TrialRow], cases: Sequence[str]) -> dict[str, list[str]]:
-    """For each rival, map by map: are IPOA's paths told to be shorter (+), longer (-), or neither (=)?"""
-    return against(lambda name, case: results(rows, case, name, "distance"), "ipoa", published.ALGORITHMS[1:], cases)
-
-
-def _ranked_by_length(rows: Sequence[TrialRow], cases: Sequence[str]) -> str:
-    means = [[results(rows, case, name, "distance").mean() for name in published.ALGORITHMS] for case in cases]
-    return ranking(published.ALGORITHMS, np.array(means))
 
 
 def table_8(rows: Sequence[TrialRow]) -> Table:

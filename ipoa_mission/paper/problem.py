@@ -10,15 +10,10 @@ from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum
 Measures: TypeAlias = dict[str, float | list[float]]
 
 
-def nothing_more(_found: Optimum) -> Measures:
-    """No measures but the cost."""
-    return {}
-
-
 @dataclass(frozen=True)
 class Problem:
     """What is minimized, (n, D) -> (n,), inside which box, and the further measures of what was found."""
 
     cost: Callable[[Candidates], Costs]
     box: Box
-    measure: Callable[[Optimum], Measures] = nothing_more
+    measure: Callable[[Optimum], Measures] = lambda _found: {}
