@@ -2,6 +2,7 @@
 
 import webbrowser
 from contextlib import suppress
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -9,9 +10,10 @@ import typer
 
 from ipoa_mission.cli.options import JsonOption, SeedOption, expect_scenario
 from ipoa_mission.cli.telling import tell, tell_json
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import write_atomically
 
+LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")  # beyond what the package itself needs
 NORTHWARDS = 0.0009  # how far from home a new scenario's first goal is [deg], about 100 m
 
 
@@ -34,9 +36,9 @@ def studio(
 
     Example: `ipoa-mission studio missions/campus.toml`
     """
-    from ipoa_mission.studio.extra import expect_extra
-
-    expect_extra()
+    missing = [name for name in LIBRARIES if find_spec(name) is None]
+    if missing:
+        raise MissionError(f"the studio needs {', '.join(missing)}", hint="pip install 'ipoa-mission[studio]'")
     from ipoa_mission.studio.bundle import built_page
     from ipoa_mission.studio.server import serve
 

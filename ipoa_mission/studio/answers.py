@@ -88,7 +88,6 @@ class World(PageMessage):
     fences: tuple[Fence, ...]
     ground: tuple[Terrace, ...]
     required: float
-    height_above_ground: float
     remarks: tuple[str, ...]
 
 
@@ -148,15 +147,10 @@ class Binding(PageMessage):
 
 
 class Stop(PageMessage):
-    """An item of the mission: as `show` numbers it."""
+    """An item of the mission as `show` numbers it, and the sample of the course at which it is done."""
 
     seq: int
-    name: str
-    done_s: float
-    reason: str
     at: int
-    place: LngLat | None
-    up: float
 
 
 class Choice(PageMessage):
@@ -190,7 +184,6 @@ class Plan(PageMessage):
     kind: Literal["plan"] = "plan"
     revision: int
     name: str
-    autopilot: str
     proof: str
     verdict: str
     confidence: Number
@@ -204,7 +197,6 @@ class Plan(PageMessage):
     length: float
     energy_wh: Number
     battery_left: Number
-    tube: tuple[float, float, float]
     tube_ring: tuple[tuple[LngLat, ...], ...]
     course: Course
     stops: tuple[Stop, ...]

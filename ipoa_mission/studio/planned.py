@@ -15,7 +15,6 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import seen
-from ipoa_mission.report.stops import FlownItem, stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map, without_folders
@@ -50,13 +49,11 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
     """A proved flight for the page."""
     scenario, estimate, promise = flight.scenario, flight.estimate, flight.promise
     course = seen.follow(estimate.track, scenario.airspace, SAMPLES)
-    flown_stops = stops(flight.forecast)
     kept, rim = promise.clearance, seen.tube_of(flight.forecast)
     energy, battery = flight.energy, scenario.vehicle.battery
     return answers.Plan(
         revision=revision,
         name=flight.name,
-        autopilot=str(flight.mission.autopilot),
         proof=proof_digest(flight),
         verdict=without_folders(flight.proof.words(), scenario),
         confidence=promise.confidence,
@@ -70,11 +67,10 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         length=round(float(course.along[-1]), 1),
         energy_wh=None if energy is None else round(energy.energy_wh, 2),
         battery_left=None if energy is None or battery is None else round(float(energy.left(battery.build())), 3),
-        tube=(rim.level, rim.up, rim.down),
         tube_ring=tuple(on_map(scenario.frame, ring) for ring in seen.outline_round(course.points, rim.level)),
         course=_course(course, scenario),
-        stops=tuple(_stop(stop, course, scenario) for stop in flown_stops),
-        bindings=tuple(_bindings(flight, flown_stops, course)),
+        stops=tuple(answers.Stop(seq=item.seq, at=course.nearest(item.done_s)) for item in estimate.items),
+        bindings=tuple(_bindings(flight, course)),
         choices=tuple(_choices(flight)),
         limits=tuple(_limits(flight)),
         warnings=tuple(without_folders(finding.message, scenario) for finding in flight.findings),
@@ -106,20 +102,7 @@ def _course(course: seen.Seen, scenario: Scenario) -> answers.Course:
     )
 
 
-def _stop(stop: FlownItem, course: seen.Seen, scenario: Scenario) -> answers.Stop:
-    place = None if stop.place is None else on_map(scenario.frame, stop.place[None, :])[0]
-    return answers.Stop(
-        seq=stop.time.seq,
-        name=stop.name,
-        done_s=round(stop.time.done_s, 2),
-        reason=stop.time.reason,
-        at=course.nearest(stop.time.done_s),
-        place=place,
-        up=0.0 if stop.place is None else round(float(stop.place[2]), 2),
-    )
-
-
-def _bindings(flight: Flight, flown_stops: tuple[FlownItem, ...], course: seen.Seen) -> Iterator[answers.Binding]:
+def _bindings(flight: Flight, course: seen.Seen) -> Iterator[answers.Binding]:
     """Where the flight comes nearest to what, and which items something keeps slow, the worst first."""
     scenario = flight.scenario
     for danger in seen.dangers(course, scenario):
@@ -130,10 +113,10 @@ def _bindings(flight: Flight, flown_stops: tuple[FlownItem, ...], course: seen.S
             distance = f"{check.kept:.2f} m" if flight.promise.confidence else f"{check.nominal:.2f} m"
             words = f"{check.limit}: {distance} to {check.to}, {check.required:.2f} m required"
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
-    slow = sorted((stop for stop in flown_stops if stop.time.reason), key=lambda stop: -stop.time.duration_s)
-    for stop in slow[:SLOW]:
-        words = f"item {stop.time.seq}: {stop.time.reason}, {stop.time.mean_speed:.1f} m/s on average"
-        yield answers.Binding(what="slow", words=words, at=course.nearest(stop.time.done_s))
+    slow = sorted((item for item in flight.estimate.items if item.reason), key=lambda item: -item.duration_s)
+    for item in slow[:SLOW]:
+        words = f"item {item.seq}: {item.reason}, {item.mean_speed:.1f} m/s on average"
+        yield answers.Binding(what="slow", words=words, at=course.nearest(item.done_s))
 
 
 def _choices(flight: Flight) -> Iterator[answers.Choice]:

@@ -6,9 +6,7 @@ import secrets
 import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import uvicorn
 from pydantic import ValidationError
@@ -24,24 +22,10 @@ from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
 from ipoa_mission.studio.guard import POLICY, Guard
 from ipoa_mission.studio.requests import REQUESTS
-from ipoa_mission.studio.session import Session
+from ipoa_mission.studio.session import Session, Window
 
 LONGEST = 4_000_000  # of a message [bytes]
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
-
-
-@dataclass
-class Page:
-    """A window, as the session sees it: what it is told is sent in order by a task of its own."""
-
-    queue: asyncio.Queue[dict[str, Any]]
-
-    def __hash__(self) -> int:
-        return id(self)
-
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send it a message, soon."""
-        self.queue.put_nowait(message)
 
 
 def application(session: Session, bundle: Path, token: str, host: str) -> Starlette:
@@ -69,7 +53,7 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
 
     async def talk(socket: WebSocket) -> None:
         await socket.accept()
-        window = Page(asyncio.Queue())
+        window = Window()
         sending = asyncio.create_task(_send(socket, window))
         session.join(window)
         try:
@@ -117,7 +101,7 @@ def serve(path: Path, bundle: Path, port: int, seed: int, tell_address: Callable
     uvicorn.Server(config).run(sockets=[listener])
 
 
-async def _send(socket: WebSocket, window: Page) -> None:
+async def _send(socket: WebSocket, window: Window) -> None:
     with suppress(WebSocketDisconnect, RuntimeError):
         while True:
             await socket.send_text(json.dumps(await window.queue.get(), allow_nan=False))

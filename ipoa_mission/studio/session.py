@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Coroutine
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.answers import Trouble
@@ -19,12 +19,15 @@ KEPT = ("world", "sketch", "plan", "loaded", "state", "trouble")  # answers that
 PLANNER = "ipoa_mission.studio.planner"
 
 
-class Window(Protocol):
-    """A page that is open."""
+class Window:
+    """A page that is open: what it is told is sent in order by a task of its own, out of the `queue`."""
+
+    def __init__(self) -> None:
+        self.queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send it a message, soon."""
-        ...
+        self.queue.put_nowait(message)
 
 
 class Session:

@@ -26,7 +26,7 @@ LEVEL = 1e-6  # ground that is exactly at a level is above it [m]
 
 def world_of(scenario: Scenario, revision: int) -> World:
     """All that a map needs of a scenario."""
-    airspace, frame, limits = scenario.airspace, scenario.frame, scenario.limits
+    airspace, frame = scenario.airspace, scenario.frame
     bounds = airspace.bounds
     corners = np.array([(*bounds.lower[:2], 0.0), (*bounds.upper[:2], 0.0)])
     (west, south), (east, north) = on_map(frame, corners)
@@ -43,8 +43,7 @@ def world_of(scenario: Scenario, revision: int) -> World:
         spots=tuple(_spots(scenario)),
         fences=tuple(_fence(n, fence, frame) for n, fence in enumerate(scenario.fence)),
         ground=tuple(_terraces(scenario)),
-        required=limits.obstacle_distance,
-        height_above_ground=limits.height_above_ground,
+        required=scenario.limits.obstacle_distance,
         remarks=scenario.remarks,
     )
 

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import BadInput, MissionError, read_scenario
+from ipoa_mission.cli import studying
 from ipoa_mission.cli.studying import _begin
-from ipoa_mission.studio import bundle, extra
+from ipoa_mission.studio import bundle
 
 
 def test_a_new_scenario_begins_at_home(tmp_path: Path) -> None:
@@ -26,9 +27,9 @@ def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(extra, "LIBRARIES", ("numpy", "no_such_library"))
+    monkeypatch.setattr(studying, "LIBRARIES", ("numpy", "no_such_library"))
     with pytest.raises(MissionError, match="the studio needs no_such_library"):
-        extra.expect_extra()
+        studying.studio(Path("mission.toml"))
 
 
 def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
