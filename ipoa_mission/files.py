@@ -50,6 +50,18 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
             left.unlink(missing_ok=True)
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder and those above it, where they are not there yet.
+
+    Raises:
+        BadInput: something else has this name, or the folder above may not be written.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be made a folder: {error.strerror}") from error
+
+
 def unused(path: Path) -> Path:
     """This path, or NAME-2, NAME-3, ... beside it, if there is such a file already: for logs, which nobody can repeat.
 

@@ -18,10 +18,11 @@ from ipoa_mission.cli.options import (
     link_option,
     or_packed,
 )
-from ipoa_mission.cli.overwriting import expect_folder, make_folder
+from ipoa_mission.cli.overwriting import expect_folder
 from ipoa_mission.cli.telling import progress_bar, shown
 from ipoa_mission.cli.vehicles import connect_to, states_firmware
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import make_folder
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flight import Flight
@@ -83,7 +84,7 @@ def fly(
     from ipoa_mission.cli.flown import tell_flown, tell_flown_as_json
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
     from ipoa_mission.cli.overwriting import expect_free, expect_log
-    from ipoa_mission.cli.real_flight import RealFlight, begun_with, no_flight_yet
+    from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet
     from ipoa_mission.files import unused
     from ipoa_mission.flight.landed import landed_at_rally, landed_elsewhere
     from ipoa_mission.flight.written import not_as_written
@@ -117,7 +118,7 @@ def fly(
             if not states_firmware(source, flown_by.autopilot):
                 job = read_job(source, flown_by, there.autopilot)
             job = begun_with(job, begin)
-            remarks, record = RealFlight(job, there, begin - 1, on_link.anyway, set_params).fly()
+            remarks, record = fly_there(job, there, begin - 1, on_link.anyway, set_params)
     remarks += landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
     written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:

@@ -10,8 +10,8 @@ from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
 from ipoa_mission.cli.overwriting import expect_free
-from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.cli.vehicles import connect_to, get, stages_shown, states_firmware
+from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json
+from ipoa_mission.cli.vehicles import connect_to, stages_shown, states_firmware
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
@@ -69,8 +69,12 @@ def download(
         raise BadInput(f'{file}: expected a name that ends in .plan or .waypoints, not in "{file.suffix}"')
     expect_free([file], force, ask=not as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")
-    with left_behind("nothing was written"), connect_to(link, on_link, usual, reading=True) as vehicle:
-        mission = get(vehicle)
+    with (
+        left_behind("nothing was written"),
+        connect_to(link, on_link, usual, reading=True) as vehicle,
+        progress_bar("download") as show,
+    ):
+        mission = vehicle.download(show)
     remarks, log = write_mission(mission, file), on_link.written(usual)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{len(mission.items)} items written to {file}", *notes(remarks)]

@@ -74,7 +74,6 @@ def mock(
     from ipoa_mission.cli.standing import stands
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
-    from ipoa_mission.simulator.conditions import Conditions
     from ipoa_mission.simulator.server import serve
     from ipoa_mission.vehicles.known_parameters import expect_own
     from ipoa_mission.vehicles.version import Version
@@ -121,7 +120,7 @@ def mock(
                 cold=True,
                 nak_at=one.nak_at,
                 version=version,
-                conditions=Conditions(there.wind, there.ground, there.vehicle),
+                conditions=there.conditions,
             ),
             speedup,
             worse.faults(),

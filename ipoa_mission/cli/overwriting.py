@@ -1,4 +1,4 @@
-"""Where a user wants files written: folders made, and nothing lost but with `--force`, or a yes on a terminal."""
+"""Where a user wants files written: nothing is lost but with `--force`, or a yes on a terminal."""
 
 import os
 import sys
@@ -11,7 +11,7 @@ from ipoa_mission.errors import BadInput
 
 
 def expect_folder(path: Path) -> None:
-    """See beforehand that `make_folder` will do: who waited for a plan wants it written.
+    """See beforehand that a folder is there or can be made: who waited for a plan wants it written.
 
     Raises:
         BadInput: it could not be made, or not be written.
@@ -21,18 +21,6 @@ def expect_folder(path: Path) -> None:
         raise BadInput(f"{path}: expected a folder, but {there} is none")
     if not os.access(there, os.W_OK | os.X_OK):
         raise BadInput(f"{path}: expected a folder that may be written, but {there} may not")
-
-
-def make_folder(path: Path) -> None:
-    """Make a folder and those above it, where they are not there yet.
-
-    Raises:
-        BadInput: something else has this name, or the folder above may not be written.
-    """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be made a folder: {error.strerror}") from error
 
 
 def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.cli.flown import flight_as_json
@@ -41,41 +41,30 @@ def begun_with(job: Job, item: int) -> Job:
     return replace(job, begun=begun)
 
 
-@dataclass
-class RealFlight:
-    """`first`: index of the item to begin with; `anyway`: what fails a check is said, and done all the same."""
+def fly_there(
+    job: Job, vehicle: Vehicle, first: int, anyway: bool, set_params: bool
+) -> tuple[tuple[str, ...], FlightRecord]:
+    """Upload, make ready, arm, start, watch: what the user should know, and the flight.
 
-    job: Job
-    vehicle: Vehicle
-    first: int = 0
-    anyway: bool = False
-    set_params: bool = False
-    remarks: tuple[str, ...] = ()
+    `first`: index of the item to begin with; `anyway`: what fails a check is said, and done all the same.
 
-    def fly(self) -> tuple[tuple[str, ...], FlightRecord]:
-        """Upload, make ready, arm, start, watch: what the user should know, and the flight.
-
-        Raises:
-            MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
-        """
-        job, vehicle = self.job, self.vehicle
-        try:
-            record = fly_forecast(
-                vehicle,
-                job.forecast,
-                first=self.first,
-                anyway=self.anyway,
-                set_params=self.set_params,
-                stages=stages_shown,
-                remark=self._remark,
-            )
-            return self.remarks, record
-        except MissionError as error:
-            state = vehicle.state
-            error.known = flight_as_json(job.estimate, vehicle.record())
-            error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air}
-            error.known |= {"remarks": list(self.remarks)}
-            raise
-
-    def _remark(self, words: str) -> None:
-        self.remarks += (words,)
+    Raises:
+        MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
+    """
+    remarks: list[str] = []
+    try:
+        record = fly_forecast(
+            vehicle,
+            job.forecast,
+            first=first,
+            anyway=anyway,
+            set_params=set_params,
+            stages=stages_shown,
+            remark=remarks.append,
+        )
+    except MissionError as error:
+        state = vehicle.state
+        error.known = flight_as_json(job.estimate, vehicle.record())
+        error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
+        raise
+    return tuple(remarks), record

@@ -6,11 +6,9 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import read_scenario
+from ipoa_mission.simulator.conditions import USUAL, Conditions
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
-from ipoa_mission.vehicles.learned import LearnedVehicle
-from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
-from ipoa_mission.world.ground import LEVEL, Ground
 
 ZURICH = (47.397742, 8.545594, 488.0)
 
@@ -22,9 +20,7 @@ class Stands:
     autopilot: Autopilot
     home: Geodetic
     parameters: Mapping[str, float]
-    wind: Wind = CALM
-    ground: Ground = LEVEL
-    vehicle: LearnedVehicle | None = None
+    conditions: Conditions = USUAL
 
 
 def stands(
@@ -48,5 +44,5 @@ def stands(
     flies = autopilot or world.vehicle.autopilot
     own = world.vehicle if flies is world.vehicle.autopilot else None
     values = flies.book.overridden(world.vehicle.parameters, parameters) if own else parameters
-    learned = own.learned if own else None
-    return Stands(flies, world.home.geodetic(), values, world.wind.air(), world.ground, learned)
+    conditions = Conditions(world.wind.air(), world.ground, own.learned if own else None)
+    return Stands(flies, world.home.geodetic(), values, conditions)

@@ -18,9 +18,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.procedure import Stage
-    from ipoa_mission.link.dialogue import Patience
     from ipoa_mission.link.vehicle import Vehicle
-    from ipoa_mission.mission.items import Mission
     from ipoa_mission.progress import Progress
 
 log = logging.getLogger(__name__)
@@ -53,14 +51,14 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
         vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, reading)
     else:
         from ipoa_mission.link.connect import connect
+        from ipoa_mission.link.dialogue import SPECIFIED
 
-        log_to, patience = options.log or usual_log, patience_of(timeout)
         vehicle = connect(
             link,
             system=options.system,
-            log=log_to,
+            log=options.log or usual_log,
             signer=signer,
-            patience=patience,
+            patience=SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout),
             anyway=options.anyway,
             reading=reading,
         )
@@ -68,13 +66,6 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
             vehicle.give_up_after(timeout - (time.monotonic() - began))
     log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, options.backend)
     return vehicle
-
-
-def patience_of(timeout: float | None) -> "Patience":
-    """The specification's timers, and the user's limit in seconds for what is done with them."""
-    from ipoa_mission.link.dialogue import SPECIFIED
-
-    return SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout)
 
 
 @contextmanager
@@ -104,9 +95,3 @@ def stages_shown(stage: "Stage") -> "Iterator[Progress]":
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
     """Whether it is known what a mission file is for: `.waypoints` does not say, and serves whoever is there."""
     return autopilot is not None or file.suffix.lower() != ".waypoints"
-
-
-def get(vehicle: "Vehicle") -> "Mission":
-    """The mission on a vehicle, with a bar that shows how much of it is here."""
-    with progress_bar("download") as show:
-        return vehicle.download(show)

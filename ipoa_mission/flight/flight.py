@@ -11,8 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.errors import BadInput
-from ipoa_mission.files import write_atomically
+from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.summary import (
     clearance_as_json,
@@ -122,11 +121,7 @@ class Flight:
         Raises:
             BadInput: the folder cannot be made or written.
         """
-        folder = Path(folder)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise BadInput(f"{folder}: cannot be made a folder: {error.strerror}") from error
+        make_folder(folder := Path(folder))
         plan, waypoints, about = (folder / f"{self.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
         contents = {plan: plan_text(self.mission), waypoints: waypoints_text(self.mission)}
         told = self.summary() | {"sha256": {path.name: digest(text) for path, text in contents.items()}}
@@ -175,10 +170,9 @@ class Flight:
         Raises:
             BadInput: the file cannot be written.
         """
-        from ipoa_mission.report.page import Subject, page_html
+        from ipoa_mission.report.page import report_html
 
-        subject = Subject(self.forecast, self.plan, self.remarks, self.findings)
-        write_atomically(Path(path), page_html(subject, record))
+        write_atomically(Path(path), report_html(self.forecast, self.plan, record, self.remarks, self.findings))
 
 
 def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent) -> Flight:

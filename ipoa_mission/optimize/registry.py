@@ -29,42 +29,44 @@ def optimizer_names() -> list[str]:
     return [*BUILT_IN, *sorted(_registered().keys() - BUILT_IN.keys())]
 
 
-def optimizer_class(name: str, place: str = "optimizer") -> type[Optimizer]:
+def optimizer_class(name: str) -> type[Optimizer]:
     """The optimizer called `name`.
 
     Raises:
-        BadInput: there is none of that name, or what registers it cannot be imported; the message begins with `place`.
+        BadInput: there is none of that name, or what registers it cannot be imported.
     """
     if name in BUILT_IN:
         return BUILT_IN[name]
     registered = _registered().get(name)
     if registered is None:
         names = optimizer_names()
-        raise BadInput(f"{place}.name: expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}")
+        raise BadInput(f"optimizer.name: expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}")
     try:
         found: Any = registered.load()
     except (ImportError, AttributeError) as error:
-        raise BadInput(f"{place}.name: {name} is registered as {registered.value}, which fails: {error}") from error
+        raise BadInput(f"optimizer.name: {name} is registered as {registered.value}, which fails: {error}") from error
     if not (isinstance(found, type) and hasattr(found, "search") and hasattr(found, "__dataclass_fields__")):
-        raise BadInput(f"{place}.name: {name} is registered as {registered.value}, which is no dataclass with a search")
+        raise BadInput(
+            f"optimizer.name: {name} is registered as {registered.value}, which is no dataclass with a search"
+        )
     return found
 
 
-def build_optimizer(name: str, settings: Mapping[str, object], place: str = "optimizer") -> Optimizer:
+def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
     """The optimizer called `name` with `settings`; what is not set keeps its default.
 
     Raises:
-        BadInput: no such optimizer, no such setting, or a value it cannot have; the message begins with `place`.
+        BadInput: no such optimizer, no such setting, or a value it cannot have.
     """
-    kind = optimizer_class(name, place)
+    kind = optimizer_class(name)
     types = get_type_hints(kind, include_extras=True)
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
     for key in settings:
         if key not in names:
             raise BadInput(
-                f"{place}.{key}: {name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}"
+                f"optimizer.{key}: {name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}"
             )
-    return kind(**{key: check_setting(f"{place}.{key}", types[key], value) for key, value in settings.items()})
+    return kind(**{key: check_setting(f"optimizer.{key}", types[key], value) for key, value in settings.items()})
 
 
 @cache

@@ -117,11 +117,9 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
 class ComparedFlight:
     """A flight out of a log held against its estimate.
 
-    `armed_s` is the autopilot's clock at time zero; `parameters` are those that the estimate was made with and that
-    are not the firmware's defaults.
+    `parameters` are those that the estimate was made with and that are not the firmware's defaults.
     """
 
-    armed_s: float
     forecast: Forecast
     record: FlightRecord
     comparison: Comparison
@@ -150,7 +148,7 @@ def compare_logged(
     comparison = compare_flight(forecast.estimate, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
     changed = _changed(flown.parameters, flight.autopilot)
-    return ComparedFlight(flight.armed_s, forecast, record, comparison, changed, remarks)
+    return ComparedFlight(forecast, record, comparison, changed, remarks)
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:

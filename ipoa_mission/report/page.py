@@ -4,7 +4,6 @@ All is drawn here as HTML and SVG; the script on the page links the views and tu
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
@@ -35,16 +34,6 @@ from ipoa_mission.report.stops import stops
 from ipoa_mission.scenario import Scenario
 
 
-@dataclass(frozen=True)
-class Subject:
-    """What a page is made from; `plan` is None where nobody knows how the mission was planned."""
-
-    forecast: Forecast
-    plan: Plan | None
-    remarks: Sequence[str]
-    findings: Sequence[Finding] = ()
-
-
 def write_report(
     forecast: Forecast,
     path: str | Path,
@@ -73,15 +62,14 @@ def write_report(
 
 
 def report_html(
-    forecast: Forecast, plan: Plan | None = None, flight: FlightRecord | None = None, remarks: Sequence[str] = ()
+    forecast: Forecast,
+    plan: Plan | None = None,
+    flight: FlightRecord | None = None,
+    remarks: Sequence[str] = (),
+    findings: Sequence[Finding] | None = None,
 ) -> str:
-    """The whole page."""
-    return page_html(Subject(forecast, plan, remarks, check(forecast)), flight)
-
-
-def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
-    """The same, of what was checked already."""
-    forecast = subject.forecast
+    """The whole page; `findings` of the check, where it was checked already."""
+    findings = check(forecast) if findings is None else findings
     scenario, mission, estimate, promise = (
         forecast.world,
         forecast.mission,
@@ -103,7 +91,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
-        "verdict": verdict(proof, promise, danger, subject.findings),
+        "verdict": verdict(proof, promise, danger, findings),
         "figures": figures(
             estimate,
             promise,
@@ -113,7 +101,7 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
             forecast.energy,
             battery,
         ),
-        "warnings": warnings(danger, subject.findings, [*subject.remarks, *estimate.remarks]),
+        "warnings": warnings(danger, findings, [*remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, stop_list, course, flown, tube),
         "legend": legend(scenario, extent, flown is not None),
         "profile": height_profile(course, airspace, required, stop_list, flown, tube),
@@ -126,8 +114,8 @@ def page_html(subject: Subject, flight: FlightRecord | None = None) -> str:
         "legs": legs(stop_list, None if flight is None else done_in_flight(stop_list, flight.item_reached_s)),
         "legs_note": LEGS_NOTE,
         "limits": "" if proof is None else limits_table(proof),
-        "search": "" if subject.plan is None else search_panel(subject.plan, scenario),
-        "footer": _footer(scenario, subject.plan, mission),
+        "search": "" if plan is None else search_panel(plan, scenario),
+        "footer": _footer(scenario, plan, mission),
         "css": _asset("palette.css") + _asset("page.css"),
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),

@@ -21,10 +21,11 @@ def test_a_mock_stands_where_the_scenario_takes_off_over_its_ground(tmp_path: Pa
     )
     assert here.autopilot is Autopilot.ARDUPILOT
     assert here.home == world.home.geodetic()
-    assert (here.wind.speed, here.wind.from_deg) == (3.0, 270.0)
+    wind, ground = here.conditions.wind, here.conditions.ground
+    assert (wind.speed, wind.from_deg) == (3.0, 270.0)
     assert here.parameters == {**world.vehicle.parameters, "LAND_SPEED": 40.0}
     east, north, _ = world.goal_point
-    assert here.ground.at(east, north) == pytest.approx(landing_height(read_mission(MISSIONS / "campus.plan")), abs=0.2)
+    assert ground.at(east, north) == pytest.approx(landing_height(read_mission(MISSIONS / "campus.plan")), abs=0.2)
 
 
 def test_another_autopilot_there_has_none_of_the_parameters() -> None:
@@ -34,7 +35,7 @@ def test_another_autopilot_there_has_none_of_the_parameters() -> None:
 
 def test_without_a_scenario_it_stands_in_zurich_on_level_ground() -> None:
     here = stands(None, None, None, {})
-    assert (here.autopilot, here.home, here.ground) == (Autopilot.PX4, Geodetic(*ZURICH), LEVEL)
+    assert (here.autopilot, here.home, here.conditions.ground) == (Autopilot.PX4, Geodetic(*ZURICH), LEVEL)
     assert stands(None, (1.0, 2.0, 3.0), None, {}).home == Geodetic(1.0, 2.0, 3.0)
 
 

@@ -106,20 +106,21 @@ def test_where_no_machine_code_can_be_made_the_wheel_is_any_system_s_and_asks_fo
 def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    from ipoa_mission.compiled import library
     from tools.machine_code import __main__ as maker
 
     def compile_there(command: list[str], **_: object) -> None:
         folder, cpu = Path(command[-2]), command[-1]
-        (folder / maker.file_name(cpu)).write_bytes(b"machine code")
-        index = {"sources": maker.sources_digest(), "made_by": maker.makers_digest(), "kernels": {}}
-        (folder / maker.INDEX).write_text(json.dumps(index))
+        (folder / library.file_name(cpu)).write_bytes(b"machine code")
+        index = {"sources": library.sources_digest(), "made_by": maker.makers_digest(), "kernels": {}}
+        (folder / library.INDEX).write_text(json.dumps(index))
 
     def build(name: str) -> str:
         """Make the library into a folder of this name, as from a fresh copy of the sources; what is said."""
         (tmp_path / name).mkdir()
         monkeypatch.setattr(sys, "argv", ["machine_code", str(tmp_path / name), "x86-64"])
         maker.main()
-        assert (tmp_path / name / maker.file_name("x86-64")).read_bytes() == b"machine code"
+        assert (tmp_path / name / library.file_name("x86-64")).read_bytes() == b"machine code"
         return capsys.readouterr().out
 
     monkeypatch.setattr(maker, "HERE", tmp_path / "nothing is made here")
