@@ -109,7 +109,7 @@ def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
     wire = to_wire(mission)
     first = len(wire) - len(mission.items)
     for at, spoken in zip(numbered(mission), wire[first:], strict=True):
-        wrong = mission.autopilot.refused(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
+        wrong = mission.autopilot.refusals.mission(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
             continue  # unknown commands and frames, and jumps, have words of their own
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
@@ -118,7 +118,7 @@ def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
             words = f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission"
             yield at.error("param-refused", words)
     for seq, item in enumerate(fence_to_wire(mission.fence)):
-        wrong = mission.autopilot.refused_in_fence(firmware, item.command, item.frame, values_of(item))
+        wrong = mission.autopilot.refusals.fence(firmware, item.command, item.frame, values_of(item))
         if wrong is not None and wrong.words and wrong.result != "ERROR":  # of too few vertices `_fence` speaks
             words = f"fence item {seq}: {wrong.words}: {firmware} refuses the fence"
             yield Finding("fence-refused", Severity.ERROR, None, words)

@@ -1,11 +1,9 @@
 """What a log tells, whoever wrote it: where the vehicle was, what happened when, what it held and how it was set."""
 
 import re
-from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 
@@ -117,21 +115,16 @@ def version_name(flight_sw_version: int) -> str:
     return str(Version.said(flight_sw_version) or "")
 
 
-class LogFormat(ABC):
-    """What an autopilot writes on board."""
+@dataclass(frozen=True)
+class LogFormat:
+    """What an autopilot writes on board: how such files end, and what reads them.
 
-    suffix: ClassVar[str]
-    no_mission: ClassVar[str]
-    """Why such a log may not tell which mission was flown."""
+    `no_mission`: why such a log may not tell which mission was flown.
+    """
 
-    @abstractmethod
-    def read(self, path: Path) -> Log:
-        """What of a log is of use here.
-
-        Raises:
-            BadInput: the file cannot be read, or is no log of this kind.
-            MissionError: a package to read it is missing.
-        """
+    suffix: str
+    read: Callable[[Path], Log]
+    no_mission: str
 
 
 def log_format(suffix: str) -> LogFormat | None:

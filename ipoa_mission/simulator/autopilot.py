@@ -60,7 +60,7 @@ class BuiltInAutopilot(Commander):
         flight = SimulatedFlight(family, home, self.table.values, conditions, seed=seed)
         transfers = MissionService(habits, lambda: flight.home, self._say, self._listed, nak_at)
         super().__init__(habits, flight, transfers, self.table.values, 0.0 if cold else -math.inf)
-        takes_file = habits.has_mission_file and nak_at is None
+        takes_file = habits.autopilot.manners.takes_mission_file and nak_at is None
         limit = habits.limits[MissionType.MISSION]
         self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
         self._schedule = streams.Schedule(habits.streams, habits.fixed_streams)
@@ -142,7 +142,7 @@ class BuiltInAutopilot(Commander):
             return
         items = self.transfers.listed(MissionType.MISSION)[self._first :]
         self._unflyable = None
-        if self.habits.judges_after_ack and items:
+        if self.habits.autopilot.manners.judges_later and items:
             self._unflyable = infeasibility(self.habits.firmware, items, self.flight.home, self.table.values)
         if self._unflyable:
             self._text(CRITICAL, f"{self._unflyable.words}\t")  # the tab: an event says the same

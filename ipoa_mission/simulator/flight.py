@@ -6,7 +6,8 @@ clock: `advance(to_s)` integrates to that simulated second and no further.
 
 import math
 import random
-from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -46,12 +47,11 @@ class Pilot(Protocol):
         """Let `STEP_S` pass."""
 
 
-class Pilots(ABC):
-    """Who makes the pilot of an autopilot's stand-in."""
+@dataclass(frozen=True)
+class Pilots:
+    """Who makes the pilot of an autopilot's stand-in for a body; the random numbers are the errors of its sensors."""
 
-    @abstractmethod
-    def pilot(self, body: SimulatedVehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
-        """A pilot for this body; `chance` makes the errors of its sensors."""
+    pilot: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], Pilot]
 
 
 class SimulatedFlight:

@@ -19,11 +19,11 @@ def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count
     about = firmware, item.command, item.frame, values_of(item)
     match kind:
         case MissionType.FENCE:
-            wrong = autopilot.refused_in_fence(*about)
+            wrong = autopilot.refusals.fence(*about)
         case MissionType.RALLY:
-            wrong = autopilot.refused_in_rally(*about)
+            wrong = autopilot.refusals.rally(*about)
         case _:
-            wrong = autopilot.refused(*about, count)
+            wrong = autopilot.refusals.mission(*about, count)
     return Result.ACCEPTED if wrong is None else Result[wrong.result]
 
 

@@ -20,8 +20,8 @@ from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import ParameterBook, Parameters
-from ipoa_mission.vehicles.refusal import Refused
-from ipoa_mission.vehicles.returning import Arrival, MissionLanding, Place, ReturnBy, ReturnRoute
+from ipoa_mission.vehicles.refusal import Refusals
+from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnBy, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
@@ -62,6 +62,8 @@ class Autopilot(ABC):
     tables: ClassVar[FirmwareTables]
     guidance: ClassVar[GuidanceHabits]
     manners: ClassVar[Manners]
+    refusals: ClassVar[Refusals]
+    """What it says to each item of a list that is uploaded to it."""
     slowed_by: ClassVar[SlowedBy]
     own_fence_by: ClassVar[tuple[str, ...]]
     """All parameters that decide about the fence of its own."""
@@ -117,22 +119,6 @@ class Autopilot(ABC):
         """The number on the wire of the first item that is flown: home stands before it, or nothing does."""
         return int(self.firmware().home_is_item_0)
 
-    # --- what it says of a list -------------------------------------------------------------------------------------
-
-    @abstractmethod
-    def refused(
-        self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
-    ) -> Refused | None:
-        """Why a mission of `count` items on the wire with this item is refused; None where the firmware takes it."""
-
-    @abstractmethod
-    def refused_in_fence(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-        """The same for an item of a fence."""
-
-    @abstractmethod
-    def refused_in_rally(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-        """The same for a rally point."""
-
     # --- how it flies, by its parameters ----------------------------------------------------------------------------
 
     @abstractmethod
@@ -185,16 +171,6 @@ class Autopilot(ABC):
         Parameters by their older names.
         """
         return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
-
-    def arrival(self, parameters: Parameters, height: float, goal_up: float = 0.0, radio_lost: bool = False) -> Arrival:
-        """What it does over the goal of a return, to which it came so high above home; `goal_up`: as high is that [m].
-
-        >>> Autopilot.ARDUPILOT.arrival({"RTL_ALT_FINAL": 400.0}, 30.0)
-        Arrival(waits_at=30.0, waits_s=5.0, stays_at=4.0)
-        >>> Autopilot.PX4.arrival({"RTL_LAND_DELAY": -1.0}, 30.0, 5.0)
-        Arrival(waits_at=15.0, waits_s=inf, stays_at=15.0)
-        """
-        return Arrival(height)
 
     def returns_over_terrain(self, parameters: Parameters) -> bool:
         """Whether it keeps its height over the ground on its way home: `return_height` then counts from the ground."""

@@ -12,8 +12,6 @@ class GuidanceHabits:
     """Commands into which it flies on after a waypoint; before everything else that moves it, it comes to a stop."""
     zero_is_here: bool = False
     """Latitude and longitude 0 stand for the place, and altitude 0 for the height, of the item before."""
-    zero_lands_here: bool = False
-    """A null place of a take-off or landing is taken for "here"."""
     stops_to_hold: bool = False
     """It comes to a stop where an item holds it for a second or more; a shorter hold is none."""
     flies_splines: bool = False

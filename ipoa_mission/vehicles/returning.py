@@ -48,20 +48,3 @@ class MissionLanding:
     place: Place
     ahead: int
     behind: int
-
-
-@dataclass(frozen=True)
-class Arrival:
-    """What a vehicle does over the goal of a return: heights above home [m].
-
-    It waits `waits_s` [s] at `waits_at`, infinite: for ever; then it lands, or stays at the height `stays_at`.
-    """
-
-    waits_at: float
-    waits_s: float = 0.0
-    stays_at: float | None = None
-
-    @property
-    def lands(self) -> bool:
-        """Whether it lands by itself."""
-        return self.stays_at is None

@@ -7,7 +7,6 @@ knows of it.
 import json
 import math
 import pickle
-import random
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +27,7 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.simulator.conditions import SimulatedVehicle
-from ipoa_mission.simulator.flight import Pilot, Pilots
+from ipoa_mission.simulator.flight import Pilots
 from ipoa_mission.simulator.personality import Personality
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles import autopilot as register
@@ -40,7 +39,7 @@ from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import ParameterBook, Parameters, Quantity
-from ipoa_mission.vehicles.refusal import Refused
+from ipoa_mission.vehicles.refusal import Refusals, Refused
 from ipoa_mission.vehicles.returning import Place
 from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
@@ -116,7 +115,7 @@ class Model(FlightModel):
 class StraightPilot:
     """Goes on from place to place."""
 
-    def __init__(self, body: SimulatedVehicle, now: Situation) -> None:
+    def __init__(self, body: SimulatedVehicle, now: Situation, *_: object) -> None:
         self.body, self.now = body, now
         self.ahead: list[Place] = []
         self.speed, self.goes = SPEED, False
@@ -177,11 +176,6 @@ class StraightPilot:
         self._begin(self.now.program.after(self.now.current))
 
 
-class Crew(Pilots):
-    def pilot(self, body: SimulatedVehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
-        return StraightPilot(body, now)
-
-
 def _spread(most: float) -> Quantiles:
     return Quantiles((0.0, most / 2, most), (1.0, 0.1, 0.001))
 
@@ -199,7 +193,6 @@ LAW = DeviationLaw(
     height_memory=5.0,
     growth=(0.0, 0.0, 0.0),
     source="made up",
-    not_valid="everywhere else",
     strongest=3.0,
 )
 
@@ -227,20 +220,14 @@ class Toy(Autopilot):
     tables = FirmwareTables(HABITS, Path(__file__).with_name("no_tables.json"))
     guidance = GuidanceHabits(flown_on_into=frozenset())
     manners = Manners(starts_by_command=True)
+    refusals = Refusals(
+        lambda firmware, command, *_: None if firmware.takes(command) else Refused("UNSUPPORTED"),
+        lambda *_: Refused("UNSUPPORTED"),
+        lambda *_: Refused("UNSUPPORTED"),
+    )
     slowed_by = SlowedBy((), 1.0, 0.0, ())
     own_fence_by = ("TOY_FENCE",)
-    parts: ClassVar[Mapping[str, Any]] = {"FlightModel": Model(), "DeviationLaw": LAW, "Pilots": Crew()}
-
-    def refused(
-        self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
-    ) -> Refused | None:
-        return None if firmware.takes(command) else Refused("UNSUPPORTED")
-
-    def refused_in_fence(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-        return Refused("UNSUPPORTED")
-
-    def refused_in_rally(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-        return Refused("UNSUPPORTED")
+    parts: ClassVar[Mapping[str, Any]] = {"FlightModel": Model(), "DeviationLaw": LAW, "Pilots": Pilots(StraightPilot)}
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         return 0.0 * speed
@@ -306,7 +293,6 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
         armable_modes=frozenset({1, 2}),
         takeoff_mode=None,
         disarm_delay="TOY_WAIT",
-        judges_after_ack=False,
     )
     monkeypatch.setattr(Toy, "parts", {**Toy.parts, "Personality": spoken})
     monkeypatch.setitem(register._REGISTERED, vehicle.name, vehicle)

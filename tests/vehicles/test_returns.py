@@ -4,13 +4,11 @@ ArduCopter 4.7.0-dev (2598e9d4): mode_rtl.cpp, compute_return_target; AP_Rally. 
 2026-08-13 (bb59c637): navigator/rtl.cpp, rtl_direct.cpp, RTLPlanner.
 """
 
-import math
-
 import pytest
 
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import Arrival, MissionLanding, ReturnBy, ReturnRoute
+from ipoa_mission.vehicles.returning import MissionLanding, ReturnBy, ReturnRoute
 from ipoa_mission.vehicles.version import Version
 
 AP, PX4, NEW = Autopilot.ARDUPILOT, Autopilot.PX4, Version(1, 18)
@@ -123,19 +121,6 @@ def test_px4_returns_along_the_way_of_its_type(
 def test_arducopter_returns_straight_whatever_its_mission_has() -> None:
     rally = ((130.0, 0.0, 12.0),)
     assert AP.return_route({}, (150.0, 0.0, 20.0), rally, BEYOND) == ReturnRoute(ReturnBy.DIRECT, 0)
-
-
-def test_what_is_done_over_the_goal() -> None:
-    assert AP.arrival({}, 15.0) == Arrival(15.0, 5.0)
-    low = {"RTL_ALT_FINAL": 300.0, "RTL_LOIT_TIME": 0.0}
-    assert AP.arrival(low, 15.0) == Arrival(15.0, 0.0, 3.0)
-    assert AP.arrival({"RTL_ALT_FINAL_M": 3.0}, 15.0).stays_at == 3.0
-    assert AP.arrival(low, 15.0, radio_lost=True).lands
-    assert PX4.arrival({}, 30.0) == Arrival(30.0)
-    assert PX4.arrival({"RTL_LAND_DELAY": 4.0}, 30.0, 7.0) == Arrival(17.0, 4.0)
-    assert PX4.arrival({"RTL_LAND_DELAY": 4.0}, 8.0) == Arrival(8.0, 4.0)
-    assert not PX4.arrival({"RTL_LAND_DELAY": -1.0}, 30.0).lands
-    assert PX4.arrival({"RTL_LAND_DELAY": -1.0}, 30.0).waits_s == math.inf
 
 
 @pytest.mark.parametrize(

@@ -10,12 +10,6 @@ from ipoa_mission.geometry import Vector
 A_FEW = 4  # moments that know nothing of each other, for which a flight is near to a limit that is no obstacle
 
 
-#: Where a law that was measured in simulators says nothing.
-SIMULATED = (
-    "stronger winds than these, other airframes and parameters than the simulators', what satellites are wrong by"
-)
-
-
 @dataclass(frozen=True)
 class DeviationLaw:
     """How far a vehicle flies beside its predicted path.
@@ -25,8 +19,9 @@ class DeviationLaw:
     `down` and `up` are the heights at a moment, new every `height_memory` seconds; and as a height that is known
     wrongly stays so, `lowest` and `highest` are the most of a whole flight, whatever it does. So is `farthest` to one
     side, of an autopilot that does not get farther the longer it flies. In wind all of them grow by `growth` [m for
-    each m/s, to the side, down, up]. `source` says on what it was measured, `not_valid` where it says nothing;
-    `strongest` is the wind, gusts and all, up to which flights kept to it [m/s].
+    each m/s, to the side, down, up]. `source` says on what it was measured: nothing stands behind it with
+    other airframes and parameters than the simulators', or for what satellites are wrong by. `strongest` is the wind,
+    gusts and all, up to which flights kept to it [m/s].
     """
 
     level: Quantiles
@@ -41,7 +36,6 @@ class DeviationLaw:
     height_memory: float
     growth: tuple[float, float, float]
     source: str
-    not_valid: str
     strongest: float
 
     def stretch(self, across: Vector) -> Vector:

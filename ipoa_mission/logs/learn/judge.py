@@ -25,11 +25,6 @@ class LeftOut:
     energy_wh: float | None = None
     forecast_wh: float | None = None
 
-    @property
-    def better(self) -> float:
-        """By how many seconds the learned vehicle is nearer."""
-        return abs(self.before_s - self.flown_s) - abs(self.after_s - self.flown_s)
-
 
 def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
     """Each flight by what all others tell; by the simulated vehicle, where they tell nothing.

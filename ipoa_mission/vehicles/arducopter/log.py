@@ -182,15 +182,4 @@ def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: V
     return np.column_stack([north, east, -up])
 
 
-class _Format(LogFormat):
-    """ArduPilot's DataFlash logs."""
-
-    suffix = ".bin"
-    no_mission = "the log does not have the whole list of items that was flown"
-
-    def read(self, path: Path) -> Log:
-        """What of a log is of use here."""
-        return read_copter_log(path)
-
-
-FORMAT = _Format()
+FORMAT = LogFormat(".bin", read_copter_log, "the log does not have the whole list of items that was flown")

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.vehicles.firmware import Firmware
-from ipoa_mission.vehicles.refusal import POLYGON, Refused
+from ipoa_mission.vehicles.refusal import POLYGON, Refusals, Refused
 
 DEG_E7 = 1e-7
 INT16_MIN, INT16_MAX = -(2**15), 2**15 - 1
@@ -64,3 +64,6 @@ def _no_place(values: Sequence[float], frame: int) -> Refused | None:
     if not abs(values[5]) * unit <= 180.0:
         return Refused("INVALID_PARAM6_Y", 6, f"expected a longitude, not {values[5]:g}")
     return None
+
+
+REFUSALS = Refusals(refused, refused_in_fence, refused_in_rally)

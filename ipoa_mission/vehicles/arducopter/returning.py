@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import is_within, return_ceiling
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, Arrival, Place, level_distance
+from ipoa_mission.vehicles.returning import HOME, Place, level_distance
 
 LEAST_CONE = 0.5  # RTL_CONE_SLOPE counts from here on
 LEAST_HEIGHT = 0.3  # RTL_ALT_MIN [m]
@@ -57,13 +57,6 @@ def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) 
     too_far = limit > 0.0 and ways[nearest] > limit
     home_is_nearer = parameters.get("RALLY_INCL_HOME", 1.0) != 0.0 and ways[nearest] >= level_distance(here, HOME)
     return None if too_far or home_is_nearer else nearest
-
-
-def arrival(parameters: Parameters, height: float, radio_lost: bool) -> Arrival:
-    """RTL_LOIT_TIME as high as it came, then RTL_ALT_FINAL; the ground where that is 0, or the radio is lost."""
-    p = BOOK.complete(parameters)
-    final = p["RTL_ALT_FINAL"] / 100
-    return Arrival(height, p["RTL_LOIT_TIME"] / 1000, None if final <= 0.0 or radio_lost else final)
 
 
 def returns_over_terrain(parameters: Parameters) -> bool:

@@ -1,6 +1,6 @@
 """The tube of ArduCopter as it was measured; docs/safety.md has the flights."""
 
-from ipoa_mission.forecast.tube.law import SIMULATED, DeviationLaw
+from ipoa_mission.forecast.tube.law import DeviationLaw
 from ipoa_mission.forecast.tube.spread import Quantiles
 
 LAW = DeviationLaw(
@@ -16,6 +16,5 @@ LAW = DeviationLaw(
     height_memory=10.0,
     growth=(0.06, 0.03, 0.1),
     source="ArduCopter 4.7.0-dev in its simulator: 42 flights, 17 of them by its true position, and 25 in wind",
-    not_valid=SIMULATED,
     strongest=8.0,
 )

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.mission.commands import WAYPOINTS, Command
-from ipoa_mission.vehicles.arducopter import braking, failsafes, refusal, returning
+from ipoa_mission.vehicles.arducopter import braking, failsafes, returning
 from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON, limits_on
+from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
 from ipoa_mission.vehicles.arming import ArmingWords
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
@@ -20,8 +21,7 @@ from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.refusal import Refused
-from ipoa_mission.vehicles.returning import Arrival, Place
+from ipoa_mission.vehicles.returning import Place
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
@@ -131,6 +131,7 @@ class ArduCopter(Autopilot):
         widen_fence="give the vehicle a wider fence, or take that part out of its FENCE_TYPE (4: what the mission "
         "brings alone); --anyway sends it all the same",
     )
+    refusals = REFUSALS
     slowed_by = SlowedBy(
         names=("LAND_ALT_LOW",),
         unit=0.01,
@@ -148,20 +149,6 @@ class ArduCopter(Autopilot):
     own_fence_by = (*MAY_BE_ON, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
     failsafe_by = failsafes.DECIDED_BY
     failsafe_rules = failsafes.RULES
-
-    def refused(
-        self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
-    ) -> Refused | None:
-        """As its source has it."""
-        return refusal.refused(firmware, command, frame, values, count)
-
-    def refused_in_fence(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-        """As its source has it."""
-        return refusal.refused_in_fence(firmware, command, frame, values)
-
-    def refused_in_rally(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-        """As its source has it."""
-        return refusal.refused_in_rally(firmware, command, frame, values)
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """To where its position controller can stop it (its stopping point).
@@ -228,10 +215,6 @@ class ArduCopter(Autopilot):
         48.0
         """
         return returning.CopterReturn.of(parameters).height(height, distance, goal_up)
-
-    def arrival(self, parameters: Parameters, height: float, goal_up: float = 0.0, radio_lost: bool = False) -> Arrival:
-        """RTL_LOIT_TIME, RTL_ALT_FINAL."""
-        return returning.arrival(parameters, height, radio_lost)
 
     def returns_over_terrain(self, parameters: Parameters) -> bool:
         """RTL_ALT_TYPE."""

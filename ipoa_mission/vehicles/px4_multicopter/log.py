@@ -223,15 +223,6 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))
 
 
-class _Format(LogFormat):
-    """PX4's ULog."""
-
-    suffix = ".ulg"
-    no_mission = "PX4 writes only those items into its logs to which it came, and these are not all"
-
-    def read(self, path: Path) -> Log:
-        """What of a log is of use here."""
-        return read_ulog(path)
-
-
-FORMAT = _Format()
+FORMAT = LogFormat(
+    ".ulg", read_ulog, "PX4 writes only those items into its logs to which it came, and these are not all"
+)

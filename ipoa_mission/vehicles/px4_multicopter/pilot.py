@@ -7,7 +7,7 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.conditions import SimulatedVehicle
-from ipoa_mission.simulator.flight import Pilot, Pilots
+from ipoa_mission.simulator.flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
@@ -241,9 +241,4 @@ class PX4Pilot:
         return leg(self._over_home(), goal, None, limits, limits.cruise)
 
 
-class _Pilots(Pilots):
-    def pilot(self, body: SimulatedVehicle, now: Situation, parameters: Parameters, chance: random.Random) -> Pilot:
-        return PX4Pilot(body, now, parameters, chance)
-
-
-PILOTS = _Pilots()
+PILOTS = Pilots(PX4Pilot)

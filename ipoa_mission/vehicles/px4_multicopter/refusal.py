@@ -5,14 +5,14 @@ from collections.abc import Container, Sequence
 
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.vehicles.firmware import Firmware
-from ipoa_mission.vehicles.refusal import POLYGON, Refused
+from ipoa_mission.vehicles.refusal import POLYGON, Refusals, Refused
 
 LEAST_VERTICES = 3
 ROI = frozenset({Command.NAV_ROI, Command.DO_SET_ROI})
 _PLACES = {5: "INVALID_PARAM5_X", 6: "INVALID_PARAM6_Y"}
 
 
-def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:
     """Why a mission with this item is refused; None where it is taken."""
     if frame not in firmware.frames:
         return Refused("UNSUPPORTED_FRAME")
@@ -73,3 +73,6 @@ def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float
 
 def _listed(numbers: frozenset[int]) -> str:
     return " or ".join(map(str, sorted(numbers)))
+
+
+REFUSALS = Refusals(refused, refused_in_fence, refused_in_rally)

@@ -10,10 +10,8 @@ from collections.abc import Sequence
 
 from ipoa_mission.vehicles.failsafe import Series
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.book import BOOK
 from ipoa_mission.vehicles.returning import (
     HOME,
-    Arrival,
     MissionLanding,
     Place,
     ReturnBy,
@@ -53,15 +51,6 @@ def return_route(
         if (rally_only or level_distance(HOME, place) > OF_ITS_OWN) and way + NEARER < nearest:
             best, nearest = ReturnRoute(ReturnBy.DIRECT, n), way
     return best
-
-
-def arrival(parameters: Parameters, height: float, goal_up: float) -> Arrival:
-    """It lands at once, or waits RTL_LAND_DELAY at RTL_DESCEND_ALT, for ever where that is negative."""
-    p = BOOK.complete(parameters)
-    delay, low = p["RTL_LAND_DELAY"], min(goal_up + p["RTL_DESCEND_ALT"], height)
-    if delay == 0.0:
-        return Arrival(height)
-    return Arrival(low, delay) if delay > 0.0 else Arrival(low, math.inf, low)
 
 
 def room_to_fences(parameters: Parameters, series: Series) -> float | None:

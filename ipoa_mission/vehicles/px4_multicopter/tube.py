@@ -4,7 +4,7 @@ Speed does not drive it: a PX4 at 1.5 m/s lies as far beside its path as one at 
 believes of its own position.
 """
 
-from ipoa_mission.forecast.tube.law import SIMULATED, DeviationLaw
+from ipoa_mission.forecast.tube.law import DeviationLaw
 from ipoa_mission.forecast.tube.spread import Quantiles
 
 LAW = DeviationLaw(
@@ -22,6 +22,5 @@ LAW = DeviationLaw(
     height_memory=10.0,
     growth=(0.1, 0.03, 0.1),
     source="PX4 1.17 in its simulator (SIH): 92 flights of 21 missions, 1.5 to 18 m/s, and 22 in wind, by true place",
-    not_valid=SIMULATED,
     strongest=6.0,  # its simulated vehicle, of which drag leaves 9.8 m/s, hardly gets on against more
 )

@@ -18,10 +18,10 @@ from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes, mode_number
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter import failsafes, refusal, returning
+from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
 from ipoa_mission.vehicles.px4_multicopter.book import BOOK
-from ipoa_mission.vehicles.refusal import Refused
-from ipoa_mission.vehicles.returning import Arrival, MissionLanding, Place, ReturnRoute
+from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
+from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
@@ -98,7 +98,6 @@ class Px4Multicopter(Autopilot):
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
     guidance = GuidanceHabits(
         flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
-        zero_lands_here=True,
         least_takeoff=("NAV_MC_ALT_RAD", 1.0),
         takes_radius=True,
         first_item=0,
@@ -112,6 +111,7 @@ class Px4Multicopter(Autopilot):
         keeps_types=True,
         widen_fence="give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
     )
+    refusals = REFUSALS
     slowed_by = SlowedBy(
         names=("MPC_LAND_ALT1", "MPC_LAND_ALT2"),
         unit=1.0,
@@ -128,20 +128,6 @@ class Px4Multicopter(Autopilot):
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
     failsafe_by = failsafes.DECIDED_BY
     failsafe_rules = failsafes.RULES
-
-    def refused(
-        self, firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int
-    ) -> Refused | None:
-        """As its source has it."""
-        return refusal.refused(firmware, command, frame, values)
-
-    def refused_in_fence(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-        """As its source has it."""
-        return refusal.refused_in_fence(firmware, command, frame, values)
-
-    def refused_in_rally(self, firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-        """As its source has it."""
-        return refusal.refused_in_rally(firmware, command, frame, values)
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """With MPC_ACC_HOR, to which it changes by MPC_JERK_AUTO."""
@@ -224,10 +210,6 @@ class Px4Multicopter(Autopilot):
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """As its source has it."""
         return returning.return_height(parameters, height, distance, goal_up)
-
-    def arrival(self, parameters: Parameters, height: float, goal_up: float = 0.0, radio_lost: bool = False) -> Arrival:
-        """RTL_LAND_DELAY, RTL_DESCEND_ALT."""
-        return returning.arrival(parameters, height, goal_up)
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
         """From 1.18 on.
