@@ -19,6 +19,7 @@ from ipoa_mission.link.signing import Signer
 
 MAGIC_1, MAGIC_2 = 0xFE, 0xFD
 SIGNED = 0x01  # incompat_flags bit
+HEADER_BYTES = 10  # of MAVLink 2
 SIGNATURE_BYTES = 13
 #: Where a frame may begin: MAVLink 2 has flags behind its length, of which only the signature's is known.
 _BEGINNING = re.compile(rb"\xfe|\xfd(?=.[\x00\x01]|.?\Z)", re.DOTALL)
